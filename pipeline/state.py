@@ -357,7 +357,8 @@ class Sampler:
     read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered.
     ``max_anisotropy``: EXT_texture_filter_anisotropic's.
     ``compare_fail_value`` (SGIX_shadow_ambient, ARB_shadow_ambient): what takes the place of zero.
-    ``max_probes``: of footprint assembly, a power of two; 1: none.
+    ``max_probes``: of footprint assembly, a power of two; 1: none. ``exact_probes``: a footprint takes as
+    many as cover it, up to any ``max_probes``, and not a power of two.
     ``depth_texture_mode`` (ARB_depth_texture): whether a comparison's result is LUMINANCE, INTENSITY or
     ALPHA; None: the machine's usual one.
     """
@@ -377,6 +378,7 @@ class Sampler:
     max_anisotropy: float = 1.0
     compare_fail_value: float = 0.0
     max_probes: int = 1
+    exact_probes: bool = False
     depth_texture_mode: BaseFormat | None = None
 
     @property

@@ -142,10 +142,11 @@ class IteratedPrimitives:
             )
             if unit.anisotropic or unit.probes:
                 footprints = np.zeros((count, units, 3)) if footprints is None else footprints
-                footprint, most = interpolate.anisotropy, float(unit.sampler.max_anisotropy)
+                footprint, most = interpolate.anisotropy, (float(unit.sampler.max_anisotropy),)
                 if unit.probes:
-                    footprint, most = interpolate.probes, float(unit.sampler.max_probes)
-                footprints[:, k], found = footprint(plain, sizes, missing, most)
+                    most = float(unit.sampler.max_probes), unit.sampler.exact_probes
+                    footprint = interpolate.probes
+                footprints[:, k], found = footprint(plain, sizes, missing, *most)
             else:
                 found = interpolate.level_of_detail(steps, missing, target)
             lod[:, k] = found / 256.0

@@ -93,8 +93,8 @@ class _StageRun:
         else:
             a1, a2, a3, a4 = (float(a) for a in stage.offset_texture_matrix)
             jacobian = a1, a3, a2, a4
-        sides, most = self.fragments.sides[:, i], sampler.sampler.max_probes
-        return texture_shader.rough_footprint(sides, jacobian, found, sampler.sizes, most)
+        sides, most = self.fragments.sides[:, i], (sampler.sampler.max_probes, sampler.sampler.exact_probes)
+        return texture_shader.rough_footprint(sides, jacobian, found, sampler.sizes, *most)
 
     def _made(self, i):
         """Coordinates (s, t, r) that stage i makes, float64 [k, 3]."""

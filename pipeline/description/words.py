@@ -82,6 +82,7 @@ FIELD_WORDS = {
     (Sampler, "compare_fail_value"): "TEXTURE_COMPARE_FAIL_VALUE",
     (Sampler, "depth_texture_mode"): "DEPTH_TEXTURE_MODE",
     (Sampler, "max_probes"): "footprint probes",
+    (Sampler, "exact_probes"): "exact number of probes",
     (Sampler, "max_anisotropy"): "TEXTURE_MAX_ANISOTROPY",
     (PassState, "perspective_correction"): "perspective correction",
     (PassState, "texture_units"): "texture unit",

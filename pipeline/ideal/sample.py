@@ -169,11 +169,16 @@ def _assembled(texture, unit, coordinates, reference):
     """The mean of the probes along each fragment's footprint (docs/numbers.md, section 7)."""
     squares, _ = _footprint(texture, coordinates)
     longer, shorter = squares.max(axis=0), squares.min(axis=0)
-    probes, narrow = np.ones(len(longer)), np.maximum(shorter, 1.0)
-    for _ in range(unit.sampler.max_probes.bit_length() - 1):
-        probes = np.where(longer >= 2.0 * probes**2 * narrow, 2.0 * probes, probes)
-    rho2 = np.maximum(shorter, np.minimum(longer, 1.0))
-    rho2 = np.where(longer >= 2.0 * probes**2 * narrow, longer / probes**2, rho2)
+    most, narrow = unit.sampler.max_probes, np.maximum(shorter, 1.0)
+    if unit.sampler.exact_probes:
+        probes = np.minimum(np.maximum(np.ceil(np.sqrt(longer / narrow)), 1.0), most)
+        cut = longer > probes**2 * narrow
+    else:
+        probes = np.ones(len(longer))
+        for _ in range(most.bit_length() - 1):
+            probes = np.where(longer >= 2.0 * probes**2 * narrow, 2.0 * probes, probes)
+        cut = longer >= 2.0 * probes**2 * narrow
+    rho2 = np.where(cut, longer / probes**2, np.maximum(shorter, np.minimum(longer, 1.0)))
     taps = (
         (((2 * probe + 1) - probes) / (2.0 * probes), np.where(probe < probes, 1.0 / probes, 0.0))
         for probe in range(int(probes.max(initial=1.0)))

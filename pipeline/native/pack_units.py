@@ -114,7 +114,7 @@ def pack_units(state, profile, textures, used, draw):
         if sampler.max_anisotropy > 1:
             row[R.ANISOTROPY] = np.float64(sampler.max_anisotropy).view(np.int64)
         if sampler.max_probes > 1:
-            row[R.PROBES] = sampler.max_probes
+            row[R.PROBES], row[R.EXACT_PROBES] = sampler.max_probes, sampler.exact_probes
         if (
             profile.arithmetic.magnification_threshold == MagnificationThreshold.OPENGL_C
             and sampler.magnifies_late

@@ -70,6 +70,7 @@ G400 = Profile(
         ),
         max_anisotropy=known(1.0, NOT_CORE),
         max_probes=known(1, NOT_CORE),
+        exact_probes=known(False, NOT_CORE),
         texture_color_table=known(False, NOT_CORE),
         evaluate_before_filtering=known(
             False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"

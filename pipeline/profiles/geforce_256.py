@@ -72,6 +72,7 @@ GEFORCE_256 = Profile(
         max_lod_bias=known(4.0, "Assumed: 4; a MAX_TEXTURE_LOD_BIAS_EXT query would settle it"),
         max_anisotropy=known(2.0, "Assumed: 2; a MAX_TEXTURE_MAX_ANISOTROPY_EXT query would settle it"),
         max_probes=known(1, "Assumed: none; no paper names such a board but Schilling's"),
+        exact_probes=known(False, "Assumed: none; no paper names such a board but Schilling's"),
         texture_color_table=known(
             False, "Assumed: none; a driver of 1999 with SGI_texture_color_table would settle it"
         ),

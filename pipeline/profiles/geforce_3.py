@@ -80,6 +80,7 @@ GEFORCE_3 = Profile(
             8.0, "Inferred: from the NV2A: nxdk_pgraph_tests, texture_anisotropy_tests (1, 2, 4 and 8)"
         ),
         max_probes=known(1, _DRIVER),
+        exact_probes=known(False, _DRIVER),
         texture_color_table=known(False, _DRIVER),
         evaluate_before_filtering=known(False, _DRIVER),
         texture_compare_modes=known(

@@ -70,6 +70,7 @@ IDEAL = Profile(
         max_lod_bias=_given(16.0),
         max_anisotropy=_given(64.0),
         max_probes=_given(64),
+        exact_probes=_given(True),
         texture_color_table=_given(True),
         evaluate_before_filtering=_given(True),
         texture_compare_modes=_given(

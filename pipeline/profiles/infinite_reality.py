@@ -77,6 +77,7 @@ INFINITE_REALITY = Profile(
         max_lod_bias=known(0.0, NOT_CORE),
         max_anisotropy=known(1.0, NOT_CORE),
         max_probes=known(1, NOT_CORE),
+        exact_probes=known(False, NOT_CORE),
         texture_color_table=known(
             True, "Assumed: as on the Octane; a driver's list of SGI_texture_color_table would settle it"
         ),

@@ -77,6 +77,7 @@ NV2A = Profile(
         max_lod_bias=known(16.0, "Measured: s5.8, biases of -15 to 15 (LODBias capture)"),
         max_anisotropy=known(8.0, "Source: nxdk_pgraph_tests, texture_anisotropy_tests (1, 2, 4 and 8)"),
         max_probes=known(1, _NOT_ASKED),
+        exact_probes=known(False, _NOT_ASKED),
         texture_color_table=known(False, _NOT_ASKED),
         evaluate_before_filtering=known(False, _NOT_ASKED),
         texture_compare_modes=known(

@@ -28,4 +28,7 @@ SCHILLING = TEXRAM.descendant(
         frozenset(DotProductMapping) - _WORDS, f"{_PROPOSED}; of bytes, with and without signs"
     ),
     roughness_lookups=known(True, _PROPOSED),
+    exact_probes=known(
+        True, "Assumed: a board that divides for its axes divides a sum of probes too; no paper has one"
+    ),
 )

@@ -53,6 +53,7 @@ class Textures(Section):
     max_lod_bias: float  # levels, of either sign
     max_anisotropy: float  # 1: none
     max_probes: int  # of footprint assembly; 1: none
+    exact_probes: bool  # any number of them, and not powers of two alone
     texture_color_table: bool  # SGI_texture_color_table
     evaluate_before_filtering: bool  # a pass is evaluated at texels and its results are filtered
     texture_compare_modes: frozenset[TextureCompareMode]

@@ -148,9 +148,13 @@ def _shadow_problem(place, sampler, profile):
 
 def _probes_problem(place, sampler, target, internal_format, profile):
     """What is wrong with a sampler's footprint assembly, a sentence, or None."""
-    probes = sampler.max_probes
-    if probes < 1 or probes & (probes - 1):
-        return f"{place} assembles footprints of {probes} probes; give a power of two, or 1 for none."
+    probes, exact = sampler.max_probes, sampler.exact_probes
+    if exact and not profile.textures.exact_probes:
+        has = "powers of two" if profile.textures.max_probes > 1 else "no probes"
+        return f"{place} has exact_probes; {profile.name} has {has}. Leave exact_probes out."
+    if probes < 1 or (probes & (probes - 1) and not exact):
+        way = "" if not profile.textures.exact_probes else ", or set exact_probes"
+        return f"{place} assembles footprints of {probes} probes; give a power of two{way}, or 1 for none."
     if probes > profile.textures.max_probes:
         most = profile.textures.max_probes
         given = f"{place} assembles footprints of {probes} probes"

@@ -332,26 +332,29 @@ def anisotropy(plain, sizes, missing, maximum):
     return np.where(bad[:, None], np.array([0.0, 0.0, 1.0]), out), lod
 
 
-def probes_along(longer, shorter, most):
-    """(how many probes, rho squared of each) of footprints with these squared sides in texels (section 7)."""
+def probes_along(longer, shorter, most, exact):
+    """(how many probes, rho squared of each) of footprints with these squared sides in texels (section 7).
+    ``exact``: as many as cover it; else a power of two.
+    """
     narrow, number = np.maximum(shorter, 1.0), np.ones(len(longer))
     while True:
-        more = longer >= 2.0 * number * number * narrow
-        if not (more & (number < most)).any():
+        more = longer > number * number * narrow if exact else longer >= 2.0 * number * number * narrow
+        grows = more & (number < most)
+        if not grows.any():
             break
-        number = np.where(more & (number < most), 2.0 * number, number)
+        number = np.where(grows, number + 1.0 if exact else 2.0 * number, number)
     return number, np.where(more, longer / (number * number), np.maximum(shorter, np.minimum(longer, 1.0)))
 
 
-def probes(plain, sizes, missing, most):
+def probes(plain, sizes, missing, most, exact):
     """(along s, along t, probes) [k, 3] of each block's footprint and lambda of a probe, int64 [k], for
-    footprint assembly (section 7); ``most``: a power of two.
+    footprint assembly (section 7); ``most``, ``exact``: as of ``probes_along``.
     """
     scaled = [p[:, :2] * np.array(sizes[:2]) for p in plain]
     dx2, dy2 = (s[:, 0] * s[:, 0] + s[:, 1] * s[:, 1] for s in scaled)
     bad = missing | ~((dx2 < np.inf) & (dy2 < np.inf))
     dx2, dy2 = (np.where(bad, 0.0, square) for square in (dx2, dy2))
-    number, rho2 = probes_along(np.maximum(dx2, dy2), np.minimum(dx2, dy2), most)
+    number, rho2 = probes_along(np.maximum(dx2, dy2), np.minimum(dx2, dy2), most, exact)
     along = np.where((dx2 >= dy2)[:, None], plain[0][:, :2], plain[1][:, :2])
     some = ~bad & (rho2 > 0.0)
     lod = np.where(some, log2_q7(np.where(some, rho2, 1.0)), np.where(bad, FAR, -FAR))

@@ -85,7 +85,7 @@ def deviations(texel, bits, scale):
     )
 
 
-def rough_footprint(sides, jacobian, deviations, sizes, most):
+def rough_footprint(sides, jacobian, deviations, sizes, most, exact):
     """(along s, along t, probes) [k, 3] and lambda with 8 fraction bits, int64 [k], of lookups filtered by
     roughness (section 12).
 
@@ -93,6 +93,7 @@ def rough_footprint(sides, jacobian, deviations, sizes, most):
     jacobian    of s by the bumps' two components, then of t; float64 [k] or numbers
     deviations  of the bumps, as sides of a footprint
     most        of probes; 1: one, at the longer axis's level
+    exact       as many as cover it; else a power of two
     """
     (xs, xt, ys, yt), (su, sv, tu, tv), (d1, d2, d3) = sides.T, jacobian, deviations
     width, height = sizes[:2]
@@ -114,7 +115,7 @@ def rough_footprint(sides, jacobian, deviations, sizes, most):
     along_t = np.where(some, y / safe, 0.0) * side / height
     probes, square = np.ones(len(longer)), longer
     if most > 1:
-        probes, square = probes_along(longer, shorter, float(most))
+        probes, square = probes_along(longer, shorter, float(most), exact)
     positive = square > 0.0
     lod = np.where(positive, log2_q7(np.where(positive, square, 1.0)), -FAR)
     return np.stack([along_s, along_t, probes], axis=1), np.where(good, lod, FAR)

@@ -34,7 +34,7 @@ def block_footprint(draw, kind, source, row, sizes, bx, by):
     longer, shorter = max(dx2, dy2), min(dx2, dy2)
     along_s, along_t = (s1 - s0, t1 - t0) if dx2 >= dy2 else (s2 - s0, t2 - t0)
     if row[R.PROBES]:
-        probes, square = probes_along(longer, shorter, row[R.PROBES])
+        probes, square = probes_along(longer, shorter, row[R.PROBES], row[R.EXACT_PROBES])
         return along_s, along_t, probes, (log2_q7(square) if square > 0.0 else int32(-FAR))
     ratio = np.sqrt(longer) / max(np.sqrt(shorter), 1.0)
     ratio = min(max(ratio, 1.0), float_of(row[R.ANISOTROPY]))

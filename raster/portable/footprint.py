@@ -1,4 +1,4 @@
-"""Footprint assembly: a power of two of filtered texels along the longer side of a fragment's footprint
+"""Footprint assembly: filtered texels along the longer side of a fragment's footprint
 (docs/numbers.md, section 7).
 """
 
@@ -11,18 +11,32 @@ from fixedpipe.raster.portable.texture_shader import copy_column
 
 
 @kernel
-def probes_along(longer, shorter, most):
+def probes_along(longer, shorter, most, exact):
     """(how many probes, rho squared of each) of a footprint with these sides, squares in texels.
 
-    How often the shorter side, or one texel, goes into the longer, as a power of two. Source: Schilling,
-    Knittel, Strasser 1996; Assumed: to the nearest power, by ratio.
+    How often the shorter side, or one texel, goes into the longer: rounded up where ``exact``, else as a
+    power of two. Source: Schilling, Knittel, Strasser 1996; Assumed: to the nearest power, by ratio.
     """
     narrow, probes = max(shorter, 1.0), 1.0
+    if exact:
+        while probes < float64(most) and longer > probes * probes * narrow:
+            probes += 1.0
+        if longer > probes * probes * narrow:  # it would take more than there are
+            return probes, longer / (probes * probes)
+        return probes, max(shorter, min(longer, 1.0))
     while probes < float64(most) and longer >= 2.0 * probes * probes * narrow:
         probes *= 2.0
     if longer >= 2.0 * probes * probes * narrow:  # it would take more than there are
         return probes, longer / (probes * probes)
     return probes, max(shorter, min(longer, 1.0))
+
+
+@kernel
+def share_of_a_probe(probes):
+    """1 / N with 16 fraction bits, rounded up: a sum of N bytes times it, its fraction cut, is the sum over
+    N, cut, for N up to 16 (tests/raster/test_sampling.py has all of them).
+    """
+    return uint32(65536.0 / probes) + uint32(65536.0 % probes != 0.0)
 
 
 @kernel("void(f8[:,::1],i8,i8)")
@@ -54,17 +68,14 @@ def add_probe(floats, packed, probe, count):
 def average_probes(floats, packed, count):
     """The sums over the number of probes, fractions cut, into TEXEL_0."""
     separate_loop()
-    byte = uint32(0xFF)
+    word, sixteen = uint32(0xFFFF), uint32(16)
     for i in range(count):
-        probes = floats[R.RATIO, i]
-        shift = uint32(0)
-        for k in range(1, 5):
-            if probes >= float64(1 << k):
-                shift = uint32(k)
+        share = share_of_a_probe(floats[R.RATIO, i])
         even, odd = packed[R.SUM_EVEN, i], packed[R.SUM_ODD, i]
-        red, green = uint32(even >> shift) & byte, uint32(odd >> shift) & byte
-        upper = uint32(shift + uint32(16))
-        blue, alpha = uint32(even >> upper), uint32(odd >> upper)
+        red = uint32(uint32(uint32(even & word) * share) >> sixteen)
+        green = uint32(uint32(uint32(odd & word) * share) >> sixteen)
+        blue = uint32(uint32(uint32(even >> sixteen) * share) >> sixteen)
+        alpha = uint32(uint32(uint32(odd >> sixteen) * share) >> sixteen)
         low = uint32(red | uint32(green << uint32(8)))
         packed[R.TEXEL_0, i] = low | uint32(uint32(blue << uint32(16)) | uint32(alpha << uint32(24)))
 

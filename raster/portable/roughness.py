@@ -38,12 +38,13 @@ def block_sides(draw, kind, first, second, dotted, sizes, bx, by):
 
 
 @kernel
-def rough_footprint(good, steps, jacobian, deviations, sizes, most):
+def rough_footprint(good, steps, jacobian, deviations, sizes, row):
     """(along s, along t, probes, lambda) of one fragment.
 
     steps       xs, xt, ys, yt of the pixel, texels
     jacobian    of s by the bumps' two components, then of t
     deviations  d_1, d_2, d_3, times two: a footprint's side
+    row         the unit's: how many probes there are
     """
     (xs, xt, ys, yt), (su, sv, tu, tv), (d1, d2, d3) = steps, jacobian, deviations
     width, height = sizes
@@ -62,8 +63,8 @@ def rough_footprint(good, steps, jacobian, deviations, sizes, most):
     length = np.sqrt(x * x + y * y)
     x, y = (x / length, y / length) if length > 0.0 else (1.0, 0.0)
     side, probes, square = np.sqrt(longer), 1.0, longer
-    if most > 1:
-        probes, square = probes_along(longer, shorter, most)
+    if row[R.PROBES] > 1:
+        probes, square = probes_along(longer, shorter, row[R.PROBES], row[R.EXACT_PROBES])
     lod = log2_q7(square) if square > 0.0 else int32(-FAR)
     return (x * side) / width, (y * side) / height, probes, lod
 
@@ -107,7 +108,7 @@ def rough_footprints(draw, runs, triangles, strokes, vertices, unit, row, levels
             d2 = (float64(uint32(word >> uint32(8)) & uint32(255)) - 128.0) / 127.0 * scale
             d3 = float64(uint32(word >> uint32(16)) & uint32(255)) / 255.0 * scale
             along_s, along_t, probes, value = rough_footprint(
-                good, steps, (su, sv, tu, tv), (d1, d2, d3), sizes, row[R.PROBES]
+                good, steps, (su, sv, tu, tv), (d1, d2, d3), sizes, row
             )
             floats[R.ALONG_S, i], floats[R.ALONG_T, i], floats[R.RATIO, i] = along_s, along_t, probes
             ints[R.LOD, i] = min(max(int32(value + bias), low), high)

@@ -13,7 +13,7 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import RUNS
 from fixedpipe.raster.kernel import float_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.anisotropic import move_to_tap, tap_weight
-from fixedpipe.raster.portable.footprint import move_to_probe
+from fixedpipe.raster.portable.footprint import move_to_probe, share_of_a_probe
 from fixedpipe.raster.portable.level_of_detail import iterated, weighted
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
 from fixedpipe.raster.vector.coordinates import fixed_from_floats
@@ -36,9 +36,9 @@ def _at(n0, n1, n2, w0, w1, w2, s, t):
 
 
 @kernel
-def _blocks(source, width, height, most, px, py, blocks, floats, cells):
+def _blocks(source, width, height, most, exact, px, py, blocks, floats, cells):
     """Of the blocks from (px, py) to the right: ALONG_S, ALONG_T, RATIO, and rho squared (in EXTRA) with its
-    ``cells``. ``most``: probes, or the largest ratio below zero.
+    ``cells``. ``most``: probes, or the largest ratio below zero; ``exact``: as many probes as cover it.
     """
     (x0, y0, x1, y1, x2, y2), (w0, w1, w2), s, t, _r, _q = source
     sign = int64(-1 if (x1 - x0) * (y2 - y0) < (x2 - x0) * (y1 - y0) else 1)
@@ -58,7 +58,13 @@ def _blocks(source, width, height, most, px, py, blocks, floats, cells):
         there = d0 > 0.0 and d1 > 0.0 and d2 > 0.0 and dx2 < np.inf and dy2 < np.inf
         wide = dx2 >= dy2
         longer, shorter = (dx2, dy2) if wide else (dy2, dx2)
-        if most > 0.0:
+        if most > 0.0 and exact:
+            narrow, number = max(shorter, 1.0), 1.0
+            for _ in range(15):
+                number = number + 1.0 if number < most and longer > number * number * narrow else number
+            square = number * number
+            found = longer / square if longer > square * narrow else max(shorter, min(longer, 1.0))
+        elif most > 0.0:
             narrow, number = max(shorter, 1.0), 1.0
             number = 2.0 if most > 1.0 and longer >= 2.0 * narrow else number
             number = 4.0 if most > 2.0 and number == 2.0 and longer >= 8.0 * narrow else number
@@ -90,14 +96,15 @@ def footprints(job, u, count, runs, scratch):
     row, levels, floats, ints = p.textures.units[u], p.textures.levels[u], scratch.floats, scratch.ints
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     most = float64(row[R.PROBES]) if row[R.PROBES] else -float_of(row[R.ANISOTROPY])
-    lod, cells = ints[R.LOD], ints[R.LEVEL]
+    exact, lod, cells = row[R.EXACT_PROBES] != 0, ints[R.LOD], ints[R.LEVEL]
     for k in range(runs.count):
         owner, start, end = int64(ints[R.OWNER, k]), int64(runs.starts[k]), int64(runs.starts[k + 1])
         px, py = int64(runs.x[k]), int64(runs.y[k]) & ~1
         odd = px & 1
         blocks = (end - start + odd + 1) >> 1
         v0, v1, v2 = p.triangles[owner, 0], p.triangles[owner, 1], p.triangles[owner, 2]
-        _blocks(iterated(p.vertices, v0, v1, v2, u), width, height, most, px - odd, py, blocks, floats, cells)
+        source = iterated(p.vertices, v0, v1, v2, u)
+        _blocks(source, width, height, most, exact, px - odd, py, blocks, floats, cells)
         lambdas(floats[R.EXTRA], cells, int64(0), blocks, row, lod, start, odd)
         for i in range(start, end):
             block = (i - start + odd) >> 1
@@ -117,18 +124,16 @@ def add_probe(probes, probe, count, planes, plane):
             total[i] = value if probe == 0 else int16(total[i] + value)
 
 
-@kernel("void(f8[::1],i8,i2[:,::1],i8)")
-def average_probes(probes, count, planes, plane):
-    """The sums over the number of probes, a power of two up to 16, fractions cut."""
+@kernel("void(f8[::1],i4[::1],i8,i2[:,::1],i8)")
+def average_probes(probes, shares, count, planes, plane):
+    """The sums over the number of probes, fractions cut. ``shares``: room."""
     separate_loop()
+    for i in range(count):
+        shares[i] = share_of_a_probe(probes[i])
     for c in range(4):
         total = planes[plane + c]
         for i in range(count):
-            number, value = probes[i], int32(total[i])
-            value = value >> int32(1) if number >= 2.0 else value
-            value = value >> int32(1) if number >= 4.0 else value
-            value = value >> int32(1) if number >= 8.0 else value
-            total[i] = value >> int32(1) if number >= 16.0 else value
+            total[i] = int16((int32(total[i]) * shares[i]) >> int32(16))
 
 
 @kernel("void(f8[::1],i8,i4[::1],i8)")
@@ -192,7 +197,7 @@ def sample_footprints(job, u, count, segments, runs, scratch):
             move_to_probe(floats, probe, count)
             _filter(job, u, count, scratch)
             add_probe(ratio, probe, count, planes, plane)
-        average_probes(ratio, count, planes, plane)
+        average_probes(ratio, ints[R.LEVEL], count, planes, plane)
         return
     weights = ints[R.LEVEL]
     for pair in range(int64(np.ceil(most * 0.5))):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.texture_filtering.footprint_assembly import isotropic, probes
+from fixedpipe.raster.columns.interpolate import probes_along
 
 
 def one(across, up, most=8, **settings):
@@ -34,6 +35,20 @@ def test_an_exact_number_covers_the_edge_and_one_fewer_would_not():
         _, count, edge = one((5.0 * quotient, 0.0), (0.0, 5.0), exact=True)
         assert (count - 1) * edge < 5.0 * quotient <= count * edge + 1e-12
     assert one((8.0 * 5.0, 0.0), (0.0, 5.0), 7, exact=True)[1:] == (7, 40.0 / 7.0)
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_a_machine_s_unit_takes_as_many_probes(exact):
+    random = np.random.default_rng(5)
+    for most in (2, 4, 8) if not exact else (2, 3, 7, 8):
+        across, up = random.uniform(-1.0, 1.0, (2, 4000, 2)) * 2.0 ** random.uniform(-3.0, 6.0, (2, 4000, 1))
+        expected = probes(across, up, most, exact=exact, diagonals=False)
+        squares = np.stack([(v * v).sum(axis=1) for v in (across, up)])
+        count, square = probes_along(squares.max(axis=0), squares.min(axis=0), most, exact)
+        np.testing.assert_array_equal(count, expected.count)
+        assert set(count) == set(range(1, most + 1)) if exact else {1, most} <= set(count)
+        if exact:  # a power of two is kept by the machine up to where it would be doubled
+            np.testing.assert_allclose(np.maximum(np.sqrt(square), 1.0), expected.edge, rtol=1e-12)
 
 
 def test_a_footprint_across_both_edges_is_narrow_by_its_diagonal():

@@ -69,10 +69,13 @@ def random_frame(seed, kind):
         for name, size in zip(("bumps", "roughness", "panorama"), sizes.tolist(), strict=True)
     ]
     filters = TextureFilter(int(random.integers(6))), TextureFilter(int(random.integers(2)))
+    probes = {"max_probes": int(random.choice([1, 1, 2, 4, 8]))}
+    if random.random() < 0.3:
+        probes = {"max_probes": int(random.integers(2, 9)), "exact_probes": True}
     sampler = Sampler(
         *filters,
         *(WrapMode(int(m)) for m in random.choice([WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE], 2)),
-        max_probes=int(random.choice([1, 1, 2, 4, 8])),
+        **probes,
         min_lod=float(random.choice([-1000.0, 0.5])),
     )
     signs = SIGNED if random.random() < 0.7 else SignedComponents()

@@ -19,10 +19,20 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
-from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, OPENGL_1_2, TEXRAM
+from fixedpipe.pipeline.profiles import (
+    GEFORCE_3,
+    GEFORCE_256,
+    INFINITE_REALITY,
+    NV2A,
+    OPENGL_1_2,
+    SCHILLING,
+    TEXRAM,
+)
 from fixedpipe.pipeline.state import DepthTest, PassState, Sampler, SignedComponents, TextureUnit
 from fixedpipe.pipeline.textures.images import Texture, depth_texels, texture_2d, texture_3d
 from fixedpipe.pipeline.validation.walk import UnsupportedState
+from fixedpipe.raster.portable.check import MOST_PROBES
+from fixedpipe.raster.portable.footprint import share_of_a_probe
 from tests.reference import texel_formats
 from tests.support.run_reference import run_reference
 from tests.support.strategies import SHOW_TEXTURE, seeds, textured_frame
@@ -32,6 +42,7 @@ MODES = (BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA)
 # A machine that no one built: everything that a sampler may ask for.
 MACHINE = GEFORCE_3.changed(
     max_probes=16,
+    exact_probes=True,
     shadow_ambient=True,
     depth_texture_modes=MODES,
     device_origin=OPENGL_1_2.arithmetic.device_origin,
@@ -82,6 +93,8 @@ def frame_of(seed, kind):
         texture = texture_2d(random.integers(0, 256, (height, width, 4), np.uint8), mipmaps=True)
     if kind == "footprint" or (random.random() < 0.3 and kind == "compare"):
         sampler = replace(sampler, max_probes=int(random.choice([2, 4, 8, 16])))
+        if random.random() < 0.5:
+            sampler = replace(sampler, max_probes=int(random.integers(2, 17)), exact_probes=True)
     if kind == "footprint" and random.random() < 0.3:
         sampler = replace(sampler, signed_components=SignedComponents(True, False, False, True))
     coordinates = np.ones((len(mesh.positions), 4))
@@ -155,16 +168,32 @@ def test_as_many_probes_as_texels_lie_along_a_pixel_are_averaged(turned):
     np.testing.assert_array_equal(got.swapaxes(0, 1) if turned else got, expected)
 
 
+def test_a_share_of_a_sum_of_probes_is_the_quotient_for_every_sum():
+    for probes in range(1, MOST_PROBES + 1):
+        share = int(share_of_a_probe.py_func(float(probes)))
+        assert share < 2**17
+        for total in range(255 * probes + 1):
+            assert total * share >> 16 == total // probes
+            assert total * share < 2**31
+
+
 @pytest.mark.parametrize(
-    ("texels_across", "most", "probes", "level"), [(4, 8, 4, 0), (8, 2, 2, 2), (16, 4, 4, 2)]
+    ("texels_across", "most", "probes", "level", "exact"),
+    [
+        (4, 8, 4, 0, False),
+        (8, 2, 2, 2, False),
+        (16, 4, 4, 2, False),
+        (8, 11, 8, 0, True),
+        (16, 2, 2, 3, True),
+    ],
 )
-def test_probes_are_limited_and_then_read_coarser_levels(texels_across, most, probes, level):
+def test_probes_are_limited_and_then_read_coarser_levels(texels_across, most, probes, level, exact):
     levels = [np.zeros((1, max(1, 8 >> k), max(1, 8 * texels_across >> k), 4), np.uint8) for k in range(8)]
     levels = [image for k, image in enumerate(levels) if k == 0 or max(levels[k - 1].shape[1:3]) > 1]
     random = np.random.default_rng(3)
     levels[level] = random.integers(0, 256, levels[level].shape, np.uint8)
     image = Texture(TextureTarget.TEXTURE_2D, InternalFormat.RGBA8, frozen(levels))
-    unit = TextureUnit("t", replace(PYRAMID, max_probes=most))
+    unit = TextureUnit("t", replace(PYRAMID, max_probes=most, exact_probes=exact))
     commands = [
         TexImage(label="t", texture="t", image=image),
         window(SQUARE, (unit,), register_combiners=SHOW_TEXTURE),
@@ -258,7 +287,14 @@ def test_the_ideal_averages_probes_without_rounding():
 
 
 @pytest.mark.parametrize(
-    "most", [{"max_probes": 8}, {"max_anisotropy": 8.0}, {"max_anisotropy": 1.5}], ids=str
+    "most",
+    [
+        {"max_probes": 8},
+        {"max_probes": 7, "exact_probes": True},
+        {"max_anisotropy": 8.0},
+        {"max_anisotropy": 1.5},
+    ],
+    ids=str,
 )
 def test_the_ideal_s_footprints_are_the_machine_s_but_for_rounding(most):
     random = np.random.default_rng(6)
@@ -364,7 +400,11 @@ SHADOW = Sampler(NEAREST, NEAREST, compare_mode=COMPARES)
     ("sampler", "profile", "image", "words"),
     [
         (replace(PYRAMID, max_probes=2), GEFORCE_256, COLORS, "takes up to 1"),
-        (replace(PYRAMID, max_probes=3), TEXRAM, COLORS, "give a power of two"),
+        (replace(PYRAMID, max_probes=3), TEXRAM, COLORS, "give a power of two, or 1"),
+        (replace(PYRAMID, max_probes=3), SCHILLING, COLORS, "give a power of two, or set exact_probes"),
+        (replace(PYRAMID, max_probes=9, exact_probes=True), SCHILLING, COLORS, "takes up to 8"),
+        (replace(PYRAMID, max_probes=4, exact_probes=True), TEXRAM, COLORS, "has powers of two"),
+        (replace(PYRAMID, max_probes=4, exact_probes=True), NV2A, COLORS, "has no probes"),
         (replace(PYRAMID, max_probes=16), TEXRAM, COLORS, "takes up to 8"),
         (
             replace(PYRAMID, max_probes=2, max_anisotropy=2.0),

@@ -123,7 +123,14 @@ class Access:
             texture = shadow.compared(texture, unit.sampler, word, self.profile)
         if rough is not None:
             found = roughness.footprint(
-                self.triangles, i, operation, self.pixel, *rough, texture, unit.sampler.max_probes
+                self.triangles,
+                i,
+                operation,
+                self.pixel,
+                *rough,
+                texture,
+                unit.sampler.max_probes,
+                unit.sampler.exact_probes,
             )
             texel = roughness.sample_rough(made[:2], found, texture, unit, operation, self.profile)
             return sample.to_register(texel, unit.sampler)

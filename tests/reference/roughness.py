@@ -33,7 +33,7 @@ def undisplaced(triangles, i, operation, at):
     return sample.exact_coordinates(triangles[i - 1].coordinates, b0, b2)[2], own[2]
 
 
-def footprint(triangles, i, operation, pixel, jacobian, d, texture, most):
+def footprint(triangles, i, operation, pixel, jacobian, d, texture, most, exact):
     """(along s, along t, probes, lambda) of a fragment's lookup.
 
     Source: Schilling 1997, section 8 (roughness read anisotropically); the sum of pixel and roughness is
@@ -63,7 +63,7 @@ def footprint(triangles, i, operation, pixel, jacobian, d, texture, most):
     axis = (axis[0] / length, axis[1] / length) if length > 0.0 else (1.0, 0.0)
     probes, rho2 = 1, longer
     if most > 1:
-        probes, rho2 = sample.probes_of(longer, shorter, most)
+        probes, rho2 = sample.probes_of(longer, shorter, most, exact)
     along = axis[0] * sqrt(longer) / width, axis[1] * sqrt(longer) / height
     return *along, probes, sample.lambda_of(rho2)
 

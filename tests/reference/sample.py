@@ -430,7 +430,7 @@ def sample_along(triangle, strq, px, py, texture, sampler, bias, profile):
     return [a >> 8 for a in total]
 
 
-def block_probes(triangle, px, py, texture, most):
+def block_probes(triangle, px, py, texture, most, exact):
     """The longer step from the 2x2 block's origin to its neighbours in texture coordinates, how many probes
     lie along it, and lambda of a probe.
 
@@ -441,18 +441,23 @@ def block_probes(triangle, px, py, texture, most):
     if found is None:
         return 0.0, 0.0, 1, LARGEST_LAMBDA
     steps, squares = found
-    probes, rho2 = probes_of(max(squares), min(squares), most)
+    probes, rho2 = probes_of(max(squares), min(squares), most, exact)
     return *(steps[0] if squares[0] >= squares[1] else steps[1]), probes, lambda_of(rho2)
 
 
-def probes_of(longer, shorter, most):
+def probes_of(longer, shorter, most, exact):
     """How many probes lie along a footprint with these sides, squares in texels, and rho squared of each.
+    ``exact``: as many as cover it, not a power of two.
 
     Source, Assumed: as ``block_probes``.
     """
     wanted = 1
-    while longer >= 2.0 * wanted * wanted * max(shorter, 1.0) and wanted <= most:
-        wanted *= 2
+    if exact:
+        while longer > wanted * wanted * max(shorter, 1.0) and wanted <= most:
+            wanted += 1
+    else:
+        while longer >= 2.0 * wanted * wanted * max(shorter, 1.0) and wanted <= most:
+            wanted *= 2
     probes = min(wanted, most)
     return probes, longer / float(probes * probes) if wanted > most else max(shorter, min(longer, 1.0))
 
@@ -460,7 +465,8 @@ def probes_of(longer, shorter, most):
 def sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile):
     """A footprint's texel: the mean of its probes, cut. Source: docs/numbers.md section 7."""
     s, t, _ = divide_by_q(strq, triangle.divided)
-    along_s, along_t, probes, lod = block_probes(triangle, px, py, texture, sampler.max_probes)
+    most = sampler.max_probes, sampler.exact_probes
+    along_s, along_t, probes, lod = block_probes(triangle, px, py, texture, *most)
     lod = limited(lod + trunc(256.0 * bias), sampler)
     total = [0] * 4
     for k in range(probes):

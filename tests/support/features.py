@@ -406,6 +406,19 @@ def _texture_units():
         tests=("tests/raster/test_sampling.py",),
     )
     yield Feature(
+        name="footprint assembly with any number of probes",
+        group="Texture units",
+        has=lambda p: p.textures.exact_probes,
+        commands=_textured(
+            texture_2d(_PICTURE, mipmaps=True), _unit(Sampler(max_probes=3, exact_probes=True))
+        ),
+        asked="exact_probes",
+        limit=lambda p: f"{p.textures.max_probes} probes",
+        reference=("tests/reference/sample.py",),
+        implementation=("raster/portable/footprint.py", "raster/columns/interpolate.py"),
+        tests=("tests/raster/test_sampling.py",),
+    )
+    yield Feature(
         name="texture wrapping of triangles (cylinder_wrap)",
         group="Texture units",
         has=lambda p: p.textures.cylinder_wrap,

@@ -251,6 +251,7 @@ class _Maker:
             color_weights=self.one_of(ColorWeights),
             diamond_exit_lines=self.chance(0.5),
             max_probes=self.one_of((1, 8)),
+            exact_probes=self.chance(0.5),
             shadow_ambient=self.chance(0.5),
             color_matrix=self.chance(0.5),
             color_tables=self.chance(0.5),
@@ -600,6 +601,8 @@ class _Maker:
             and self.chance(0.2)
         ):
             sampler = replace(sampler, max_probes=self.one_of((2, 4, 8)))
+            if self.profile.textures.exact_probes and self.chance(0.5):
+                sampler = replace(sampler, max_probes=self.whole(2, 8), exact_probes=True)
         if self.profile.textures.signed_components and self.chance(0.05):
             signs = SignedComponents(*(self.chance(0.5) for _ in range(4)))
             sampler = replace(sampler, signed_components=signs)

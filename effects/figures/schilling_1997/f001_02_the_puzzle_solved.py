@@ -44,6 +44,12 @@ def probes_scene(profile, size, *, angle, page, background):
     return _scene(profile, size, samplers, angle, page, background)
 
 
+def exact_scene(profile, size, *, angle, page, background):
+    """F001-2 by footprint assembly with as many probes as cover a footprint."""
+    samplers = [(most, written.sampler(max_probes=most, exact_probes=most > 1)) for most in MOST]
+    return _scene(profile, size, samplers, angle, page, background)
+
+
 def anisotropic_scene(profile, size, *, angle, page, background):
     """F001-2 by a chip's anisotropic filter."""
     samplers = [(most, written.sampler(max_anisotropy=float(most))) for most in MOST]
@@ -81,7 +87,8 @@ def checks(figure, renderer):
         yield Check("one probe: contrast across the short axis, over that of 256 samples", contrast[0],
                     at_most=0.1, on=on, reason="the catalogue's bound")  # fmt: skip
     yield from _shimmer(figure, renderer, page)
-    counts = probes(*written.footprints(views[0], written.page_edge(size)), 8, diagonals=False).count
+    footprints, exact = written.footprints(views[0], written.page_edge(size)), renderer.method is _EXACT
+    counts = probes(*footprints, MOST[-1], exact=exact, diagonals=False).count
     for bound, name in (({"at_least": 4.0}, "at least"), ({"at_most": 8.0}, "at most")):
         yield Check(f"probes a pixel, mean, {name}; so many times mip-mapping's texels", float(counts.mean()),
                     on=Answer.IDEAL, reason="the catalogue's: 4 to 8", **bound)  # fmt: skip
@@ -115,6 +122,8 @@ def _contrast(strip):
     return float((rows - rows.mean(axis=1, keepdims=True)).std())
 
 
+_EXACT = Method("footprint assembly, any number", exact_scene, ("SCHILLING",))
+
 FIGURE = Figure(
     id="F001-2",
     title="The puzzle, solved",
@@ -134,6 +143,7 @@ FIGURE = Figure(
     },
     methods=(
         Method("footprint assembly", probes_scene, ("TEXRAM",)),
+        _EXACT,
         Method("anisotropic filter", anisotropic_scene, ("GEFORCE_3", "NV2A")),
     ),
     acceptance=checks,

@@ -969,6 +969,7 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
     with_tests_of_their_own |= {"max_pixel_map_table"}  # test_transfer.py
     with_tests_of_their_own |= {  # test_machines.py
         "max_probes",
+        "exact_probes",
         "max_color_table_size",
         "max_convolution_size",
         "auxiliary_buffers",

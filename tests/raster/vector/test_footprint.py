@@ -20,7 +20,7 @@ from fixedpipe.pipeline.state import (
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 
-MACHINE = NV2A.changed(max_probes=16)
+MACHINE = NV2A.changed(max_probes=16, exact_probes=True)
 WIDTH, HEIGHT = 61, 47
 WRAPS = (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE)
 
@@ -31,6 +31,8 @@ def a_frame(seed):
     columns, rows = (1 << int(n) for n in random.integers(0, 8, 2))
     image = texture_2d(random.integers(0, 256, (rows, columns, 4), np.uint8), mipmaps=True)
     kind = {"max_probes": int(random.choice([2, 4, 8, 16]))}
+    if seed % 4 == 0:
+        kind = {"max_probes": int(random.integers(2, 17)), "exact_probes": True}
     if seed % 2:
         kind = {"max_anisotropy": float(random.choice([1.5, 2.0, 3.25, 4.0, 8.0]))}
     sampler = Sampler(
