@@ -66,7 +66,7 @@ PACKAGES = {
     "effects/collection": {"effects": "refusal"},
     "effects/technique": {},
     "effects/bibliography": {},
-    "effects/geometry": {"pipeline": "state textures commands"},
+    "effects/geometry": {"raster": "kernel", "pipeline": "state textures commands"},
     "effects/passes": {
         "pipeline": "enums sentences state pixel_transfer textures commands",
         "effects": "technique",

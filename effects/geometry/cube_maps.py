@@ -10,7 +10,6 @@ Source: EXT_texture_cube_map, table 3.8 (faces and their axes).
 from dataclasses import dataclass
 
 import numpy as np
-from numba import types
 from numpy.typing import NDArray
 
 from fixedpipe.effects.geometry.vectors import normalize
@@ -23,11 +22,6 @@ _SIGNS = np.array([(-1, -1, 1), (1, -1, -1), (1, 1, 1), (1, -1, -1), (1, -1, 1),
 # Cells along a face's edge that solid angles are integrated over, at the least, by Gauss's rule of two
 # points.  Measured: the sum over the sphere is 4 pi to 2e-9 whatever the size is.
 _CELLS = 64
-
-
-def _read_only(dimensions):
-    """The type of float64 arrays that a kernel only reads, kept ones among them."""
-    return types.Array(types.float64, dimensions, "C", readonly=True)
 
 
 def checked(cube, what="The cube map"):
@@ -107,7 +101,7 @@ def places(toward):
     return face, s / size, t / size
 
 
-@kernel(types.void(_read_only(4), _read_only(2), types.float64[:, ::1]))
+@kernel("void(float64[:, :, :, ::1], float64[:, ::1], float64[:, ::1])")
 def _look_up(cube, toward, out):
     """``look_up`` of directions [n, 3], as ``places`` finds them."""
     size = cube.shape[1]
@@ -144,7 +138,8 @@ def look_up(cube, toward):
     Bilinear between texel centres; a face does not see beyond its edge, as with CLAMP_TO_EDGE. Raises
     ValueError for a direction that is zero, NaN or infinite.
     """
-    cube, toward = (np.ascontiguousarray(a, np.float64) for a in (cube, toward))
+    # Copies where an array is kept from being written to, which a kernel does not take.
+    cube, toward = (np.require(a, np.float64, ("C", "W")) for a in (cube, toward))
     flat = toward.reshape(-1, 3)
     if not (np.isfinite(flat).all() and flat.any(axis=-1).all()):
         raise ValueError("A direction is zero, NaN or infinite; give vectors that point somewhere.")
