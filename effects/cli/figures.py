@@ -20,14 +20,20 @@ from fixedpipe.pipeline.sentences import count
 @click.option("--png", metavar="DIR", help="Write every picture as PNG, F004-4-OCTANE.png, there as well.")
 @click.option("--profile", metavar="NAME", help="One machine, or IDEAL; else every one that can draw it.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a figure's panels, pixels.")
+@click.option("--again", is_flag=True, help="Draw what did not change since it was drawn, too.")
+@click.option(
+    "--jobs", type=click.IntRange(min=1), metavar="N", help="Processes that draw; else one per processor."
+)
 @set_option
 @threads_option
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
-def figures(figure_ids, list_only, check, out, png, profile, size, settings, threads, json_file):
+def figures(figure_ids, list_only, check, out, png, profile, size, again, jobs, settings, threads, json_file):
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
 
-    Writes a gallery, index.html, with a JSON file for each figure and its pictures, the cheapest figures
-    first. What the folder has of a figure is replaced, with all of its machines. Of all figures, --profile
+    Writes a gallery, index.html, with a JSON file for each figure and its pictures. A figure that the folder
+    has, whose sources, machines, size and packages are what they were, is not drawn again; what the folder
+    has of another is replaced, with all of its machines. Several figures are drawn in several processes, the
+    cheapest and then the longest first. Of all figures, --profile
     takes those that the machine can draw. With --set a figure is a variant, whose files have names of their
     own and say what was changed. PNG files have 16 bits a component where the machine has more than 8; a
     difference of nothing has no file.
@@ -36,7 +42,7 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
     from fixedpipe.effects.cli.options import changes_of
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
-    from fixedpipe.effects.figures.costs import cheapest_first
+    from fixedpipe.effects.figures.costs import cheapest_first, longest_after_the_first
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.technique import INDEX
@@ -77,22 +83,48 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
             known = figure.parameter(name, figure.method(machines[figure.id][0]))
             own = f"{figure.id}'s own is {name}={known.kind.show(known.default)}"
             click.echo(f"{own}. {known.does}", err=True)
-    announce_compiling()
-    click.echo(_plan(chosen, machines, check, own_sizes=size is None and not settings), err=True)
-    from fixedpipe.effects.reports.figure_files import files_of, set_aside, tidy, write_figure
-    from fixedpipe.effects.reports.figure_record import render, steps
+    from fixedpipe.effects.reports.figure_files import files_of, set_aside, tidy, unchanged, write_page
+    from fixedpipe.effects.reports.figure_inputs import inputs_of
+    from fixedpipe.effects.reports.figure_pool import Order, draw_all
+    from fixedpipe.effects.reports.figure_record import steps
+    from fixedpipe.pipeline.native.threads import default_threads
 
     if former := set_aside(folder, FIGURES):
         click.echo(f"{count(former, 'record')} of an earlier version now end in .former.", err=True)
     before = itertools.chain.from_iterable(files_of(folder, FIGURES))
-    before, records = list(before), {}
-    with _progress(sum(steps(figure, machines[figure.id], check) for figure in chosen)) as step:
-        for figure in cheapest_first(chosen):
-            changed = changes[figure.id]
-            rendered = render(figure, machines[figure.id], size, threads, check, step, changed)
-            step(f"{rendered.record['id']}: writing")
-            write_figure(folder, rendered, FIGURES, named, threads)
-            records[figure.id] = rendered.record
+    before, records, orders = list(before), {}, {}
+    for figure in chosen:
+        # Another value may be a file of the user's, whose content no digest here covers.
+        made_from = None
+        if not settings:
+            what = figure.id, machines[figure.id], size, check
+            made_from = inputs_of(FIGURES.module_of(figure.id), what)
+        kept = None if again or settings or named else unchanged(folder, figure.id, made_from)
+        if kept:
+            records[figure.id] = kept
+        else:
+            order = figure.id, machines[figure.id], size, threads, check, folder, named, made_from
+            orders[figure.id] = Order(*order)
+    if records:
+        click.echo(f"{count(len(records), 'figure')} did not change and stay; --again draws all.", err=True)
+    left = [figure for figure in chosen if figure.id in orders]
+    processors = default_threads()
+    jobs = 1 if settings else min(len(left), jobs or processors)
+    if left:
+        announce_compiling()
+        own_sizes = size is None and not settings
+        click.echo(_plan(left, machines, check, own_sizes, jobs), err=True)
+    with _progress(sum(steps(figure, machines[figure.id], check) for figure in left)) as (step, compiling):
+        if jobs > 1:
+            inside = [orders[figure.id] for figure in longest_after_the_first(left)]
+            drawn = draw_all(inside, jobs, max(1, processors // jobs), step, compiling)
+        else:
+            inside = [orders[figure.id] for figure in cheapest_first(left)]
+            drawn = ((order, order.draw(step, changes[order.id])) for order in inside)
+        for order, record in drawn:
+            records[order.id] = record
+            write_page(folder, FIGURES)
+    write_page(folder, FIGURES)
     records = [records[figure.id] for figure in chosen]
     if json_path:
         write_whole(json_path, (json.dumps(records, indent=2) + "\n").encode())
@@ -108,7 +140,7 @@ def figures(figure_ids, list_only, check, out, png, profile, size, settings, thr
         sys.exit(1)
 
 
-def _plan(chosen, machines, check, own_sizes):
+def _plan(chosen, machines, check, own_sizes, jobs):
     """What is coming, in one sentence: how many figures, on how many machines, and how long it takes."""
     from fixedpipe.effects.figures.costs import PROCESSOR, SECONDS
 
@@ -117,12 +149,16 @@ def _plan(chosen, machines, check, own_sizes):
     what = f"{count(len(chosen), 'figure')} on {count(different, 'machine')}, {count(drawings, 'drawing')}"
     if check:
         what += " with acceptance checks"
-    what += ", the cheapest first" * (len(chosen) > 1)
+    if jobs > 1:
+        what += f", in {jobs} processes, the cheapest and then the longest first"
+    else:
+        what += ", the cheapest first" * (len(chosen) > 1)
     if not own_sizes or not SECONDS.keys() >= machines.keys():
         return f"{what}."
-    seconds = sum(SECONDS[f.id] * len(machines[f.id]) / len(f.machines) for f in chosen)
+    seconds = sum(SECONDS[f.id] * len(machines[f.id]) / len(f.machines) for f in chosen) / jobs
     time = count(round(seconds / 60), "minute") if seconds >= 90 else count(int(seconds) + 1, "second")
-    return f"{what}: {'about' if check else 'less than'} {time} on {PROCESSOR}."
+    cores = PROCESSOR.replace("one core", f"{jobs} cores") if jobs > 1 else PROCESSOR
+    return f"{what}: {'about' if check else 'less than'} {time} on {cores}."
 
 
 def _only(figure, machine):
@@ -133,12 +169,14 @@ def _only(figure, machine):
 
 @contextmanager
 def _progress(steps):
-    """A function that says what is being done: a progress bar on a terminal, else a line per step."""
+    """Two functions that say what is being done, as steps begin and as kernels are compiled by other
+    processes: a progress bar on a terminal, else a line per step.
+    """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     console = error_console()
     if not console.is_terminal:
-        yield lambda text: click.echo(text, err=True)
+        yield lambda text: click.echo(text, err=True), lambda kernel: None
         return
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=console, transient=True) as progress:
@@ -150,7 +188,7 @@ def _progress(steps):
             progress.update(task, description=text, advance=1 if begun else 0)
             begun = True
 
-        yield step
+        yield step, lambda kernel: progress.update(task, description=f"compiling {kernel}")
 
 
 def _print_checks(records, only_failed):

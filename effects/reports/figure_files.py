@@ -28,17 +28,18 @@ _BASE = re.compile(rb'","([0-9a-f]{16})"\)\n$')
 _NAMES = ("digest", "finer", "preview")
 
 
-def write_figure(folder, rendered, figures, named=None, threads=None):
-    """Write a Rendered figure and the page of all that ``folder`` has.
+def write_figure(folder, rendered, inputs=None, named=None, threads=None):
+    """Write a Rendered figure's pictures and record; returns the record.
 
     folder   a Path of a folder that is there
-    figures  the ids that the page has, in its order
+    inputs   the digest of what it was made from (``figure_inputs``), which the record then has
     named    a Path of a folder for every picture as a PNG file under its readable name; None: none
     threads  that code pictures; None: one per processor
 
     A picture that is there already is not written again. Raises Refusal when something cannot be written.
     """
-    record = rendered.record
+    made_from = {"inputs": inputs, "files": sorted(name for name, _ in rendered.pictures.files())}
+    record = {**rendered.record, **made_from}
     pictures, records = writable_folder(folder / PICTURES), writable_folder(folder / RECORDS)
     new = [(name, data) for name, data in rendered.pictures.files() if not _is_whole(pictures / name)]
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:  # Python waits while WebP is coded
@@ -50,7 +51,26 @@ def write_figure(folder, rendered, figures, named=None, threads=None):
     # The record comes after what it names.
     write_whole(records / f"{record['id']}.js", f"record({json.dumps(record)})\n".encode())
     write_whole(folder / f"{record['id']}.json", (json.dumps(record, indent=2) + "\n").encode())
+    return record
+
+
+def write_page(folder, figures):
+    """Write the page of all that a folder, a Path, has of ``figures``, ids in the page's order."""
     write_whole(folder / INDEX, gallery(folder, figures).encode())
+
+
+def unchanged(folder, identifier, inputs):
+    """The record of a figure in a folder, a Path, if it was made from ``inputs`` and all of its files are
+    there; else None.
+    """
+    try:
+        record = json.loads((folder / f"{identifier}.json").read_bytes())
+        whole = record["inputs"] == inputs and (folder / RECORDS / f"{identifier}.js").is_file()
+        if whole and all(_is_whole(folder / PICTURES / name) for name in record["files"]):
+            return record
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        pass  # what cannot be read is drawn again
+    return None
 
 
 def set_aside(folder, figures):

@@ -75,6 +75,18 @@ class Threads:
         weakref.finalize(self, _end, self._inboxes)
 
 
+_limits: list[int] = []
+
+
+def limit_threads(count):
+    """From now on ``default_threads`` is ``count`` in this process, which shares the processors with others
+    of its kind.
+    """
+    _limits[:] = [count]
+
+
 def default_threads():
-    """One thread per processor this process may use."""
+    """One thread per processor this process may use, unless ``limit_threads`` said how many."""
+    if _limits:
+        return _limits[0]
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

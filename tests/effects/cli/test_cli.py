@@ -33,6 +33,7 @@ from fixedpipe.pipeline.profiles.known import EVIDENCE_TAGS
 from fixedpipe.pipeline.profiles.sections import SECTION_OF, SECTIONS
 from fixedpipe.raster.kernel import CACHE_FOLDER
 from tests.effects.reports import kept
+from tests.support.few_figures import Few
 
 ROOT = Path(__file__).parents[3]
 COLUMNS = {"COLUMNS": "200"}
@@ -243,7 +244,7 @@ def with_check(monkeypatch, value):
         methods=(Method("register combiners", FIGURES["K12"].methods[0].scene, ("GEFORCE_256",)),),
         acceptance=lambda figure, renderer: (check,),
     )
-    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", {**FIGURES, "K12": figure})
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", Few({**FIGURES, "K12": figure}))
 
 
 @pytest.mark.parametrize(
@@ -265,9 +266,11 @@ def test_checks_that_raise_fail_and_the_other_figures_are_drawn(tmp_path, monkey
     with_check(monkeypatch, 0.25)
     broken = replace(FIGURES["K02"], acceptance=lambda figure, renderer: {}["no such panel"])
     monkeypatch.setattr(
-        "fixedpipe.effects.figures.FIGURES", {"K02": broken, "K12": fixedpipe.effects.figures.FIGURES["K12"]}
+        "fixedpipe.effects.figures.FIGURES", Few(K02=broken, K12=fixedpipe.effects.figures.FIGURES["K12"])
     )
-    result = run("figures", "--check", "--profile", "GEFORCE_256", "--size", 16, "--out", tmp_path)
+    result = run(
+        "figures", "--check", "--profile", "GEFORCE_256", "--size", 16, "--jobs", 1, "--out", tmp_path
+    )
     assert result.exit_code == 1
     assert "1 acceptance check failed" in result.stderr and "1 acceptance check passed" in result.stdout
     assert "KeyError: 'no such panel'" in (tmp_path / "K02.json").read_text()
@@ -283,7 +286,7 @@ def test_a_check_that_failed_is_shown_though_another_machine_drew_the_same_bits(
 
     methods = (Method("twice the same", FIGURES["K12"].methods[0].scene, ("GEFORCE_3", "NV2A")),)
     figure = replace(FIGURES["K12"], methods=methods, acceptance=acceptance)
-    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", {"K12": figure})
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", Few(K12=figure))
     assert run("figures", "--check", "--size", 16, "--out", tmp_path).exit_code == 1
     page = (tmp_path / "index.html").read_text()
     assert "NV2A (NV2A): the same bits as GeForce 3." in page
@@ -293,7 +296,7 @@ def test_a_check_that_failed_is_shown_though_another_machine_drew_the_same_bits(
 def few_figures(monkeypatch, seconds):
     """K02, K12 and F004-7 are all figures that there are, with these costs."""
     monkeypatch.setattr(
-        "fixedpipe.effects.figures.FIGURES", {name: FIGURES[name] for name in ("F004-7", "K02", "K12")}
+        "fixedpipe.effects.figures.FIGURES", Few({name: FIGURES[name] for name in ("F004-7", "K02", "K12")})
     )
     monkeypatch.setattr("fixedpipe.effects.figures.costs.SECONDS", seconds)
 
@@ -301,7 +304,18 @@ def few_figures(monkeypatch, seconds):
 def test_the_cheapest_figure_is_drawn_first_and_one_of_unknown_cost_last(tmp_path, monkeypatch):
     few_figures(monkeypatch, {"K02": 7.0, "K12": 3.0})
     results = tmp_path / "results.json"
-    arguments = "--profile", "GEFORCE_3", "--size", 8, "--out", tmp_path / "out", "--json", results
+    arguments = (
+        "--profile",
+        "GEFORCE_3",
+        "--size",
+        8,
+        "--jobs",
+        1,
+        "--out",
+        tmp_path / "out",
+        "--json",
+        results,
+    )
     result = run("figures", *arguments)
     drawn = [line.split(":")[0] for line in result.stderr.splitlines() if ": writing" in line]
     assert drawn == ["K12", "K02", "F004-7"]
@@ -315,7 +329,7 @@ def test_what_was_drawn_before_an_error_is_in_the_gallery(tmp_path, monkeypatch)
     few_figures(monkeypatch, {"K02": 7.0, "K12": 3.0})
     wrong = replace(FIGURES["K02"], methods=(Method("never", refused, ("GEFORCE_3",)),))
     monkeypatch.setitem(fixedpipe.effects.figures.FIGURES, "K02", wrong)
-    arguments = "--profile", "GEFORCE_3", "--size", 8, "--out", tmp_path
+    arguments = "--profile", "GEFORCE_3", "--size", 8, "--jobs", 1, "--out", tmp_path
     assert run("figures", *arguments).exit_code == 2
     page = (tmp_path / "index.html").read_text()
     assert 'id="K12"' in page and 'id="K02"' not in page
@@ -338,7 +352,7 @@ def test_what_was_drawn_before_an_error_is_in_the_gallery(tmp_path, monkeypatch)
 def test_what_is_coming_is_said_first(tmp_path, monkeypatch, seconds, arguments, plan):
     few_figures(monkeypatch, seconds)
     monkeypatch.setattr("fixedpipe.effects.reports.figure_record.render", stopped)
-    said = run("figures", "K02", "K12", *arguments, "--out", tmp_path).stderr
+    said = run("figures", "K02", "K12", *arguments, "--jobs", 1, "--out", tmp_path).stderr
     machines = [FIGURES[name].machines for name in ("K02", "K12")]
     different, drawings = len({*machines[0], *machines[1]}), len(machines[0]) + len(machines[1])
     assert f"2 figures on {different} machines, {drawings} drawings" in said
@@ -378,9 +392,9 @@ def test_an_unknown_profile_is_refused_with_the_names_there_are(tmp_path):
 
 
 def test_the_ideal_draws_every_figure_once_and_is_compared_with_nothing(tmp_path, monkeypatch):
-    few = {name: FIGURES[name] for name in ("F004-7", "K12")}
+    few = Few({name: FIGURES[name] for name in ("F004-7", "K12")})
     monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", few)
-    assert run("figures", "--profile", "IDEAL", "--size", 16, "--out", tmp_path).exit_code == 0
+    assert run("figures", "--profile", "IDEAL", "--size", 16, "--jobs", 1, "--out", tmp_path).exit_code == 0
     ideal = execute_ideal(few["K12"].commands(IDEAL, 16), *few["K12"].dimensions(16)).image()
     (drawn,) = kept.record(tmp_path, "K12")["machines"]
     assert (drawn["profile"], drawn["sha256"], drawn["difference"]) == ("IDEAL", digest(ideal), None)
@@ -423,7 +437,7 @@ def test_no_message_about_the_ideal_has_a_name_of_python_s(photo, tmp_path):
 
 
 def test_a_machine_of_all_figures_draws_those_it_can(tmp_path, monkeypatch):
-    few = {name: FIGURES[name] for name in ("F004-7", "K12")}
+    few = Few({name: FIGURES[name] for name in ("F004-7", "K12")})
     monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", few)
     assert run("figures", "--profile", "TEXRAM", "--size", 8, "--out", tmp_path).exit_code == 0
     assert {path.name for path in tmp_path.glob("*.json")} == {"F004-7.json"}

@@ -20,6 +20,7 @@ from fixedpipe.pipeline.commands import Clear
 from fixedpipe.pipeline.framebuffers.pictures import deep_picture
 from tests.effects.reports import kept
 from tests.pipeline.framebuffers.test_pictures import decoded
+from tests.support.few_figures import Few
 
 SIZE = 24
 TWELVE = "INFINITE_REALITY"
@@ -272,7 +273,7 @@ def plain():
 
 
 def test_what_is_identical_is_said_and_not_drawn(tmp_path, monkeypatch, plain):
-    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", {"K12": plain})
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", Few(K12=plain))
     run("figures", "K12", "--size", 8, "--out", tmp_path / "out", "--png", tmp_path / "png")
     for machine in kept.record(tmp_path / "out", "K12")["machines"]:
         said = machine["difference"]

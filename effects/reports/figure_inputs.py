@@ -1,0 +1,82 @@
+"""What a figure's files are made from, as a digest: where none of it changed, they need not be made again."""
+
+import ast
+import hashlib
+import platform
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+import fixedpipe.effects
+import fixedpipe.pipeline
+import fixedpipe.raster
+
+_BELOW = "fixedpipe.effects."
+_ROOT = Path(fixedpipe.effects.__file__).parent
+# What turns every figure into its record and pictures.
+_DRAWS = ("fixedpipe.effects.reports.figure_record", "fixedpipe.effects.reports.pictures")
+_PACKAGES = ("numpy", "numba", "llvmlite", "pillow")
+
+
+def inputs_of(module, what):
+    """The digest of all that a figure's files depend on, 16 hexadecimal digits.
+
+    module  the dotted name of the figure's module
+    what    the other words of the order: its id, machines, size, whether it is checked
+
+    These are the sources of ``raster`` and ``pipeline``, those modules of ``effects`` that the figure's
+    module and the report of it import, by whatever way, the files of ``effects`` that are no modules, and the
+    versions of Python and of the packages that compute (docs/decisions/0022-figures-once-and-in-parallel.md).
+    """
+    found = hashlib.sha256(f"{_common()}\n{what!r}\n".encode())
+    for name in sorted(_reached((module, *_DRAWS))):
+        found.update(f"{name} {_read(name)[0]}\n".encode())
+    return found.hexdigest()[:16]
+
+
+@cache
+def _common():
+    """The digest of what all figures depend on."""
+    found = hashlib.sha256(platform.python_version().encode())
+    for package in _PACKAGES:
+        found.update(f"{package} {metadata.version(package)}\n".encode())
+    below = (Path(package.__file__).parent for package in (fixedpipe.raster, fixedpipe.pipeline))
+    files = [path for root in below for path in root.rglob("*.py")]
+    files += [path for path in _ROOT.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc")]
+    for path in sorted(files, key=Path.as_posix):
+        found.update(path.relative_to(path.anchor).name.encode() + hashlib.sha256(path.read_bytes()).digest())
+    return found.hexdigest()
+
+
+def _reached(names):
+    """The modules of ``effects`` among names, and all that they import of it, with their packages: a set."""
+    found, waiting = set(), list(names)
+    while waiting:
+        name = waiting.pop()
+        if name not in found and _file(name):
+            found.add(name)
+            waiting += _read(name)[1]
+            waiting.append(name.rpartition(".")[0])
+    return found
+
+
+def _file(name):
+    """The file of a module or package of ``effects``; None where the name is of neither."""
+    if not name.startswith(_BELOW):
+        return None
+    path = _ROOT.joinpath(*name.removeprefix(_BELOW).split("."))
+    places = path.with_suffix(".py"), path / "__init__.py"
+    return next((place for place in places if place.is_file()), None)
+
+
+@cache
+def _read(name):
+    """The digest of a module's source, and the names of all that it may import."""
+    source = _file(name).read_bytes()
+    imported = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            imported += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return hashlib.sha256(source).hexdigest(), imported

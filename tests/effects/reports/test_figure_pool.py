@@ -1,0 +1,197 @@
+"""Figures in processes of their own, and figures that are not drawn again: the files are the same."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from fixedpipe.effects.cli import main
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.figures.costs import SECONDS, longest_after_the_first
+from fixedpipe.effects.reports import figure_inputs, figure_pool
+
+SMALL = "--profile", "GEFORCE_256", "--size", "8"
+
+
+def run(*arguments, status=0):
+    done = CliRunner().invoke(main, [str(a) for a in arguments])
+    assert done.exit_code == status, done.output
+    return done
+
+
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture
+def drawn(tmp_path):
+    """A folder with two figures, and what was said."""
+    return tmp_path / "out", run("figures", "K02", "K12", *SMALL, "--jobs", 1, "--out", tmp_path / "out")
+
+
+# ------------------------------------------------------------------------------------------- what is kept
+
+
+def test_what_did_not_change_is_not_drawn_again(drawn, monkeypatch):
+    folder, first = drawn
+    before = contents(folder)
+    monkeypatch.setattr(figure_pool.Order, "draw", lambda *_: pytest.fail("it was drawn again"))
+    second = run("figures", "K12", "K02", *SMALL, "--out", folder)
+    assert "2 figures did not change and stay; --again draws all." in second.stderr
+    assert "on 1 machine" not in second.stderr and "on 1 machine" in first.stderr
+    assert contents(folder) == before
+
+
+def spoil_picture(folder):
+    path = next((folder / "pictures").glob("*.js"))
+    path.write_bytes(path.read_bytes()[:-9])
+
+
+@pytest.mark.parametrize(
+    ("spoil", "arguments", "again"),
+    [
+        (lambda folder: None, ("--again",), {"K02", "K12"}),
+        (lambda folder: None, ("--size", "9"), {"K02", "K12"}),
+        (lambda folder: None, ("--profile", "GEFORCE_3"), {"K02", "K12"}),
+        (lambda folder: None, ("--png", "png"), {"K02", "K12"}),
+        (lambda folder: (folder / "K02.json").unlink(), (), {"K02"}),
+        (lambda folder: (folder / "K02.json").write_text("[]"), (), {"K02"}),
+        (lambda folder: (folder / "records" / "K12.js").unlink(), (), {"K12"}),
+        (spoil_picture, (), None),
+    ],
+)
+def test_what_changed_or_is_not_whole_is_drawn_again(drawn, monkeypatch, spoil, arguments, again):
+    folder, _ = drawn
+    expected = contents(folder)
+    spoil(folder)
+    monkeypatch.chdir(folder.parent)
+    said = run("figures", "K02", "K12", *SMALL, "--jobs", 1, "--out", folder, *arguments).stderr
+    written = {line.split(":")[0] for line in said.splitlines() if line.endswith(": writing")}
+    assert written == again if again else written
+    if not arguments:
+        assert contents(folder) == expected
+
+
+def test_a_check_that_failed_before_fails_again_without_being_drawn(drawn):
+    folder, _ = drawn
+    run("figures", "K12", *SMALL, "--check", "--out", folder)
+    path = folder / "K12.json"
+    record = json.loads(path.read_text())
+    record["machines"][0]["checks"][0]["passed"] = False
+    path.write_text(json.dumps(record))
+    again = run("figures", "K12", *SMALL, "--check", "--out", folder, status=1)
+    assert "did not change" in again.stderr and "1 acceptance check failed" in again.stderr
+
+
+def inputs(figure, *what):
+    for cached in (figure_inputs._common, figure_inputs._read):
+        cached.cache_clear()
+    return figure_inputs.inputs_of(FIGURES.module_of(figure), what)
+
+
+@pytest.mark.parametrize(
+    ("edited", "changed"),
+    [
+        ("effects/figures/kautz_seidel_2000/k12_normalization_cube_map.py", {"K12"}),
+        ("effects/bump_mapping/normalization_cube_map.py", {"K12"}),
+        ("effects/shadows/shadow_volumes.py", set()),
+        ("effects/reports/gallery/page.py", set()),
+        ("effects/geometry/matrices.py", {"K02", "K12"}),
+        ("effects/reports/pictures.py", {"K02", "K12"}),
+        ("effects/__init__.py", set()),
+        ("effects/bibliography.bib", {"K02", "K12"}),
+        ("pipeline/ideal/evaluate.py", {"K02", "K12"}),
+        ("raster/portable/draw.py", {"K02", "K12"}),
+    ],
+)
+def test_an_edit_changes_the_inputs_of_what_may_depend_on_it(monkeypatch, edited, changed):
+    before = {figure: inputs(figure, 8) for figure in ("K02", "K12")}
+    read, root = Path.read_bytes, Path(figure_inputs.__file__).parents[2]
+    assert (root / edited).is_file()
+
+    def changed_file(path):
+        return read(path) + b"\n# more\n" * (path == root / edited)
+
+    monkeypatch.setattr(Path, "read_bytes", changed_file)
+    assert {figure for figure in before if inputs(figure, 8) != before[figure]} == changed
+    assert inputs("K02", 9) != inputs("K02", 8)
+
+
+@pytest.mark.parametrize("figure", ["K12", "F001-12", "H30", "F004-4"])
+def test_the_modules_that_drawing_imports_are_among_the_inputs(figure, tmp_path):
+    """A process that draws it, and has imported nothing else, has no module of effects that is not there."""
+    code = (
+        "import sys\n"
+        "from fixedpipe.effects.figures import FIGURES\n"
+        "from fixedpipe.effects.reports.figure_record import render\n"
+        f"figure = FIGURES[{figure!r}]\n"
+        "render(figure, figure.machines[:1], 16, 1, False, lambda text: None)\n"
+        "names = (n for n, m in sys.modules.items() if not hasattr(m, '__path__'))\n"
+        "print(*(name for name in names if name.startswith('fixedpipe.effects.')))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    counted = figure_inputs._reached((FIGURES.module_of(figure), *figure_inputs._DRAWS))
+    assert set(done.stdout.split()) <= counted
+
+
+# --------------------------------------------------------------------------------------------- processes
+
+
+def test_two_processes_write_what_one_writes(drawn, tmp_path):
+    folder, _ = drawn
+    both = run("figures", "K02", "K12", *SMALL, "--jobs", 2, "--out", tmp_path / "both")
+    assert "in 2 processes" in both.stderr
+    assert {line for line in both.stderr.splitlines() if line.endswith(": writing")} == {
+        "K02: writing",
+        "K12: writing",
+    }
+    assert contents(tmp_path / "both") == contents(folder)
+
+
+def test_what_a_process_refuses_names_its_figure(tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "K12.json").mkdir()  # so that its record cannot be written
+    done = run("figures", "K02", "K12", *SMALL, "--jobs", 2, "--out", tmp_path / "out", status=2)
+    assert done.stderr.splitlines()[-1].startswith("fixedpipe: K12: ")
+
+
+def test_a_process_that_ends_by_itself_is_said(tmp_path):
+    order = figure_pool.Order("K12", ("GEFORCE_256",), 8, 1, False, tmp_path, None, None)
+    ends = _EndsTheProcess(*(getattr(order, name) for name in order.__dataclass_fields__))
+    with pytest.raises(ValueError, match=r"ended by itself, with K12 to be drawn.*--jobs 1"):
+        list(figure_pool.draw_all([ends], 1, 1, print, print))
+
+
+class _EndsTheProcess(figure_pool.Order):
+    def draw(self, step, changes=None):
+        os._exit(3)
+
+
+def test_ctrl_c_leaves_no_process_and_no_half_file(tmp_path):
+    """The command is interrupted as soon as a process says that it draws."""
+    command = "figures", "F004-6", "F000-5", "--out", str(tmp_path), "--jobs", "2"
+    with subprocess.Popen(
+        [sys.executable, "-m", "fixedpipe.effects.cli", *command],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        for line in process.stderr:
+            if line.startswith(("F004-6: on", "F000-5: on")):
+                break
+        os.killpg(process.pid, signal.SIGINT)
+        process.stderr.read()  # to its end: none is left that has it
+    assert process.returncode != 0
+    assert not list(tmp_path.rglob(".*"))
+    assert not list(tmp_path.glob("*.json"))
+
+
+def test_the_cheapest_figure_is_first_and_then_the_longest():
+    some = [FIGURES[name] for name in ("K12", "F004-6", "F000-1", "F000-5")]
+    assert [figure.id for figure in longest_after_the_first(some)] == ["F000-1", "F004-6", "F000-5", "K12"]
+    assert SECONDS["F004-6"] > SECONDS["F000-5"] > SECONDS["K12"] > SECONDS["F000-1"]
