@@ -144,7 +144,7 @@ PACKAGES = {
         "effects": "refusal passes",
     },
     "effects/reports": {
-        "pipeline": "commands profiles framebuffers execution ideal golden",
+        "pipeline": "commands profiles framebuffers native execution ideal golden",
         "effects": "refusal technique bibliography acceptance figures conformance",
     },
     "effects/presentation": {

@@ -7,12 +7,8 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-import fixedpipe.effects
-import fixedpipe.pipeline
-import fixedpipe.raster
-
 _BELOW = "fixedpipe.effects."
-_ROOT = Path(fixedpipe.effects.__file__).parent
+_ROOT = Path(__file__).parents[1]
 # What turns every figure into its record and pictures.
 _DRAWS = ("fixedpipe.effects.reports.figure_record", "fixedpipe.effects.reports.pictures")
 _PACKAGES = ("numpy", "numba", "llvmlite", "pillow")
@@ -40,11 +36,11 @@ def _common():
     found = hashlib.sha256(platform.python_version().encode())
     for package in _PACKAGES:
         found.update(f"{package} {metadata.version(package)}\n".encode())
-    below = (Path(package.__file__).parent for package in (fixedpipe.raster, fixedpipe.pipeline))
-    files = [path for root in below for path in root.rglob("*.py")]
+    files = [path for package in ("raster", "pipeline") for path in (_ROOT.parent / package).rglob("*.py")]
     files += [path for path in _ROOT.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc")]
     for path in sorted(files, key=Path.as_posix):
-        found.update(path.relative_to(path.anchor).name.encode() + hashlib.sha256(path.read_bytes()).digest())
+        name = path.relative_to(_ROOT.parent).as_posix()
+        found.update(f"{name} {hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
     return found.hexdigest()
 
 
@@ -75,8 +71,12 @@ def _read(name):
     source = _file(name).read_bytes()
     imported = []
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            imported += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+        imported += _IMPORTED.get(type(node), lambda node: ())(node)
     return hashlib.sha256(source).hexdigest(), imported
+
+
+# What may be imported by a statement: of "from a import b" both a and a.b.
+_IMPORTED = {
+    ast.Import: lambda node: [alias.name for alias in node.names],
+    ast.ImportFrom: lambda node: [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)],
+}
