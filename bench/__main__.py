@@ -8,9 +8,10 @@ import os
 import sys
 from pathlib import Path
 
-from bench import growth, pictures, prefilter, roofline, scattering
+from bench import growth, history, limits, pictures, prefilter, processor, roofline, scattering, tables
 from bench.figures import FIGURES
-from bench.measure import Ours, summarize, take_turns
+from bench.goals import applied, goals
+from bench.measure import DISTURBED, Ours, summarize, take_turns
 from bench.peers.llvmpipe import Llvmpipe
 from bench.peers.mesa import PeerError
 from bench.scenes import SCENES
@@ -19,6 +20,8 @@ PEERS = {"llvmpipe": Llvmpipe}
 ROOFLINE, GROWTH, SCATTERING = "roofline", "growth", "scattering"
 PREFILTER = "prefilter"
 NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH, SCATTERING, PREFILTER)
+# Other commands of the module, each by its first word.
+COMMANDS = {"history": history.main, "tables": tables.main}
 
 
 def _arguments(arguments):
@@ -30,17 +33,22 @@ def _arguments(arguments):
     parser = argparse.ArgumentParser(
         prog="python -m bench",
         description="Measure how fast the hardware is emulated, beside another renderer.",
-        epilog=f"names:\n{listing}",
+        epilog=f"names:\n{listing}\n\n"
+        "python -m bench history FILE: what became slower\npython -m bench tables FILE ...: JSON as Markdown",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("names", nargs="*", metavar="NAME", help="what to measure; everything when none is")
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help="what to measure; everything but all and fresh when none is"
+    )
     parser.add_argument("--peer", choices=sorted(PEERS), help="take turns with this renderer")
     parser.add_argument("--threads", type=int, default=2, help="threads for both (2)")
     parser.add_argument(
         "--size", type=int, help="the scenes' framebuffer edge in pixels (1024; 512 for e, e2)"
     )
+    parser.add_argument("--cpu", choices=limits.LIMITS, help="limit both to a processor's vectors")
     parser.add_argument("--plot", metavar="FILE", help="also draw how scattering's costs grow")
     parser.add_argument("--json", metavar="FILE", help="also write everything as one object")
+    parser.add_argument("--history", metavar="FILE", help="also append the run's numbers as a line")
     parser.add_argument(
         "--images", metavar="DIR", help="save the scenes' pictures and compare them, measuring nothing"
     )
@@ -48,7 +56,8 @@ def _arguments(arguments):
     unknown = [name for name in options.names if name not in NAMES]
     if unknown:
         parser.error(f"there is no {', '.join(unknown)}; the names are {', '.join(NAMES)}.")
-    options.names = options.names or list(SCENES if options.images else NAMES)
+    everything = [name for name in NAMES if name not in FIGURES or not FIGURES[name].is_long]
+    options.names = options.names or list(SCENES if options.images else everything)
     other = [name for name in options.names if name not in SCENES]
     if options.images and other:
         parser.error(f"{', '.join(other)} has no picture; with --images name scenes: {', '.join(SCENES)}.")
@@ -58,7 +67,12 @@ def _arguments(arguments):
         parser.error(f"--size is {options.size}; give 1 to 2048 pixels.")
     if options.plot and SCATTERING not in options.names:
         parser.error(f"--plot draws what {SCATTERING} measures; name it too.")
-    for path in filter(None, (options.json, options.images, options.plot)):
+    if options.history and options.images:
+        parser.error("--history keeps what is measured, and --images measures nothing; give one of them.")
+    options.processor = processor.read()
+    if options.cpu and (lacking := limits.refusal(options.cpu, options.processor)):
+        parser.error(lacking)
+    for path in filter(None, (options.json, options.images, options.plot, options.history)):
         folder = Path(path).absolute().parent
         if not os.access(folder, os.W_OK):
             parser.error(f"{path} cannot be written: {folder} is not a folder that you may write to.")
@@ -125,12 +139,12 @@ def _measure_scenes(parties, scenes, options):
         ("goal", 5),
         ("spread", 6),
     )
-    rows = []
+    asked, rows = goals(options.processor, options.cpu), []
     for scene in scenes:
         size = options.size or scene.size
         for party in parties:
             party.prepare(scene, size)
-        row = summarize(scene, size, options.threads, take_turns(parties))
+        row = summarize(scene, size, options.threads, take_turns(parties), asked.get(scene.name))
         rows.append(row)
         table.row(
             scene.name,
@@ -141,44 +155,63 @@ def _measure_scenes(parties, scenes, options):
             _number(scene.aim, "g"),
             _number(row.peer, ".1f"),
             _number(row.ratio, ".2f"),
-            _number(scene.goal, ".2f"),
+            _number(row.goal, ".2f"),
             f"{row.spread:.0%}",
         )
     below = [row.scene.name for row in rows if row.is_below]
     if below:
         print(f"Below the goal: {', '.join(below)}.")
+    _warn_of_disturbed({row.scene.name: row.spread for row in rows})
     return rows
 
 
 def _measure_figures(figures, options):
     """The figures as the objects of ``--json``, printed."""
-    table = _Table("Figures", ("name", -8), ("", -48), ("measured", 10), ("goal", 8), ("unit", -9), ("", -7))
-    found = []
+    table = _Table(
+        "Figures",
+        ("name", -8),
+        ("", -48),
+        ("measured", 10),
+        ("goal", 8),
+        ("unit", -9),
+        ("", -7),
+        ("spread", 6),
+    )
+    asked, found = goals(options.processor, options.cpu), []
     for figure in figures:
         try:
             measured = figure.measure(options.threads)
         except OSError as problem:
             print(f"{figure.name} was not measured: {problem}", file=sys.stderr)
             continue
-        met = figure.is_met(measured.value)
-        goal = f"{'≤' if figure.most else '≥'} {figure.goal:g}"
+        met = figure.is_met(measured.value, asked[figure.name])
+        goal = f"{'≤' if figure.most else '≥'} {asked[figure.name]:g}"
         verdict = "reached" if met else "MISSED"
-        table.row(figure.name, figure.title, f"{measured.value:.4g}", goal, figure.unit, verdict)
+        spread = _number(measured.spread, ".0%")
+        table.row(figure.name, figure.title, f"{measured.value:.4g}", goal, figure.unit, verdict, spread)
         for name, value in measured.details.items():
-            table.row("", name, f"{value:.4g}", "", figure.unit, "")
+            table.row("", name, f"{value:.4g}", "", figure.unit, "", "")
         found.append(
             {
                 "figure": figure.name,
                 "title": figure.title,
                 "unit": figure.unit,
                 "measured": float(f"{measured.value:.4g}"),
-                "goal": figure.goal,
+                "goal": asked[figure.name],
                 "relation": "at most" if figure.most else "at least",
                 "reached": met,
+                "spread": None if measured.spread is None else round(measured.spread, 3),
                 "details": {name: float(f"{value:.4g}") for name, value in measured.details.items()},
             }
         )
+    _warn_of_disturbed({line["figure"]: line["spread"] or 0.0 for line in found})
     return found
+
+
+def _warn_of_disturbed(spreads):
+    """Name those whose turns differ too much, of name -> spread."""
+    if loud := [f"{name} ({spread:.0%})" for name, spread in spreads.items() if spread > DISTURBED]:
+        print(f"Disturbed, their turns differ by more than a tenth: {', '.join(loud)}. Measure them again.")
 
 
 def _measure_roofline(rows, options):
@@ -335,11 +368,12 @@ def _measure_prefilter(options):
 
 
 def _measure(parties, options):
+    """The object of ``--json`` but what of the run is only known when the parties have ended."""
     chosen = dict.fromkeys(options.names)
     scenes = [SCENES[name] for name in chosen if name in SCENES]
     rows = _measure_scenes(parties, scenes, options) if scenes else []
     figures = [FIGURES[name] for name in chosen if name in FIGURES]
-    everything = {
+    return {
         "threads": options.threads,
         "peer": parties[1].description if len(parties) > 1 else None,
         "scenes": [row.as_json() for row in rows],
@@ -349,16 +383,50 @@ def _measure(parties, options):
         "scattering": _measure_scattering(options) if SCATTERING in chosen else None,
         "prefilter": _measure_prefilter(options) if PREFILTER in chosen else None,
     }
+
+
+def _run(options):
+    """On what a run is made, printed: the head of the object of ``--json``."""
+    run = {
+        "date": processor.today(),
+        "commit": processor.commit(),
+        "processor": options.processor.as_json(),
+        "cpu": options.cpu,
+        "versions": processor.versions(),
+    }
+    packages = ", ".join(f"{name} {version}" for name, version in run["versions"].items())
+    print(f"{options.processor}; {packages}; {run['date']}, commit {run['commit'] or 'unknown'}")
+    if options.cpu:
+        print(f"--cpu {options.cpu}: {limits.LIMITS[options.cpu].means}")
+    print(applied(options.processor), flush=True)
+    return run
+
+
+def _keep(run, others, options):
+    """Say whether others computed meanwhile, and write the run where it is asked for."""
+    run["others"] = None if others is None else round(others, 3)
+    if others is not None and others > processor.QUIET:
+        print(f"Others took {others:.0%} of the cores' time: these are numbers of a disturbed machine.")
     if options.json:
-        Path(options.json).write_text(json.dumps(everything, indent=2) + "\n")
+        Path(options.json).write_text(json.dumps(run, indent=2) + "\n")
+    if options.history:
+        history.append(options.history, run)
 
 
 def main(arguments=None):
     """Run the command line and return the exit status.
 
-    1: the pictures differ more than expected, or the peer failed after it had started.
+    1: the pictures differ more than expected, the peer failed after it had started, or (history) a number
+    became slower.
     """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if arguments and arguments[0] in COMMANDS:
+        return COMMANDS[arguments[0]](arguments[1:])
     options = _arguments(arguments)
+    if options.cpu and limits.current() != options.cpu:
+        return limits.run_again(options.cpu, arguments)
+    run = _run(options) if not options.images else {}
+    disturbance = processor.Disturbance()
     with contextlib.ExitStack() as stack:
         parties = [Ours(options.threads)]
         if options.peer:
@@ -370,10 +438,11 @@ def main(arguments=None):
         try:
             if options.images:
                 return 0 if _compare(parties, [SCENES[name] for name in options.names], options) else 1
-            _measure(parties, options)
+            run |= _measure(parties, options)
         except PeerError as problem:
             print(problem, file=sys.stderr)
             return 1
+    _keep(run, disturbance.share(), options)
     return 0
 
 

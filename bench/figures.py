@@ -1,23 +1,16 @@
 """What is asked for beside the scenes' rates: a number each for passes, a figure, start, threads, memory."""
 
-import os
 import statistics
-import subprocess
-import sys
-import tempfile
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
-from bench import factors
-from bench.measure import Ours, Repeated, take_turns
+from bench import draws, factors, ideals, starting
+from bench.measure import Ours, Repeated, spread_of, take_turns
 from bench.scenes import SCENES
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import Scissor
 
-_ROOT = Path(__file__).resolve().parents[1]
 # The figure of Kautz, Seidel 2000 that stands for all, and the edge of its panels in pixels.
 _FIGURE, _EDGE = "F004-4", 512
 PASSES = 64
@@ -25,10 +18,20 @@ PASSES = 64
 
 @dataclass(frozen=True)
 class Measured:
-    """A number in its figure's unit, and others in the same unit that explain it, by name."""
+    """A number in its figure's unit, and others in the same unit that explain it, by name.
+
+    ``spread``: how far a median lies above the best turn, as a share; None where nothing was repeated.
+    """
 
     value: float
     details: Mapping[str, float] = field(default_factory=dict)
+    spread: float | None = None
+
+    @classmethod
+    def median(cls, taken, details=None):
+        """Of turns, of which less is better, their median; of details' turns likewise."""
+        medians = {name: statistics.median(turns) for name, turns in (details or {}).items()}
+        return cls(statistics.median(taken), medians, spread_of(taken))
 
 
 @dataclass(frozen=True)
@@ -37,21 +40,21 @@ class Figure:
 
     name, title   its name on the command line and what it is
     unit          of the value, its details and the goal
-    goal          the number asked for
-    most          whether the goal is the most that is allowed; else it is the least
+    most          whether its goal (bench.goals) is the most that is allowed; else it is the least
     measure       threads -> Measured; raises OSError where this machine cannot tell
+    is_long       takes many minutes, so that it is measured only where it is named
     """
 
     name: str
     title: str
     unit: str
-    goal: float
     most: bool
     measure: Callable[[int], Measured]
+    is_long: bool = False
 
-    def is_met(self, value):
-        """Whether a value reaches the goal."""
-        return value <= self.goal if self.most else value >= self.goal
+    def is_met(self, value, goal):
+        """Whether a value reaches a goal."""
+        return value <= goal if self.most else value >= goal
 
 
 def _loaded_figure(width, threads):
@@ -86,68 +89,76 @@ def _per_pass(threads):
     """Microseconds of ``run`` for each of 64 passes that draw one pixel, on one thread.
 
     So all of a pass is in it but its pixels: validation, packing, the vertex stage and sorting into bands of
-    the figure's sphere (2,500 triangles), which are compiled in part. The value is of one tuple of commands
-    run again and again; ``new states`` of tuples of states that the machine has not seen before.
+    the figure's sphere (2,500 triangles), which are compiled in part. One tuple of commands is run again and
+    again.
     """
     machine, commands = _loaded_figure(_EDGE, 1)
     (seconds,) = take_turns([Repeated(machine, many_passes(commands, 0))])
+    return Measured.median([1e6 / PASSES * each for each in seconds])
+
+
+def _per_new_state(threads):
+    """The same of tuples of states that the machine has not seen before, each made anew and run once."""
+    machine, commands = _loaded_figure(_EDGE, 1)
+    machine.run(many_passes(commands, 0))
     fresh = [Repeated(machine, many_passes(commands, number)).turn(1) for number in range(1, 20)]
-    microseconds = 1e6 / PASSES
-    return Measured(
-        microseconds * statistics.median(seconds), {"new states": microseconds * statistics.median(fresh)}
-    )
+    return Measured.median([1e6 / PASSES * each for each in fresh])
+
+
+def _per_draw(threads):
+    """Microseconds of a Draw of 100 vertices and one pixel; of what is new alone, or nothing, beside it."""
+    found = draws.measure()
+    return Measured.median(found.pop("mesh and state"), found)
+
+
+def _ideals(threads):
+    """Processor seconds of four figures' ideals; each, and its machine's picture, beside it."""
+    found, details = ideals.measure(), {}
+    for name, turns in found.items():
+        ideal, machine = zip(*turns, strict=True)
+        details |= {f"{name}, ideal": ideal, f"{name}, machine": machine}
+    sums = [sum(ideal for ideal, _ in turn) for turn in zip(*found.values(), strict=True)]
+    return Measured.median(sums, details)
 
 
 def _frames(threads):
     """Frames a second of both panels' passes with all textures in place."""
     machine, commands = _loaded_figure(2 * _EDGE, threads)
     (seconds,) = take_turns([Repeated(machine, commands)])
-    return Measured(1 / statistics.median(seconds))
-
-
-def _environment(**more):
-    paths = [str(_ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(paths)} | more
-
-
-def _run_module(*arguments, **environment):
-    """(seconds, standard output) of ``python -m`` with arguments; OSError if it ends with an error."""
-    start = time.perf_counter()
-    ended = subprocess.run(
-        [sys.executable, "-m", *arguments], env=_environment(**environment), capture_output=True, text=True
-    )
-    seconds = time.perf_counter() - start
-    if ended.returncode:
-        raise OSError(f"python -m {' '.join(arguments)} ended with {ended.returncode}: {ended.stderr}")
-    return seconds, ended.stdout
-
-
-def _draw_to_file(folder, **environment):
-    return _run_module(
-        "fixedpipe.effects.cli",
-        "figures",
-        _FIGURE,
-        "--profile",
-        "GEFORCE_256",
-        "--out",
-        folder,
-        **environment,
-    )[0]
+    return Measured(1 / statistics.median(seconds), spread=spread_of(seconds))
 
 
 def _cold_start(threads):
     """Seconds of ``fixedpipe figures F004-4`` until its files are there, where no kernel was compiled."""
-    with tempfile.TemporaryDirectory() as folder:
-        cache = os.path.join(folder, "cache")
-        return Measured(_draw_to_file(os.path.join(folder, "out"), NUMBA_CACHE_DIR=cache))
+    return Measured(starting.cold(_FIGURE))
 
 
-def _cached_start(threads, times=5):
+def _cached_start(threads):
     """Seconds of the same command with its kernels in the cache; ``best`` of the times beside the median."""
-    with tempfile.TemporaryDirectory() as folder:
-        _draw_to_file(folder)
-        seconds = [_draw_to_file(folder) for _ in range(times)]
-    return Measured(statistics.median(seconds), {"best": min(seconds)})
+    seconds = starting.cached(_FIGURE)
+    return Measured.median(seconds, {"best": [min(seconds)]})
+
+
+def _first_picture(threads):
+    """Seconds of ``fixedpipe figures --check``, no kernel compiled, until the first figure's files."""
+    return Measured(starting.first())
+
+
+def _help(threads):
+    """Seconds of ``fixedpipe --help``; those of the processor, and of an interpreter alone, beside it."""
+    found = starting.asking_for_help()
+    return Measured.median(found.pop("wall"), found)
+
+
+def _every_figure(threads):
+    """Seconds of ``fixedpipe figures --check`` with its kernels in the cache; of a second run beside it."""
+    once, again = starting.every_figure()
+    return Measured(once, {"again": again})
+
+
+def _every_figure_cold(threads):
+    """Seconds of ``fixedpipe figures --check``, where no kernel was compiled."""
+    return Measured(starting.every_figure_cold())
 
 
 def _scaling(threads):
@@ -156,13 +167,14 @@ def _scaling(threads):
     for party in parties:
         party.prepare(SCENES["c"], SCENES["c"].size)
     one, two = take_turns(parties)
-    return Measured(statistics.median(one) / statistics.median(two))
+    ratio = statistics.median(one) / statistics.median(two)
+    return Measured(ratio, spread=max(spread_of(one), spread_of(two)))
 
 
 def _peak_memory(threads):
     """Megabytes of a process that draws one frame, kernels compiled before (``bench.largest_frame``)."""
-    _run_module("bench.largest_frame", str(threads))
-    return Measured(float(_run_module("bench.largest_frame", str(threads))[1]) / 1e6)
+    starting.run_module("bench.largest_frame", str(threads))
+    return Measured(float(starting.run_module("bench.largest_frame", str(threads))[1]) / 1e6)
 
 
 def _factors(threads):
@@ -192,22 +204,30 @@ def _probes(threads):
         machine.run((written.load(page, profile),))
         layer = written.page_pass("page", view, written.sampler(**settings))
         parties.append(Repeated(machine, (layer,) * 20))
-    seconds = dict(zip(reads, map(statistics.median, take_turns(parties)), strict=True))
+    turns = dict(zip(reads, take_turns(parties), strict=True))
+    seconds = {name: statistics.median(taken) for name, taken in turns.items()}
     alone = seconds.pop("mip-mapping")
     found = {name: int(name.split()[0]) * alone / each for name, each in seconds.items()}
-    return Measured(found.pop("8 probes"), found)
+    return Measured(found.pop("8 probes"), found, max(map(spread_of, turns.values())))
 
 
 FIGURES = {
     figure.name: figure
     for figure in (
-        Figure("passes", "64 passes over a 512² figure: a pass, but its pixels", "µs", 60, True, _per_pass),
-        Figure("frames", "F004-4 at 512², textures in place", "frames/s", 300, False, _frames),
-        Figure("cold", "fixedpipe figures F004-4, empty kernel cache", "s", 25, True, _cold_start),
-        Figure("cached", "fixedpipe figures F004-4 to file", "s", 1.2, True, _cached_start),
-        Figure("scaling", "scene c, one thread to two", "times", 1.8, False, _scaling),
-        Figure("memory", "peak of a 2048² frame, two 2048² textures", "MB", 400, True, _peak_memory),
-        Figure("factors", "three separable factors of a BRDF of 32⁴ samples", "s", 5, True, _factors),
-        Figure("probes", "a probe's rate over a trilinear texel's", "times", 0.5, False, _probes),
+        Figure("passes", "64 passes over a 512² figure: a pass, but its pixels", "µs", True, _per_pass),
+        Figure("states", "the same in states not seen before", "µs", True, _per_new_state),
+        Figure("draws", "a Draw of a new mesh (100 vertices) in a new state", "µs", True, _per_draw),
+        Figure("frames", "F004-4 at 512², textures in place", "frames/s", False, _frames),
+        Figure("first", "fixedpipe figures, empty kernel cache: a picture", "s", True, _first_picture),
+        Figure("cold", "fixedpipe figures F004-4, empty kernel cache", "s", True, _cold_start),
+        Figure("cached", "fixedpipe figures F004-4 to file", "s", True, _cached_start),
+        Figure("help", "fixedpipe --help", "s", True, _help),
+        Figure("ideal", "four figures' ideals, on one thread", "s", True, _ideals),
+        Figure("scaling", "scene c, one thread to two", "times", False, _scaling),
+        Figure("memory", "peak of a 2048² frame, two 2048² textures", "MB", True, _peak_memory),
+        Figure("factors", "three separable factors of a BRDF of 32⁴ samples", "s", True, _factors),
+        Figure("probes", "a probe's rate over a trilinear texel's", "times", False, _probes),
+        Figure("all", "every figure, kernels in the cache", "s", True, _every_figure, is_long=True),
+        Figure("fresh", "every figure, empty kernel cache", "s", True, _every_figure_cold, is_long=True),
     )
 }

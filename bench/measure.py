@@ -9,6 +9,8 @@ from bench.scenes import Scene
 TURNS = 9
 TURN_SECONDS = 0.15
 WARM_SECONDS = 0.3
+# A spread above this means that something disturbed the turns.
+DISTURBED = 0.1
 # Between turns, so that a party's threads have gone to sleep before the other one is timed.
 REST_SECONDS = 0.01
 
@@ -62,6 +64,7 @@ class Ours:
 class Row:
     """A scene's result: rates in ``scene.unit``, medians over the turns; ``peer`` None: not measured.
 
+    ``goal``: the least ratio that is asked for, or None.
     ``spread``: the larger of the parties' (median / best - 1); above a tenth something disturbed the run.
     """
 
@@ -71,6 +74,7 @@ class Row:
     ours: float
     peer: float | None
     spread: float
+    goal: float | None = None
 
     @property
     def ratio(self):
@@ -80,7 +84,7 @@ class Row:
     @property
     def is_below(self):
         """Whether a ratio is asked for, was measured, and is not reached."""
-        return None not in (self.ratio, self.scene.goal) and self.ratio < self.scene.goal
+        return None not in (self.ratio, self.goal) and self.ratio < self.goal
 
     def as_json(self):
         """The row as the objects of ``--json`` hold it; three decimals."""
@@ -94,7 +98,7 @@ class Row:
             "threads": self.threads,
             "unit": self.scene.unit,
             **rounded,
-            "goal": self.scene.goal,
+            "goal": self.goal,
             "aim": self.scene.aim,
             "spread": round(self.spread, 3),
         }
@@ -125,9 +129,14 @@ def take_turns(parties, turns=TURNS, turn_seconds=TURN_SECONDS, warm_seconds=WAR
     return seconds
 
 
-def summarize(scene, size, threads, seconds):
-    """The Row of ``take_turns``'s lists, ours first."""
+def spread_of(seconds):
+    """How far the median of some turns lies above the best of them, as a share of it."""
+    return statistics.median(seconds) / min(seconds) - 1
+
+
+def summarize(scene, size, threads, seconds, goal=None):
+    """The Row of ``take_turns``'s lists, ours first; ``goal`` as in it."""
     work = scene.work(size) / 1e6
     rates = [work / statistics.median(taken) for taken in seconds]
-    spread = max(statistics.median(taken) / min(taken) - 1 for taken in seconds)
-    return Row(scene, size, threads, rates[0], rates[1] if len(rates) > 1 else None, spread)
+    spread = max(map(spread_of, seconds))
+    return Row(scene, size, threads, rates[0], rates[1] if len(rates) > 1 else None, spread, goal)

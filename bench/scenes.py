@@ -133,7 +133,6 @@ class Scene:
     profile          the machine that draws it
     unit             "Mfragments/s" or "Mtriangles/s"
     covers           whether a layer makes one fragment for every pixel; else they are counted by drawing
-    goal             the least ratio of our rate to the peer's that is asked for, or None
     aim              the rate that is asked for, in ``unit``, or None
     levels           by how much a colour component may differ from the peer's picture, in levels of 255
     outside          which share of the pixels may differ by more
@@ -152,7 +151,6 @@ class Scene:
     profile: Profile = GEFORCE_256
     unit: str = "Mfragments/s"
     covers: bool = True
-    goal: float | None = None
     aim: float | None = None
     outside: float = 0.0
     snapped: bool = False
@@ -293,7 +291,7 @@ _TORUS = {
     "outside": 0.005,
     "snapped": True,
 }
-_SHADOW = {"profile": GEFORCE_3, "goal": 1.5, "snapped": True}
+_SHADOW = {"profile": GEFORCE_3, "snapped": True}
 _SHADOW_VIEW = {**_SHADOW, "layers": 1, "covers": False, "outside": 0.001}
 
 # How far the pictures may be apart (levels), for a peer that computes in floats and rounds at the end:
@@ -314,20 +312,20 @@ _SHADOW_VIEW = {**_SHADOW, "layers": 1, "covers": False, "outside": 0.001}
 SCENES = {
     scene.name: scene
     for scene in (
-        Scene("a", "flat quad", _flat, (), 0, goal=2.0, aim=1000),
-        Scene("a2", "Gouraud quad", _gouraud, (), 2, goal=1.5, aim=900),
-        Scene("b", "one bilinear texture, MODULATE, affine", _textured, _ONE, 4, goal=2.2, aim=400),
-        Scene("b2", "b in perspective", _textured_in_perspective, _ONE, 4, goal=2.2, aim=400),
-        Scene("c", "DOT3(texture 0, primary) x texture 1", _bumped, _TWO, 16, goal=1.8, aim=240),
-        Scene("d", "c, depth test, additive blend", _bumped_and_added, _TWO, 16, goal=1.6, aim=200),
+        Scene("a", "flat quad", _flat, (), 0, aim=1000),
+        Scene("a2", "Gouraud quad", _gouraud, (), 2, aim=900),
+        Scene("b", "one bilinear texture, MODULATE, affine", _textured, _ONE, 4, aim=400),
+        Scene("b2", "b in perspective", _textured_in_perspective, _ONE, 4, aim=400),
+        Scene("c", "DOT3(texture 0, primary) x texture 1", _bumped, _TWO, 16, aim=240),
+        Scene("d", "c, depth test, additive blend", _bumped_and_added, _TWO, 16, aim=200),
         Scene("e", "torus, textured, depth test", _torus(None), _ONE, 32, **_TORUS),
-        Scene("e2", "e, back faces culled", _torus(Face.BACK), _ONE, 32, goal=1.7, aim=15, **_TORUS),
+        Scene("e2", "e, back faces culled", _torus(Face.BACK), _ONE, 32, aim=15, **_TORUS),
         Scene("f2", "shadow-mapped view", _shadowed(shadow.balls_on_floor), _ONE, 9, **_SHADOW_VIEW),
         Scene("f3", "shadow comparison, floor only", _shadowed(shadow.floor), _ONE, 9, **_SHADOW),
-        Scene("g", "stencil increments", _counted, (), 0, layers=100, picture_layers=100, goal=2.0),
+        Scene("g", "stencil increments", _counted, (), 0, layers=100, picture_layers=100),
         Scene(
             "t", "torus by two tables (F000-2)", cache(_reflecting), ("MODULATE", "MODULATE"), 32, **_TORUS
         ),
-        Scene("h", "trilinear minification", _minified, _ONE, 8, goal=2.0, aim=200),
+        Scene("h", "trilinear minification", _minified, _ONE, 8, aim=200),
     )
 }

@@ -6,6 +6,7 @@ import tempfile
 
 import numpy as np
 
+from bench.limits import peer_variables
 from bench.peers.mesa import MesaProcess, PeerError, environment
 
 
@@ -18,7 +19,7 @@ class Llvmpipe(MesaProcess):
     name, module = "llvmpipe", "bench.peers.opengl_worker"
 
     def __init__(self, threads):
-        super().__init__(environment(threads), text=True)
+        super().__init__(environment(threads) | peer_variables(), text=True)
 
     def __enter__(self):
         """Return the peer itself."""
