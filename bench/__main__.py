@@ -8,7 +8,18 @@ import os
 import sys
 from pathlib import Path
 
-from bench import growth, history, limits, pictures, prefilter, processor, roofline, scattering, tables
+from bench import (
+    counters,
+    growth,
+    history,
+    limits,
+    pictures,
+    prefilter,
+    processor,
+    roofline,
+    scattering,
+    tables,
+)
 from bench.figures import FIGURES
 from bench.goals import applied, goals
 from bench.measure import DISTURBED, Ours, summarize, take_turns
@@ -21,7 +32,7 @@ ROOFLINE, GROWTH, SCATTERING = "roofline", "growth", "scattering"
 PREFILTER = "prefilter"
 NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH, SCATTERING, PREFILTER)
 # Other commands of the module, each by its first word.
-COMMANDS = {"history": history.main, "tables": tables.main}
+COMMANDS = {"history": history.main, "tables": tables.main, "counters": counters.main}
 
 
 def _arguments(arguments):
@@ -34,7 +45,9 @@ def _arguments(arguments):
         prog="python -m bench",
         description="Measure how fast the hardware is emulated, beside another renderer.",
         epilog=f"names:\n{listing}\n\n"
-        "python -m bench history FILE: what became slower\npython -m bench tables FILE ...: JSON as Markdown",
+        "python -m bench history FILE        what became slower\n"
+        "python -m bench tables FILE ...     what --json wrote as Markdown\n"
+        "python -m bench counters SCENE ...  instructions of a fragment",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
