@@ -113,8 +113,8 @@ def test_every_scene_and_figure_has_its_goal_on_every_kind_of_processor():
         "factors": 5,
         "probes": 0.5,
     }
-    zen_5 = both | {"passes": 60, "states": 120, "frames": 300, "first": 20, "ideal": 0.35, "all": 60}
-    other = both | {"passes": 100, "states": 200, "frames": 120, "first": 30, "ideal": 0.7, "all": 120}
+    zen_5 = both | {"passes": 60, "states": 120, "frames": 300, "first": 20, "ideal": 0.33, "all": 60}
+    other = both | {"passes": 100, "states": 200, "frames": 120, "first": 30, "ideal": 0.66, "all": 120}
     zen_5["fresh"], other["fresh"] = 180, 360
     assert goals.goals(XEON) == goals.goals(HASWELL, "avx2") == scenes | other
     assert goals.goals(ZEN_5, "avx2") == scenes | zen_5
