@@ -1,5 +1,6 @@
 """What a user waits for: commands in processes of their own, until their files are there or they end."""
 
+import contextlib
 import os
 import resource
 import signal
@@ -62,22 +63,20 @@ def is_there(folder):
 
 
 def _end(process):
-    """End a process that leads a session, and all that it started."""
+    """End a process that leads a session, and all that it started: by a request, then without one."""
     for how in (signal.SIGTERM, signal.SIGKILL):
-        try:
+        with contextlib.suppress(ProcessLookupError):  # all have ended
             os.killpg(process.pid, how)
+        with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(5)
-        except ProcessLookupError:
-            return
-        except subprocess.TimeoutExpired:
-            continue
 
 
 def first(command=(_COMMAND, *_EVERY_FIGURE)):
     """Seconds of ``fixedpipe figures --check`` with an empty kernel cache, until the first figure's files are
     there; then it is ended. Raises OSError if it ends before.
     """
-    with tempfile.TemporaryDirectory() as folder:
+    # What is just being ended may write yet.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         out, cache, said = Path(folder, "out"), Path(folder, "cache"), Path(folder, "said")
         with said.open("w") as errors:
             start = time.perf_counter()
@@ -96,7 +95,6 @@ def first(command=(_COMMAND, *_EVERY_FIGURE)):
                 return time.perf_counter() - start
             finally:
                 _end(process)
-                process.wait()
 
 
 def _processor_seconds():
