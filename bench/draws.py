@@ -1,6 +1,7 @@
 """Draws as real programs send them: each with a mesh and a state that the machine has not seen."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -57,16 +58,21 @@ def state(number):
 
 
 def draws(turn, *, new_mesh=True, new_state=True):
-    """``DRAWS`` Draws of a turn; what is not new is that of the first of all."""
-    numbers = range(turn * DRAWS, (turn + 1) * DRAWS)
+    """``DRAWS`` Draws of a turn; what is not new is the same object in all turns."""
+    same_mesh, same_state = _same()
     return tuple(
         Draw(
             label="draw",
-            mesh=mesh(number) if new_mesh else mesh(0),
-            state=state(number) if new_state else state(0),
+            mesh=mesh(number) if new_mesh else same_mesh,
+            state=state(number) if new_state else same_state,
         )
-        for number in numbers
+        for number in range(turn * DRAWS, (turn + 1) * DRAWS)
     )
+
+
+@cache
+def _same():
+    return mesh(0), state(0)
 
 
 def measure():

@@ -2,6 +2,7 @@
 
 import statistics
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
 from bench import draws, factors, ideals, starting
@@ -85,6 +86,11 @@ def many_passes(commands, number):
     return tuple(passes)
 
 
+def made_anew(passes):
+    """Draws that are equal to others, of the same meshes, in states of which no part is the same object."""
+    return tuple(replace(draw, state=deepcopy(draw.state)) for draw in passes)
+
+
 def _per_pass(threads):
     """Microseconds of ``run`` for each of 64 passes that draw one pixel, on one thread.
 
@@ -98,11 +104,18 @@ def _per_pass(threads):
 
 
 def _per_new_state(threads):
-    """The same of tuples of states that the machine has not seen before, each made anew and run once."""
+    """The same of states that the machine has not seen before, each run once; beside it, of states that are
+    equal to those of the first run, and no part of them the same object.
+    """
     machine, commands = _loaded_figure(_EDGE, 1)
     machine.run(many_passes(commands, 0))
-    fresh = [Repeated(machine, many_passes(commands, number)).turn(1) for number in range(1, 20)]
-    return Measured.median([1e6 / PASSES * each for each in fresh])
+
+    def taken(runs):
+        return [1e6 / PASSES * Repeated(machine, run).turn(1) for run in runs]
+
+    unseen = taken(many_passes(commands, number) for number in range(1, 20))
+    equal = taken(made_anew(many_passes(commands, 0)) for _ in range(19))
+    return Measured.median(unseen, {"equal, made anew": equal})
 
 
 def _per_draw(threads):

@@ -296,6 +296,11 @@ def test_the_many_passes_are_64_states_over_one_mesh_and_draw_next_to_nothing():
     specular = [command for command in commands if isinstance(command, Draw)][1].state
     assert own == replace(specular, register_combiners=None, scissor=None)
     assert len(own.texture_units) == 2
+    anew = figures.made_anew(passes)
+    assert [draw.state for draw in anew] == [draw.state for draw in passes]
+    assert {draw.mesh for draw in anew} == {draw.mesh for draw in passes}
+    parts = [{id(draw.state.register_combiners.general[0]) for draw in draws} for draws in (anew, passes)]
+    assert (len(parts[0]), len(parts[1]), len(parts[0] & parts[1])) == (64, 1, 0)
     # The sphere's front and its back, behind one pixel.
     assert machine.run(passes).fragments == 2 * 64
 
