@@ -420,6 +420,10 @@ def _keep(run, others, options):
     run["others"] = None if others is None else round(others, 3)
     if others is not None and others > processor.QUIET:
         print(f"Others took {others:.0%} of the cores' time: these are numbers of a disturbed machine.")
+        if options.threads == 1:
+            print(
+                "On one thread, scenes are measured in processor time: their spread says how much it matters."
+            )
     if options.json:
         Path(options.json).write_text(json.dumps(run, indent=2) + "\n")
     if options.history:

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from bench.measure import Repeated
+from bench.measure import Repeated, clock_of
 from bench.meshes import grid_triangles
 from bench.scenes import SCENES
 from fixedpipe.pipeline.commands import Draw, Mesh
@@ -76,7 +76,7 @@ def _same():
 
 
 def measure():
-    """name -> microseconds a Draw on one thread, a list of ``TURNS`` runs of ``DRAWS``.
+    """name -> microseconds of the processor a Draw on one thread, a list of ``TURNS`` runs of ``DRAWS``.
 
     The Draws are made before; each is run once. "mesh and state" are new in every Draw; "mesh" and "state"
     are new alone; "the same Draw" is one again and again.
@@ -89,8 +89,8 @@ def measure():
     found = {}
     kinds = {"mesh and state": {}, "mesh": {"new_state": False}, "state": {"new_mesh": False}}
     for name, kind in kinds.items():
-        runs = [Repeated(machine, draws(turn, **kind)) for turn in range(TURNS + 1)]
+        runs = [Repeated(machine, draws(turn, **kind), clock_of(1)) for turn in range(TURNS + 1)]
         found[name] = [run.turn(1) for run in runs][1:]
-    same = Repeated(machine, draws(0, new_mesh=False, new_state=False)[:1] * DRAWS)
+    same = Repeated(machine, draws(0, new_mesh=False, new_state=False)[:1] * DRAWS, clock_of(1))
     found["the same Draw"] = [same.turn(1) for _ in range(TURNS + 1)][1:]
     return {name: [1e6 / DRAWS * each for each in seconds] for name, seconds in found.items()}

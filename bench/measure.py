@@ -15,20 +15,30 @@ DISTURBED = 0.1
 REST_SECONDS = 0.01
 
 
+def clock_of(threads):
+    """The clock of a party that draws on some threads: of one alone the processor's, which runs for nobody
+    else; else the wall's.
+    """
+    return time.process_time if threads == 1 else time.perf_counter
+
+
 class Repeated:
-    """Commands run again and again on a machine, as a party to a measurement."""
+    """Commands run again and again on a machine, as a party to a measurement.
+
+    ``clock``: as ``clock_of`` has it for the machine's threads.
+    """
 
     name = "ours"
 
-    def __init__(self, machine, commands):
-        self._machine, self._commands = machine, commands
+    def __init__(self, machine, commands, clock=time.perf_counter):
+        self._machine, self._commands, self._clock = machine, commands, clock
 
     def turn(self, frames):
         """Seconds that ``frames`` runs of the commands took."""
-        start = time.perf_counter()
+        start = self._clock()
         for _ in range(frames):
             self._machine.run(self._commands)
-        return time.perf_counter() - start
+        return self._clock() - start
 
 
 class Ours:
@@ -46,7 +56,8 @@ class Ours:
 
         self._machine = Machine(scene.profile, size, size, threads=self._threads)
         self._machine.run(scene.textures())
-        self._frames = Repeated(self._machine, scene.frame(size, scene.layers))
+        frame = scene.frame(size, scene.layers)
+        self._frames = Repeated(self._machine, frame, clock_of(self._threads))
         self._picture = scene.frame(size, scene.picture_layers)
 
     def turn(self, frames):

@@ -45,6 +45,11 @@ def environment(threads, driver="llvmpipe"):
     }
 
 
+def own_threads():
+    """On how many threads llvmpipe draws in a process that has these variables."""
+    return max(1, int(os.environ["LP_NUM_THREADS"]))
+
+
 class MesaProcess:
     """A module that runs with Mesa's environment, answers once when it begins and then every request.
 

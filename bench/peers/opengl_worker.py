@@ -9,7 +9,6 @@ import ctypes
 import json
 import os
 import sys
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +19,9 @@ OpenGL.ERROR_LOGGING = False
 
 from OpenGL import GL  # noqa: E402  the two switches above are read when this is imported
 
+from bench.measure import clock_of  # noqa: E402
 from bench.peers.context import make_context  # noqa: E402
+from bench.peers.mesa import own_threads  # noqa: E402
 from bench.scenes import CLEAR_COLOR, SCENES  # noqa: E402
 from bench.textures import TEXTURES  # noqa: E402
 from fixedpipe.pipeline.enums import InternalFormat, TexGenMode, TextureCompareMode  # noqa: E402
@@ -233,10 +234,11 @@ class Stage:
 
     def turn(self, frames):
         """Seconds that ``frames`` measured frames took."""
-        start = time.perf_counter()
+        clock = clock_of(own_threads())
+        start = clock()
         for _ in range(frames):
             self.frame(self._scene.layers)
-        return time.perf_counter() - start
+        return clock() - start
 
     def picture(self):
         """Draw the compared picture: color [h, w, 4], depth and stencil [h, w], top row first."""

@@ -22,7 +22,7 @@ from bench import (
     scattering,
 )
 from bench.meshes import torus
-from bench.peers import llvmpipe
+from bench.peers import llvmpipe, mesa
 from bench.peers.mesa import PeerError
 from bench.scenes import BUMP, MODULATE, SCENES, bump
 from bench.shadow import balls_on_floor, shadow_map
@@ -156,6 +156,14 @@ def test_the_parties_take_turns_of_equal_length(monkeypatch):
     assert seconds == [[0.5, 0.5], [0.125, 0.125]]
     turn = [("ours", 1), ("ours", 2), ("peer", 1), ("peer", 8)]
     assert diary[-8:] == turn * 2
+
+
+def test_one_thread_is_measured_by_its_own_clock(monkeypatch):
+    assert measure.clock_of(1) is measure.time.process_time
+    assert measure.clock_of(2) is measure.time.perf_counter
+    for threads in (1, 2):
+        monkeypatch.setenv("LP_NUM_THREADS", mesa.environment(threads)["LP_NUM_THREADS"])
+        assert mesa.own_threads() == threads
 
 
 def test_rates_are_medians_and_the_ratio_is_ours_over_the_peers():
