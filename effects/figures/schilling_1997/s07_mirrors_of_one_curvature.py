@@ -102,8 +102,8 @@ FIGURE = Figure(
     id="S07",
     title="Mirrors of one curvature",
     caption=(
-        "Shelves of books in four pipes. Round a pipe a pixel covers many backs, along it a bit of one. The "
-        "level that mip-mapping takes serves the one direction and blurs the other; level 0 by hand keeps "
+        "Shelves of books in four pipes. Round a pipe a pixel covers one to ten backs, along it a bit of one. "
+        "The level that mip-mapping takes serves the one direction and blurs the other; level 0 by hand keeps "
         "the shelves' edges and picks backs at random; a level between does both a little. Several probes "
         "along the longer side do what neither can."
     ),
