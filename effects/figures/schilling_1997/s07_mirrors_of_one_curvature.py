@@ -102,10 +102,10 @@ FIGURE = Figure(
     id="S07",
     title="Mirrors of one curvature",
     caption=(
-        "Shelves of books in four pipes. Round a pipe a pixel covers one to ten backs, along it a bit of one. "
-        "The level that mip-mapping takes serves the one direction and blurs the other; level 0 by hand keeps "
-        "the shelves' edges and picks backs at random; a level between does both a little. Several probes "
-        "along the longer side do what neither can."
+        "Shelves of books in four pipes. Round a pipe a pixel covers one to ten backs, along it a bit of "
+        "one. The level that mip-mapping takes serves the one direction and blurs the other; level 0 by hand "
+        "keeps the shelves' edges and picks backs at random; a level between does both a little. Several "
+        "probes along the longer side do what neither can."
     ),
     must_see=(
         "First panel: shelves blurred, backs even. Second: sharp shelves, backs as noise. Third: both, less. "
