@@ -56,7 +56,7 @@ PACKAGES = {
         "pipeline": "enums textures commands profiles vertices framebuffers validation native columns",
     },
     "pipeline/ideal": {
-        "raster": "codes floats columns",
+        "raster": "codes floats kernel fixed columns",
         "pipeline": (
             "enums pixel_transfer textures commands profiles programs vertices framebuffers validation native"
         ),
@@ -169,6 +169,7 @@ LIBRARIES = {
     "raster/vector": ("llvmlite", "numba"),
     "pipeline/framebuffers": ("PIL",),
     "pipeline/native": ("numba",),
+    "pipeline/ideal": ("numba",),
     "effects/scattering": ("scipy",),
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),

@@ -5,11 +5,15 @@ along an arc from vertex to vertex.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numba import float64, int32, int64, types, uint64, void
 
 from fixedpipe.pipeline.enums import TextureTarget
-from fixedpipe.pipeline.ideal.weights import change_of, iterate, iterate_as_machines
-from fixedpipe.raster.columns.interpolate import on_face
+from fixedpipe.raster import codes as C
 from fixedpipe.raster.floats import TAU
+from fixedpipe.raster.kernel import kernel, separate_loop
+
+_ROWS, _TRIANGLES = (types.Array(kind, 2, "C", readonly=True) for kind in (float64, int32))
+_ALONG = types.Tuple((_TRIANGLES, int32[::1], float64[:, ::1]))  # triangles; of fragments: theirs, weights
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,40 +35,92 @@ class TextureCoordinates:
     dy: np.ndarray
 
 
-def place(target, weights, corners, nearest=True, changing=True):
-    """TextureCoordinates of fragments whose triangles have s, t, r, q ``corners``, float64 [k, 3, 4].
+@kernel
+def _divisor(q):
+    return 1.0 if q == 0.0 else q
+
+
+@kernel(void(_ALONG, _ROWS, int64, float64[:, ::1], float64[:, ::1]))
+def _divide(along, rows, first, position, bias):
+    """s, t (and r) over q, of four numbers of the vertices' rows; and TAU where some q is not 1."""
+    separate_loop()
+    triangles, triangle, weights = along
+    axes, last = position.shape[1], uint64(first + 3)
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+        w0, w2 = weights[0, i], weights[2, i]
+        q0, q1, q2 = rows[v0, last], rows[v1, last], rows[v2, last]
+        q = ((q0 - q1) * w0 + q1) + (q2 - q1) * w2
+        divided = q0 != 1.0 or q1 != 1.0 or q2 != 1.0
+        bias[i, 0] = TAU if divided else 0.0
+        for c in range(axes):
+            k = uint64(first + c)
+            v = rows[v1, k]
+            value = ((rows[v0, k] - v) * w0 + v) + (rows[v2, k] - v) * w2
+            position[i, c] = value / _divisor(q) if divided else value
+
+
+@kernel(void(_ALONG, _ROWS, int64, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
+def _divided_change(along, rows, first, step, position, out):
+    """How ``position`` changes where the weights change by ``step`` [2, k]: the quotient rule."""
+    separate_loop()
+    triangles, triangle, weights = along
+    axes, last = position.shape[1], uint64(first + 3)
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+        d0, d2 = step[0, i], step[1, i]
+        q1 = rows[v1, last]
+        q = ((rows[v0, last] - q1) * weights[0, i] + q1) + (rows[v2, last] - q1) * weights[2, i]
+        change_of_q = d0 * (rows[v0, last] - q1) + d2 * (rows[v2, last] - q1)
+        for c in range(axes):
+            k = uint64(first + c)
+            v = rows[v1, k]
+            change = d0 * (rows[v0, k] - v) + d2 * (rows[v2, k] - v)
+            out[i, c] = (change - position[i, c] * change_of_q) / _divisor(q)
+
+
+@kernel(void(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1]))
+def _slip(machine, unit, position, bias, slip):
+    """What the machines' s, t, r, q over q lie beside ``position``.
+
+    Undivided coordinates lie at least a unit off an exact boundary, or on it but for the noise of float64.
+    """
+    separate_loop()
+    for i in range(len(position)):
+        for c in range(position.shape[1]):
+            value = machine[i, c] / _divisor(machine[i, 3]) - position[i, c]
+            slip[i, c] = 0.0 if bias[i, 0] == 0.0 and abs(value) < unit[i, c] / 2 else value
+
+
+def place(target, weights, rows, first=0, nearest=True, changing=True):
+    """TextureCoordinates of fragments whose vertices have s, t, r, q from place ``first`` of ``rows`` on.
 
     Not ``nearest``: no nearest filter reads them; slip is 0. Not ``changing``: nothing asks how they change;
     dx and dy are 0. Either is a third of the work.
     """
-    strq = iterate(weights.perspective, corners)
-    none = np.broadcast_to(0.0, strq.shape)
-    dx, dy = (change_of(weights.dx, corners), change_of(weights.dy, corners)) if changing else (none, none)
     if target is TextureTarget.TEXTURE_CUBE_MAP:
-        on_cube = project_on_cube(strq[:, :3], dx[:, :3], dy[:, :3])
+        direction = weights.iterate(rows, first)
+        on_cube = project_on_cube(direction, *(weights.changes_of(rows, first) if changing else ()))
         if not nearest:
             return on_cube
-        machine, _ = iterate_as_machines(weights, corners)
-        return replace(on_cube, slip=_place_on_face(machine[:, :3], on_cube.face) - on_cube.position)
-    q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
-    axes = _axes(target)
-    position = strq[:, :axes] / q
-    divided = (corners[:, :, 3] != 1.0).any(axis=1)[:, None]
-    slip = none[:, :axes]
+        machine, _ = weights.iterate_as_machines(rows, first)
+        slip = np.empty_like(on_cube.position)
+        _place_on_face(machine, on_cube.face, slip)
+        return replace(on_cube, slip=slip - on_cube.position)
+    count, axes = len(weights), _axes(target)
+    position, bias, none = np.empty((count, axes)), np.empty((count, 1)), _nothing(count, axes)
+    _divide(weights.along, rows, first, position, bias)
+    slip = dx = dy = none
     if nearest:
-        machine, unit = iterate_as_machines(weights, corners)
-        slip = machine[:, :axes] / np.where(machine[:, 3:] == 0.0, 1.0, machine[:, 3:]) - position
-        # Undivided coordinates lie at least a unit off an exact boundary, or on it but for the noise of
-        # float64.
-        slip = np.where(~divided & (np.abs(slip) < unit[:, :axes] / 2), 0.0, slip)
-    return TextureCoordinates(
-        position,
-        np.zeros(len(position), np.int64),
-        slip,
-        np.where(divided, TAU, 0.0),
-        (dx[:, :axes] - position * dx[:, 3:]) / q if changing else none[:, :axes],
-        (dy[:, :axes] - position * dy[:, 3:]) / q if changing else none[:, :axes],
-    )
+        slip = np.empty_like(position)
+        _slip(*weights.iterate_as_machines(rows, first), position, bias, slip)
+    if changing:
+        dx, dy = np.empty((2, count, axes))
+        for step, change in zip(weights.changes, (dx, dy), strict=True):
+            _divided_change(weights.along, rows, first, step, position, change)
+    return TextureCoordinates(position, np.zeros(count, np.int64), slip, bias, dx, dy)
 
 
 def _axes(target):
@@ -72,57 +128,89 @@ def _axes(target):
     return 3 if target is TextureTarget.TEXTURE_3D else 2
 
 
-def _on_face(vector, face):
-    """sc and tc, float64 [k, 2], and |ma|, float64 [k, 1], of vectors [k, 3] on their faces [k]."""
-    sc, tc, major = on_face(vector, face)
-    return np.stack([sc, tc], axis=1), np.abs(major)[:, None]
+def _nothing(count, axes):
+    return np.broadcast_to(0.0, (count, axes))
 
 
-def _place_on_face(direction, face):
-    """Places, float64 [k, 2], of directions [k, 3] on given faces; 0 where the major axis is.
+@kernel
+def _on_face(s, t, r, face):
+    """(sc, tc) of a vector on a face, and what is along its axis. Source: EXT_texture_cube_map."""
+    if face == C.FACE_POSITIVE_X or face == C.FACE_NEGATIVE_X:
+        return (-r if face == C.FACE_POSITIVE_X else r), -t, s
+    if face == C.FACE_POSITIVE_Y or face == C.FACE_NEGATIVE_Y:
+        return s, (r if face == C.FACE_POSITIVE_Y else -r), t
+    return (s if face == C.FACE_POSITIVE_Z else -s), -t, r  # that, or FACE_NEGATIVE_Z
 
-    Source: EXT_texture_cube_map, section 3.8.6; docs/numbers.md, section 6 (the 0).
+
+@kernel
+def _ratio(value, magnitude):
+    """A place along an edge of a face; 0 where the major axis is. docs/numbers.md, section 6."""
+    return 0.0 if magnitude == 0.0 else (value / magnitude + 1.0) * 0.5
+
+
+@kernel(void(float64[:, ::1], int64[::1], float64[:, ::1]))
+def _place_on_face(direction, face, position):
+    """Places of directions on given faces. Source: EXT_texture_cube_map, section 3.8.6."""
+    separate_loop()
+    for i in range(len(face)):
+        sc, tc, along = _on_face(direction[i, 0], direction[i, 1], direction[i, 2], face[i])
+        position[i, 0], position[i, 1] = _ratio(sc, abs(along)), _ratio(tc, abs(along))
+
+
+@kernel
+def _beyond(value, most):
+    """Whether a magnitude is larger, or the first that is no number."""
+    return not (value <= most or np.isnan(most))
+
+
+@kernel(void(float64[:, ::1], int64[::1]))
+def _major_face(direction, face):
+    """The face of the largest magnitude, x before y before z."""
+    separate_loop()
+    for i in range(len(face)):
+        most, axis = abs(direction[i, 0]), 0
+        for c in (1, 2):
+            if _beyond(abs(direction[i, c]), most):
+                most, axis = abs(direction[i, c]), c
+        face[i] = 2 * axis + (1 if direction[i, axis] < 0.0 else 0)
+
+
+@kernel(void(float64[:, ::1], float64[:, ::1], int64[::1], float64[:, ::1]))
+def _change_on_face(direction, step, face, out):
+    """How places on faces change where directions change by ``step``."""
+    separate_loop()
+    for i in range(len(face)):
+        sc, tc, major = _on_face(direction[i, 0], direction[i, 1], direction[i, 2], face[i])
+        d_sc, d_tc, d_major = _on_face(step[i, 0], step[i, 1], step[i, 2], face[i])
+        magnitude, sign = _divisor(abs(major)), -1.0 if major < 0.0 else 1.0
+        out[i, 0] = 0.5 * (d_sc - sc / magnitude * sign * d_major) / magnitude
+        out[i, 1] = 0.5 * (d_tc - tc / magnitude * sign * d_major) / magnitude
+
+
+def project_on_cube(direction, dx=None, dy=None):
+    """TextureCoordinates of directions [k, 3 or 4] with their derivatives (None: 0): the face of the largest
+    magnitude, x before y before z. Source: EXT_texture_cube_map, section 3.8.6.
     """
-    sc_tc, magnitude = _on_face(direction, face)
-    ratio = sc_tc / np.where(magnitude == 0.0, 1.0, magnitude)
-    return np.where(magnitude == 0.0, 0.0, (ratio + 1.0) * 0.5)
-
-
-def project_on_cube(direction, dx, dy):
-    """TextureCoordinates of directions [k, 3] with their derivatives: the face of the largest magnitude, x
-    before y before z. Source: EXT_texture_cube_map, section 3.8.6.
-    """
-    rows = np.arange(len(direction))
-    axis = np.argmax(np.abs(direction), axis=1)
-    major = direction[rows, axis]
-    face = 2 * axis + (major < 0.0)
-    magnitude = np.where(major == 0.0, 1.0, np.abs(major))[:, None]
-    sign = np.where(major < 0.0, -1.0, 1.0)[:, None]
-
-    ratio = _on_face(direction, face)[0] / magnitude
-
-    def derivative(step):
-        return 0.5 * (_on_face(step, face)[0] - ratio * sign * step[rows, axis][:, None]) / magnitude
-
-    return TextureCoordinates(
-        _place_on_face(direction, face),
-        face,
-        np.zeros((len(rows), 2)),
-        np.full((len(rows), 1), TAU),
-        derivative(dx),
-        derivative(dy),
-    )
+    direction, count = np.ascontiguousarray(direction), len(direction)
+    face, position = np.empty(count, np.int64), np.empty((count, 2))
+    _major_face(direction, face)
+    _place_on_face(direction, face, position)
+    changes = [_nothing(count, 2)] * 2
+    if dx is not None:
+        changes = np.empty((2, count, 2))
+        for step, change in zip((dx, dy), changes, strict=True):
+            _change_on_face(direction, np.ascontiguousarray(step), face, change)
+    return TextureCoordinates(position, face, _nothing(count, 2), np.full((count, 1), TAU), *changes)
 
 
 def turned_place(target, weights, corners):
     """Where unit vectors that turn steadily read a texture: what changes of a TextureCoordinates."""
-    turned = spherical(weights.perspective, corners[:, :, :3])
-    none = np.zeros((len(turned), 3))
+    turned = spherical(weights.perspective.T, corners)
     if target is TextureTarget.TEXTURE_CUBE_MAP:
-        on_cube = project_on_cube(turned, none, none)
+        on_cube = project_on_cube(turned)
         return {"position": on_cube.position, "face": on_cube.face, "slip": on_cube.slip}
     axes = _axes(target)
-    return {"position": turned[:, :axes], "slip": none[:, :axes]}
+    return {"position": np.ascontiguousarray(turned[:, :axes]), "slip": _nothing(len(turned), axes)}
 
 
 def spherical(weights, corners):
@@ -146,22 +234,21 @@ def _arc(a, b, t):
 
 def made_place(texture, str_, lifted=True):
     """TextureCoordinates that were computed, [k, 3]: with the machines' lift."""
-    none = np.zeros_like(str_)
-    if texture.target is TextureTarget.TEXTURE_CUBE_MAP:
-        return project_on_cube(str_, none, none)
-    axes = _axes(texture.target)
-    few, lift = none[:, :axes], np.full((len(str_), 1), TAU if lifted else 0.0)
-    return TextureCoordinates(str_[:, :axes], np.zeros(len(str_), np.int64), few, lift, few, few)
+    return _unmoving(texture.target, str_, TAU if lifted else 0.0)
 
 
 def still_place(strq, target):
     """TextureCoordinates at s, t, r float64 [k, 4] that do not change from pixel to pixel."""
-    none = np.zeros((len(strq), 3))
+    return _unmoving(target, strq, 0.0)
+
+
+def _unmoving(target, str_, lift):
     if target is TextureTarget.TEXTURE_CUBE_MAP:
-        return project_on_cube(strq[:, :3], none, none)
-    axes, face = _axes(target), np.zeros(len(strq), np.int64)
-    none = none[:, :axes]
-    return TextureCoordinates(strq[:, :axes], face, none, none[:, :1], none, none)
+        return project_on_cube(str_)
+    count, axes = len(str_), _axes(target)
+    few, bias = _nothing(count, axes), np.full((count, 1), lift)
+    position = np.ascontiguousarray(str_[:, :axes])
+    return TextureCoordinates(position, np.zeros(count, np.int64), few, bias, few, few)
 
 
 def reference_of(strq):

@@ -38,7 +38,7 @@ from fixedpipe.pipeline.ideal.rectangles import draw_rectangle
 from fixedpipe.pipeline.ideal.result import IdealResult
 from fixedpipe.pipeline.ideal.shade import shade
 from fixedpipe.pipeline.ideal.textures import copied_texture, replaced_texture, with_ideal
-from fixedpipe.pipeline.ideal.weights import iterate, weigh
+from fixedpipe.pipeline.ideal.weights import mesh_of, weigh
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
@@ -71,6 +71,7 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
                 f"{command.label}: the guide drew triangle {int(triangle.max())}, but this mesh gives "
                 f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
             )
+    mesh = mesh_of(primitives)
     color, z = np.empty((len(triangle), 4)), np.empty(len(triangle))
     alive = np.ones(len(triangle), bool)
 
@@ -79,11 +80,11 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for start in range(number * _CHUNK, len(triangle), threads.count * _CHUNK):
                 part = slice(start, start + _CHUNK)
-                weights = weigh(primitives, state.polygon.front_face, triangle[part], x[part], y[part])
-                color[part], outcome = shade(state, textures, primitives, triangle[part], weights)
+                weights = weigh(mesh, state.polygon.front_face, triangle[part], x[part], y[part])
+                color[part], outcome = shade(state, textures, primitives, weights)
                 if record is not None and not writes_depth(state):
                     continue
-                z[part] = _window_depth(state.polygon, primitives, weights, depth_bits)
+                z[part] = weights.depths(primitives.z, state.polygon, depth_bits)
                 if outcome is not None:
                     alive[part] = outcome.alive if record is None else True
                     z[part] = z[part] if outcome.depth is None else outcome.depth
@@ -101,14 +102,6 @@ def _draw(command, buffers, textures, width, height, depth_bits, record, threads
             write_tested(state, buffers, pixel[once], color[once], z[once])
         else:
             write(state, buffers, pixel[once], color[once], z[once])
-
-
-def _window_depth(polygon, primitives, weights, depth_bits):
-    """Window depth in [0, 1], with an exact polygon offset whose unit is the depth buffer's smallest step."""
-    z = iterate(weights.affine, primitives.z[weights.vertices])
-    if polygon.offset_fill:
-        z = z + polygon.offset_units / (2**depth_bits - 1) + polygon.offset_factor * weights.depth_slope
-    return np.clip(z, 0.0, 1.0)
 
 
 def _drew_otherwise(guide, draws):

@@ -3,108 +3,365 @@
 from dataclasses import replace
 
 import numpy as np
+from numba import float64, int64, types, uint64, void
 
 from fixedpipe.pipeline.enums import TextureTarget, WrapMode
 from fixedpipe.pipeline.framebuffers.transfer import looked_up
 from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates
-from fixedpipe.pipeline.ideal.per_fragment import compare
+from fixedpipe.pipeline.ideal.weights import fixed
 from fixedpipe.pipeline.profiles import IDEAL
-from fixedpipe.pipeline.textures.images import BASE_FORMAT, KEPT, depth_texture_mode, register_components
+from fixedpipe.pipeline.textures.images import (
+    BASE_FORMAT,
+    KEPT,
+    REGISTER_COMPONENTS,
+    depth_texture_mode,
+    register_components,
+)
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.floats import TAU
+from fixedpipe.raster.kernel import kernel, separate_loop
+
+_LEVEL = types.Array(float64, 4, "C", readonly=True)
+
+# What becomes of a texel before it is filtered, and the places of a reader's numbers: the kind; of signed
+# components the value of one, the least number that is negative, how much that is less, and a flag for each;
+# of a comparison the function, the value of what fails, and what each component of a register is.
+_AS_IT_IS, _SIGNED, _COMPARED = range(3)
+_KIND, _ONE, _LEAST, _RANGE, _FLAGS, _FUNCTION, _FAILS, _READER = 0, 1, 2, 3, 4, 1, 2, 8
+_ZEROS, _ONES, _RESULT = range(3)
+
+# Which fragments a level's texels are for: all of them, or those whose ``lower`` or the next level it is.
+_MAGNIFIED = -1
+_NO_ROWS = -1  # the wrap mode across the rows of an image that has one
 
 
-def level_of_detail(coordinates, width, height, lod_bias, depth=1):
-    """Lambda, float64 [k], of section 3.8.5 from the true derivatives at each fragment, plus the bias.
-
-    The machine takes one lambda, of 8 fraction bits, per 2x2 block. Not finite: the largest.
-    """
-    size = np.array([width, height, depth], np.float64)[: coordinates.dx.shape[1]]
-    across, down = coordinates.dx * size, coordinates.dy * size
-    squared = np.maximum((across**2).sum(axis=1), (down**2).sum(axis=1))
-    lod = np.full(len(squared), -np.inf)
-    np.log2(squared, out=lod, where=squared > 0.0)
-    return np.where(np.isnan(squared), np.inf, 0.5 * lod) + lod_bias
-
-
-def _along(texel, size, wrap, linear):
-    """Indices along an axis, a list of (index, which read the border or None), and the fraction from first to
-    second.
-    """
-    texel = np.where(np.isfinite(texel), texel, 0.0)
-    if wrap is WrapMode.REPEAT:
-        texel = np.mod(texel, size)
-    elif wrap is WrapMode.MIRRORED_REPEAT:
-        texel = np.mod(texel, 2.0 * size)
-        texel = np.minimum(texel, 2.0 * size - texel)
-    elif wrap is WrapMode.CLAMP:
-        texel = np.clip(texel, 0.0, size)
-    elif wrap is WrapMode.CLAMP_TO_EDGE:
-        texel = np.clip(texel, 0.5, size - 0.5)
-    elif wrap is WrapMode.CLAMP_TO_BORDER:
-        texel = np.clip(texel, -0.5, size + 0.5)
-    else:
-        raise ValueError(f"The ideal machine has no wrap mode {wrap.name}.")
+@kernel
+def _along(texel, extent, wrap, linear):
+    """(first index, second, fraction) along an axis; -1 where an index is the border's."""
+    size = float64(extent)
+    if not np.isfinite(texel):
+        texel = 0.0
+    if wrap == C.WRAP_REPEAT:
+        if not (texel >= 0.0 and texel < size):
+            texel = texel % size
+    elif wrap == C.WRAP_MIRRORED_REPEAT:
+        if not (texel >= 0.0 and texel < 2.0 * size):
+            texel = texel % (2.0 * size)
+        texel = min(texel, 2.0 * size - texel)
+    else:  # CLAMP, CLAMP_TO_EDGE and CLAMP_TO_BORDER
+        beside = 0.0
+        if wrap == C.WRAP_CLAMP_TO_EDGE:
+            beside = 0.5
+        elif wrap == C.WRAP_CLAMP_TO_BORDER:
+            beside = -0.5
+        texel = min(max(texel, beside), size - beside)
     below = np.floor(texel - 0.5) if linear else np.floor(texel)
-    first = below.astype(np.int64)
-    bordered = wrap is WrapMode.CLAMP_TO_BORDER or (wrap is WrapMode.CLAMP and linear)
-    indices = []
-    for index in (first, first + 1) if linear else (first,):
-        outside = (index < 0) | (index >= size) if bordered else None
-        inside = np.mod(index, size) if wrap is WrapMode.REPEAT else np.clip(index, 0, size - 1)
-        indices.append((inside, outside))
-    return indices, texel - 0.5 - below
+    first = int64(below)
+    second = first + 1
+    if wrap == C.WRAP_REPEAT:
+        first = first + extent if first < 0 else (first - extent if first >= extent else first)
+        second = second - extent if second >= extent else second
+    elif wrap == C.WRAP_CLAMP_TO_BORDER or (wrap == C.WRAP_CLAMP and linear):
+        first = -1 if first >= extent else first
+        second = -1 if second >= extent else second
+    else:
+        first, second = max(first, 0), min(second, extent - 1)
+        first = min(first, extent - 1)
+    return first, second, texel - 0.5 - below
 
 
-def sample_level(level, coordinates, sampler, border, linear, one_dimensional, read=None, tap=None):
+@kernel
+def _holds(function, a, b):
+    """``a FUNC b`` (section 4.1): the function has a bit each for less, equal and greater."""
+    if a < b:
+        return (function & C.COMPARISON_LESS) != 0
+    if a > b:
+        return (function & C.COMPARISON_GREATER) != 0
+    if a == b:
+        return (function & C.COMPARISON_EQUAL) != 0
+    return function == C.COMPARISON_NOTEQUAL or function == C.COMPARISON_ALWAYS  # one is no number
+
+
+@kernel
+def _signed(component, reader, place):
+    """A component that is two's complement where its flag says so."""
+    if reader[place] == 0.0:
+        return component
+    number = component * reader[_ONE]
+    return (number - reader[_RANGE] if number >= reader[_LEAST] else number) / reader[_ONE]
+
+
+@kernel
+def _component(result, what):
+    return result if what == _RESULT else (1.0 if what == _ONES else 0.0)
+
+
+@kernel
+def _texel(level, at, border, reader, reference):
+    """A level's texel as it is filtered; ``at``: layer, row and column, -1 where it is the border's."""
+    layer, row, column = at
+    if layer < 0 or row < 0 or column < 0:
+        return border[0], border[1], border[2], border[3]
+    p, r, c = uint64(layer), uint64(row), uint64(column)
+    red, green, blue, alpha = level[p, r, c, 0], level[p, r, c, 1], level[p, r, c, 2], level[p, r, c, 3]
+    if reader[_KIND] == _AS_IT_IS:
+        return red, green, blue, alpha
+    f = _FLAGS
+    if reader[_KIND] == _SIGNED:
+        return (
+            _signed(red, reader, f),
+            _signed(green, reader, f + 1),
+            _signed(blue, reader, f + 2),
+            _signed(alpha, reader, f + 3),
+        )
+    result = 1.0 if _holds(int64(reader[_FUNCTION]), reference, red) else reader[_FAILS]
+    return (
+        _component(result, reader[f]),
+        _component(result, reader[f + 1]),
+        _component(result, reader[f + 2]),
+        _component(result, reader[f + 3]),
+    )
+
+
+@kernel
+def _between(a, b, share):
+    """From one color to another."""
+    return (
+        a[0] + (b[0] - a[0]) * share,
+        a[1] + (b[1] - a[1]) * share,
+        a[2] + (b[2] - a[2]) * share,
+        a[3] + (b[3] - a[3]) * share,
+    )
+
+
+@kernel
+def _weight(chosen, number, last, i):
+    """The weight of a level's texel for a fragment: 0, it has none; ``chosen``: ``lower`` and ``share``."""
+    lower, share = chosen
+    if len(lower) == 0:
+        return 1.0
+    weight = 0.0
+    if lower[i] == number:
+        weight = 1.0 - share[i]
+    if lower[i] >= 0 and min(lower[i] + 1, last) == number:
+        weight += share[i]
+    return weight
+
+
+@kernel
+def _add(out, i, weight, color):
+    for c in range(4):
+        out[i, c] += weight * color[c]
+
+
+_SAMPLED = types.Tuple((_LEVEL, float64[:, ::1], int64[::1], float64[::1]))
+_CHOSEN = types.Tuple((int64[::1], float64[::1]))
+_HOW = types.Tuple((int64[::1], float64[::1], float64[::1]))  # wrap modes, border and reader
+
+
+@kernel
+def _rows(level, position, i, wrap):
+    """``_along`` of the rows; the only one where there are none."""
+    if wrap == _NO_ROWS:
+        return 0, 0, 0.0
+    return _along(position[i, 1] * level.shape[1], level.shape[1], wrap, True)
+
+
+@kernel
+def _filtered_plane(level, plane, columns, rows, border, reader, reference):
+    """Four texels of a plane, filtered."""
+    left, right, across = columns
+    lower, upper, up = rows
+    below = _between(
+        _texel(level, (plane, lower, left), border, reader, reference),
+        _texel(level, (plane, lower, right), border, reader, reference),
+        across,
+    )
+    if lower == upper and up == 0.0:
+        return below
+    above = _between(
+        _texel(level, (plane, upper, left), border, reader, reference),
+        _texel(level, (plane, upper, right), border, reader, reference),
+        across,
+    )
+    return _between(below, above, up)
+
+
+@kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
+def _linear(sampled, chosen, number, last, how, out):
+    """Add the filtered texels of level ``number``'s four nearest to the fragments that it is for."""
+    separate_loop()
+    level, position, face, reference = sampled
+    wraps, border, reader = how
+    for i in range(len(position)):
+        weight = _weight(chosen, number, last, i)
+        if weight > 0.0:
+            compared = reference[i] if len(reference) else 0.0
+            columns = _along(position[i, 0] * level.shape[2], level.shape[2], wraps[0], True)
+            rows = _rows(level, position, i, wraps[1])
+            color = _filtered_plane(level, face[i], columns, rows, border, reader, compared)
+            _add(out, i, weight, color)
+
+
+@kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
+def _linear_in_volume(sampled, chosen, number, last, how, out):
+    """Add the filtered texels of a volume's eight nearest to the fragments that the level is for."""
+    separate_loop()
+    level, position, _, reference = sampled
+    wraps, border, reader = how
+    for i in range(len(position)):
+        weight = _weight(chosen, number, last, i)
+        if weight > 0.0:
+            compared = reference[i] if len(reference) else 0.0
+            columns = _along(position[i, 0] * level.shape[2], level.shape[2], wraps[0], True)
+            rows = _rows(level, position, i, wraps[1])
+            near, far, deep = _along(position[i, 2] * level.shape[0], level.shape[0], wraps[2], True)
+            color = _between(
+                _filtered_plane(level, near, columns, rows, border, reader, compared),
+                _filtered_plane(level, far, columns, rows, border, reader, compared),
+                deep,
+            )
+            _add(out, i, weight, color)
+
+
+@kernel
+def _nearest_along(position, slip, bias, extent, wrap):
+    """The index of the texel that the machines take at an exact boundary; -1: the border's."""
+    lifted = slip * extent + bias
+    texel = position * extent + (TAU if lifted >= 0.0 else -TAU)
+    return _along(texel, extent, wrap, False)[0]
+
+
+@kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
+def _nearest(sampled, chosen, number, last, how, slip, bias, out):
+    """Add the nearest texels of level ``number`` to the fragments that it is for."""
+    separate_loop()
+    level, position, face, reference = sampled
+    wraps, border, reader = how
+    for i in range(len(position)):
+        weight = _weight(chosen, number, last, i)
+        if weight > 0.0:
+            column = _nearest_along(position[i, 0], slip[i, 0], bias[i, 0], level.shape[2], wraps[0])
+            row, plane = 0, face[i]
+            if wraps[1] != _NO_ROWS:
+                row = _nearest_along(position[i, 1], slip[i, 1], bias[i, 0], level.shape[1], wraps[1])
+            if position.shape[1] == 3:
+                plane = _nearest_along(position[i, 2], slip[i, 2], bias[i, 0], level.shape[0], wraps[2])
+            compared = reference[i] if len(reference) else 0.0
+            _add(out, i, weight, _texel(level, (plane, row, column), border, reader, compared))
+
+
+@kernel(void(_SAMPLED, _HOW, types.UniTuple(int64, 3), float64[:, ::1]))
+def _tap(sampled, how, tap, out):
+    """One texel of a linear filter, and the fractions between columns, rows and layers: [k, 7]."""
+    separate_loop()
+    level, position, face, reference = sampled
+    wraps, border, reader = how
+    for i in range(len(position)):
+        left, right, across = _along(position[i, 0] * level.shape[2], level.shape[2], wraps[0], True)
+        lower, upper, up = _rows(level, position, i, wraps[1])
+        near, far, deep = face[i], face[i], 0.0
+        if position.shape[1] == 3:
+            near, far, deep = _along(position[i, 2] * level.shape[0], level.shape[0], wraps[2], True)
+        at = far if tap[0] else near, upper if tap[1] else lower, right if tap[2] else left
+        compared = reference[i] if len(reference) else 0.0
+        red, green, blue, alpha = _texel(level, at, border, reader, compared)
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3] = red, green, blue, alpha
+        out[i, 4], out[i, 5], out[i, 6] = across, up, deep
+
+
+@kernel(void(float64[:, ::1], float64[:, ::1], types.UniTuple(float64, 3), float64[::1]))
+def _squares(dx, dy, size, out):
+    """The longer of the steps to the right and down, texels squared."""
+    separate_loop()
+    for i in range(len(out)):
+        a, b, c, d = dx[i, 0] * size[0], dx[i, 1] * size[1], dy[i, 0] * size[0], dy[i, 1] * size[1]
+        right, down = a * a + b * b, c * c + d * d
+        if dx.shape[1] == 3:
+            a, b = dx[i, 2] * size[2], dy[i, 2] * size[2]
+            right, down = right + a * a, down + b * b
+        out[i] = right if right >= down or np.isnan(right) else down
+
+
+@kernel(int64(float64[::1], float64[::1], types.UniTuple(float64, 3), int64, int64, int64[::1], float64[::1]))
+def _choose(squared, logarithm, limits, last, mipmap, lower, share):
+    """Levels of fragments, and the share of the next one. Returns a bit for each that some fragment needs,
+    the lowest for magnified ones.
+
+    limits  of lambda: what is added to it, its least and its largest value
+    """
+    separate_loop()
+    bias, least, most = limits
+    used = 0
+    for i in range(len(squared)):
+        lod = np.inf if np.isnan(squared[i]) else 0.5 * logarithm[i]
+        lod = min(max(lod + bias, least), most)
+        lower[i], share[i] = _MAGNIFIED, 0.0
+        if lod > 0.0:
+            lod = min(lod, float64(last))
+            level = 0.0
+            if mipmap == C.MIPMAP_LINEAR:
+                level = np.floor(lod)
+                share[i] = lod - level
+            elif mipmap != C.MIPMAP_NONE:
+                # Source: OpenGL 1.2.1 section 3.8.5, equation 3.19.
+                level = np.ceil(lod + 0.5) - 1.0
+            lower[i] = min(int64(level), last)
+            if share[i] > 0.0:
+                used |= 1 << (min(lower[i] + 1, last) + 1)
+        used |= 1 << (lower[i] + 1)
+    return used
+
+
+def sample_level(level, coordinates, sampler, border, linear, read=None, reference=None, tap=None):
     """One level, float64 [faces, h, w, 4], filtered at ``coordinates`` with real fractions: float64 [k, 4].
 
-    ``border`` float64 [4]; ``read``: what becomes of texels [k, 4] before they are filtered. ``tap``: one
-    texel of the filter, 0 or 1 of layers, rows and columns, float64 [k, 7] with the fractions between
-    columns, rows and layers.
+    ``border`` float64 [4]; ``read``: of ``_reader``, what becomes of texels before they are filtered;
+    ``reference`` float64 [k]: what they are compared with. ``tap``: one texel of the filter, 0 or 1 of
+    layers, rows and columns, float64 [k, 7] with the fractions between columns, rows and layers.
     Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
     """
-    layers, height, width = level.shape[:3]
-    volume = coordinates.position.shape[1] == 3
-    size = np.array([width, height, layers] if volume else [width, height], np.float64)
-    texels = coordinates.position * size
-    if not linear:
-        slip = coordinates.slip * size + coordinates.bias
-        texels = texels + np.where(slip >= 0.0, TAU, -TAU)
-    columns, across = _along(texels[:, 0], width, sampler.wrap_s, linear)
-    if one_dimensional:
-        rows, up = [(np.zeros(len(texels), np.int64), None)], None
-    else:
-        rows, up = _along(texels[:, 1], height, sampler.wrap_t, linear)
-
-    planes, deep = [(coordinates.face, None)], None
-    if volume:
-        planes, deep = _along(texels[:, 2], layers, sampler.wrap_r, linear)
-
-    def texel(plane, row, column):
-        found = level[plane[0], row[0], column[0]]
-        found = found if read is None else read(found)
-        for outside in (plane[1], row[1], column[1]):
-            if outside is not None:
-                found[outside] = border
-        return found
-
+    sampling = _Sampling(coordinates, sampler, border, read, reference)
     if tap is not None:
-        axes = zip((planes, rows, columns), tap, strict=True)
-        fractions = [np.zeros(len(texels)) if f is None else f for f in (across, up, deep)]
-        wanted = [some[min(side, len(some) - 1)] for some, side in axes]
-        return np.concatenate([texel(*wanted), np.stack(fractions, axis=1)], axis=1)
+        return sampling.tap(level, tap)
+    out = np.zeros((len(coordinates.face), 4))
+    sampling.add(level, linear, out)
+    return out
 
-    def filtered_row(plane, row):
-        taps = [texel(plane, row, column) for column in columns]
-        return taps[0] if len(taps) == 1 else taps[0] + (taps[1] - taps[0]) * across[:, None]
 
-    def filtered_plane(plane):
-        lines = [filtered_row(plane, row) for row in rows]
-        return lines[0] if len(lines) == 1 else lines[0] + (lines[1] - lines[0]) * up[:, None]
+_EVERY = np.empty(0, np.int64), np.empty(0)  # what ``chosen`` is where a level is for all fragments
 
-    parts = [filtered_plane(plane) for plane in planes]
-    return parts[0] if len(parts) == 1 else parts[0] + (parts[1] - parts[0]) * deep[:, None]
+
+class _Sampling:
+    """What all levels of a texture are sampled with."""
+
+    def __init__(self, coordinates, sampler, border, read=None, reference=None, one_dimensional=False):
+        self.coordinates = coordinates
+        self.reference = np.empty(0) if reference is None else np.clip(reference, 0.0, 1.0)
+        wraps = sampler.wrap_s, _NO_ROWS if one_dimensional else sampler.wrap_t, sampler.wrap_r
+        reader = np.zeros(_READER) if read is None else read
+        self.how = np.array(wraps, np.int64), np.array(border, np.float64), reader
+
+    def _sampled(self, level):
+        where = self.coordinates
+        return fixed(level), np.ascontiguousarray(where.position), where.face, self.reference
+
+    def tap(self, level, tap):
+        """One texel of a linear filter, and fractions: float64 [k, 7]."""
+        out = np.empty((len(self.coordinates.face), 7))
+        _tap(self._sampled(level), self.how, tap, out)
+        return out
+
+    def add(self, level, linear, out, chosen=_EVERY, number=0, last=0):
+        """Add the filtered texels of a level to ``out``, where it is chosen."""
+        sampled, where = self._sampled(level), self.coordinates
+        if not linear:
+            slip, bias = np.ascontiguousarray(where.slip), np.ascontiguousarray(where.bias)
+            _nearest(sampled, chosen, number, last, self.how, slip, bias, out)
+        elif where.position.shape[1] == 3:
+            _linear_in_volume(sampled, chosen, number, last, self.how, out)
+        else:
+            _linear(sampled, chosen, number, last, self.how, out)
 
 
 def _select(coordinates, chosen):
@@ -113,20 +370,30 @@ def _select(coordinates, chosen):
     )
 
 
-def _comparison(sampler, reference):
-    """What makes depth texels [k, 4] of a comparison with ``reference`` [k], before any filter: 1 or the
-    value of what fails, in the components that DEPTH_TEXTURE_MODE names.
+def _comparison(sampler):
+    """The reader that makes of depth texels 1 or the value of what fails, in the components that
+    DEPTH_TEXTURE_MODE names.
 
     Source: ARB_shadow (the reference's clamp), SGIX_shadow_ambient, ARB_depth_texture.
     """
-    base, reference = depth_texture_mode(sampler, IDEAL), np.clip(reference, 0.0, 1.0)
+    base, reader = depth_texture_mode(sampler, IDEAL), np.zeros(_READER)
+    reader[_KIND], reader[_FUNCTION] = _COMPARED, sampler.compare_function
+    reader[_FAILS] = float(sampler.compare_fail_value)
+    for k, what in enumerate(REGISTER_COMPONENTS[base]):
+        reader[_FLAGS + k] = _RESULT if isinstance(what, int) else (_ONES if what == "1" else _ZEROS)
+    return reader
 
-    def compared(texels):
-        holds = compare(sampler.compare_function, reference, texels[:, 0])
-        value = np.where(holds, 1.0, float(sampler.compare_fail_value))
-        return register_components(value[:, None], base, 1.0)
 
-    return compared
+def _signed_reader(sampler, bits):
+    """The reader that makes a sampler's signed components numbers of both signs; None: it has none."""
+    flags = signed_flags(sampler)
+    if not any(flags):
+        return None
+    reader = np.zeros(_READER)
+    reader[_KIND], reader[_ONE] = _SIGNED, 2.0**bits - 1.0
+    reader[_LEAST], reader[_RANGE] = 2.0 ** (bits - 1) - _NOISE, 2.0**bits
+    reader[_FLAGS:] = flags
+    return reader
 
 
 def _footprint(texture, coordinates):
@@ -206,14 +473,6 @@ def _in_pairs(texture, unit, coordinates, reference):
     return _sum_along(texture, unit, coordinates, reference, longer / ratio, taps())
 
 
-def _signed_reader(sampler, bits):
-    """What makes texels [..., 4] of a sampler's signed components numbers of both signs; None: has none."""
-    flags, one = np.array(signed_flags(sampler)), 2.0**bits - 1.0
-    if not flags.any():
-        return None
-    return lambda texels: np.where(flags, signed(texels * one, bits) / one, texels)
-
-
 def as_register(texel, unit):
     """What a unit's register receives of its texel [k, 4]: of signed components twice the byte.
 
@@ -239,53 +498,36 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
         sampler = replace(sampler, wrap_s=WrapMode.CLAMP_TO_EDGE, wrap_t=WrapMode.CLAMP_TO_EDGE)
     one_dimensional = texture.target is TextureTarget.TEXTURE_1D
     # The border colour passes through the base format like a texel.  Source: OpenGL 1.2.1, section 3.8.4.
-    border, levels, read_signed = np.zeros(4), texture.ideal, _signed_reader(sampler, texture.bits)
+    border, levels, read = np.zeros(4), texture.ideal, _signed_reader(sampler, texture.bits)
     if reference is None:
         base = BASE_FORMAT[texture.internal_format]
         border = register_components(np.array(sampler.border_color, np.float64)[list(KEPT[base])], base, 1.0)
-        border = border if read_signed is None else read_signed(border)
-
-    def at_level(level, chosen, linear):
-        where = _select(coordinates, chosen)
-        read = read_signed if reference is None else _comparison(sampler, reference[chosen])
-        return sample_level(levels[level], where, sampler, border, linear, one_dimensional, read, tap)
-
-    levels = levels[: sampler.max_level + 1]
+        border = border if read is None else _as_signed(border, sampler, texture.bits)
+    else:
+        read = _comparison(sampler)
+    sampling = _Sampling(coordinates, sampler, border, read, reference, one_dimensional)
+    if tap is not None:
+        return sampling.tap(levels[0], tap)
 
     out = np.zeros((len(coordinates.face), 4))
     if sampler.min_filter is sampler.mag_filter:
-        minified = np.zeros(len(out), bool)
-    else:
-        if one_dimensional:
-            s_alone = np.array([1.0, 0.0])
-            coordinates = replace(coordinates, dx=coordinates.dx * s_alone, dy=coordinates.dy * s_alone)
-        lod = level_of_detail(coordinates, texture.width, texture.height, unit.lod_bias, texture.depth)
-        lod = np.clip(lod, sampler.min_lod, sampler.max_lod)
-        minified = lod > 0.0
-    if not minified.any():
-        return at_level(0, slice(None), sampler.mag_filter.is_linear)
-    magnified = ~minified
-    out[magnified] = at_level(0, magnified, sampler.mag_filter.is_linear)
-    linear, mipmap = sampler.min_filter.is_linear, sampler.min_filter.mipmap
-    if mipmap == C.MIPMAP_NONE:
-        out[minified] = at_level(0, minified, linear)
+        sampling.add(levels[0], sampler.mag_filter.is_linear, out)
         return out
-    between = mipmap == C.MIPMAP_LINEAR
-    last = len(levels) - 1
-    lod = np.clip(np.where(minified, lod, 0.0), 0.0, last)
-    if between:
-        lower = np.floor(lod)
-        share = lod - lower
-    else:
-        # Source: OpenGL 1.2.1 section 3.8.5, equation 3.19.
-        lower, share = np.ceil(lod + 0.5) - 1.0, np.zeros(len(lod))
-    lower = np.minimum(lower.astype(np.int64), last)
-    upper = np.minimum(lower + 1, last)
-    for level in range(last + 1):
-        weight = np.where(lower == level, 1.0 - share, 0.0) + np.where(upper == level, share, 0.0)
-        chosen = minified & (weight > 0.0)
-        if chosen.any():
-            out[chosen] += weight[chosen, None] * at_level(level, chosen, linear)
+    levels = levels[: sampler.max_level + 1]
+    last, mipmap = len(levels) - 1, sampler.min_filter.mipmap
+    size = float(texture.width), 0.0 if one_dimensional else float(texture.height), float(texture.depth)
+    squared, logarithm, share = np.empty((3, len(out)))
+    _squares(*map(np.ascontiguousarray, (coordinates.dx, coordinates.dy)), size, squared)
+    logarithm[:] = -np.inf
+    np.log2(squared, out=logarithm, where=squared > 0.0)
+    limits = float(unit.lod_bias), float(sampler.min_lod), float(sampler.max_lod)
+    lower = np.empty(len(out), np.int64)
+    needed = _choose(squared, logarithm, limits, last, mipmap, lower, share)
+    if needed & 1:
+        sampling.add(levels[0], sampler.mag_filter.is_linear, out, (lower, share), _MAGNIFIED, last)
+    for number in range(last + 1):
+        if needed >> number + 1 & 1:
+            sampling.add(levels[number], sampler.min_filter.is_linear, out, (lower, share), number, last)
     return out
 
 
@@ -302,3 +544,9 @@ def signed_flags(sampler):
 def signed(numbers, bits):
     """Numbers of ``bits`` bits, float64, as two's complement."""
     return np.where(numbers >= 2.0 ** (bits - 1) - _NOISE, numbers - 2.0**bits, numbers)
+
+
+def _as_signed(components, sampler, bits):
+    """Components [4] of a sampler's, those that are signed as numbers of both signs."""
+    one = 2.0**bits - 1.0
+    return np.where(signed_flags(sampler), signed(components * one, bits) / one, components)

@@ -9,71 +9,79 @@ from fixedpipe.pipeline.ideal.combine import combine, constant_color
 from fixedpipe.pipeline.ideal.coordinates import made_place, place, reference_of, spherical, turned_place
 from fixedpipe.pipeline.ideal.sample import as_register, sample
 from fixedpipe.pipeline.ideal.texture_shader import run_stages
-from fixedpipe.pipeline.ideal.weights import change_of, iterate
+from fixedpipe.pipeline.ideal.weights import fixed
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 
 
-def shade(state, textures, primitives, triangle, weights):
+def shade(state, textures, primitives, weights):
     """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1], and the Outcome of a
     texture shader, or None.
 
-    ``textures``: name to Texture with ideal levels. ``triangle`` int [k]; ``weights``: those of ``weigh``.
+    ``textures``: name to Texture with ideal levels. ``primitives``: as the vertex stage makes them;
+    ``weights``: those of ``weigh``.
     """
-    side = (~weights.front & primitives.two_side).astype(np.int64)
+    rows = fixed(primitives.colors).reshape(-1, 16)
+    back = 8 if primitives.two_side else 0
     if state.polygon.shade_model is ShadeModel.FLAT:
-        colors = primitives.colors[primitives.triangles[triangle, 3], side]
+        colors = [weights.provoking(rows, first, back) for first in (0, 4)]
     else:
-        corners = primitives.colors[weights.vertices, side[:, None]]
-        colors = iterate(weights.perspective, corners)
-        for first, asked in ((0, state.spherical_primary_color), (4, state.spherical_secondary_color)):
+        colors = [weights.iterate(rows, first, back) for first in (0, 4)]
+        turned = state.spherical_primary_color, state.spherical_secondary_color
+        for first, color, asked in zip((0, 4), colors, turned, strict=True):
             if asked:  # as EXPAND_NORMAL reads them
-                turned = spherical(weights.perspective, 2.0 * corners[:, :, first : first + 3] - 1.0)
-                colors[:, first : first + 3] = (turned + 1.0) / 2.0
+                color[:, :3] = _turned(primitives, weights, first)
     distances = None
     if state.fog is not None:
-        distances = iterate(weights.perspective, primitives.fog[weights.vertices])
+        distances = weights.iterate_one(fixed(primitives.fog))
+    coordinates = fixed(primitives.coordinates)
+    rows = coordinates.reshape(len(coordinates), -1)
 
     def own(i):
-        corners = primitives.coordinates[weights.vertices, i]
-        strq = iterate(weights.perspective, corners)
+        strq = weights.iterate(rows, 4 * i)
         if state.texture_units[i].spherical_coordinates:
-            strq[:, :3] = spherical(weights.perspective, corners[:, :, :3])
+            strq[:, :3] = spherical(weights.perspective.T, weights.corners(coordinates[:, i, :3]))
         return strq
 
     def change(i):
-        corners = primitives.coordinates[weights.vertices, i]
-        return np.stack([change_of(weights.dx, corners), change_of(weights.dy, corners)])
+        return weights.changes_of(rows, 4 * i)
 
     def texel(i, unit, texture, tap=None):
         filters = unit.sampler.min_filter, unit.sampler.mag_filter
-        coordinates = place(
+        where = place(
             texture.target,
             weights,
-            primitives.coordinates[weights.vertices, i],
+            rows,
+            4 * i,
             nearest=filters != (TextureFilter.LINEAR, TextureFilter.LINEAR),
             changing=filters[0] is not filters[1]
             or max(unit.sampler.max_probes, unit.sampler.max_anisotropy) > 1,
         )
         if unit.spherical_coordinates:
-            corners = primitives.coordinates[weights.vertices, i]
-            coordinates = replace(coordinates, **turned_place(texture.target, weights, corners))
+            corners = weights.corners(coordinates[:, i, :3])
+            where = replace(where, **turned_place(texture.target, weights, corners))
         reference = None
         if unit.sampler.compare_mode is not TextureCompareMode.NONE:
-            reference = reference_of(
-                iterate(weights.perspective, primitives.coordinates[weights.vertices, i])
-            )
-        return sample(texture, unit, coordinates, reference, tap)
+            reference = reference_of(weights.iterate(rows, 4 * i))
+        return sample(texture, unit, where, reference, tap)
 
-    given = state, textures, colors[:, :4], colors[:, 4:], distances
+    given = state, textures, *colors, distances
     if state.texture_shader is not None:
-        outcome = run_stages(state, textures, len(colors), own, texel, _sample_made, as_register, change)
+        outcome = run_stages(state, textures, len(weights), own, texel, _sample_made, as_register, change)
         return shade_colors(*given, lambda i, unit, texture: outcome.registers[i]), outcome
     if state.evaluate_before_filtering:
         return _before_filtering(*given, texel), None
     return shade_colors(*given, texel), None
+
+
+def _turned(primitives, weights, first):
+    """Red, green and blue of unit vectors that turn steadily from vertex to vertex, float64 [k, 3]."""
+    side = ((weights.front == 0) & primitives.two_side).astype(np.int64)
+    corners = weights.corners(primitives.colors)[np.arange(len(side)), :, side]
+    turned = spherical(weights.perspective.T, 2.0 * corners[:, :, first : first + 3] - 1.0)
+    return (turned + 1.0) / 2.0
 
 
 def _before_filtering(state, textures, primary, secondary, distances, texel):

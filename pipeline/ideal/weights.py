@@ -1,119 +1,328 @@
 """Barycentric weights of fragments, and values iterated by them: in real numbers, and as the machines cut
 them where only their bits decide between two texels.
+
+Fragments are columns: the triangle and the pixel, int32 [k] each. What their vertices have are rows, float64
+[n, m]; which numbers of a row are iterated is said by the first one's place.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numba import float64, int32, int64, types, uint8, uint64, void
 
 from fixedpipe.pipeline.enums import FrontFace
 from fixedpipe.pipeline.profiles import IDEAL
-from fixedpipe.raster.columns.interpolate import edge_functions, iterate_coordinates, iteration_weights
+from fixedpipe.raster.fixed import step_24, truncate_24
+from fixedpipe.raster.floats import SMALLEST
+from fixedpipe.raster.kernel import kernel, separate_loop
 
-_PIXEL = float(1 << IDEAL.arithmetic.subpixel_bits)  # in subpixels
+_STEP = 1 << IDEAL.arithmetic.subpixel_bits
+_PIXEL = float(_STEP)  # in subpixels
+
+# A Draw's arrays are read only, a chunk's columns are not.
+_INTS, _REALS = (types.Array(kind, 1, "C", readonly=True) for kind in (int32, float64))
+_ROWS, _TRIANGLES = (types.Array(kind, 2, "C", readonly=True) for kind in (float64, int32))
+_MESH = types.Tuple((_TRIANGLES, _INTS, _INTS, _REALS))
+_WHERE = types.UniTuple(int32[::1], 3)
+
+
+@kernel
+def _inverse_w(mesh, t):
+    """The vertices' 1/w, or 1 where the three are equal."""
+    triangles, _, _, inverse_w = mesh
+    w0, w1, w2 = (
+        inverse_w[uint64(triangles[t, 0])],
+        inverse_w[uint64(triangles[t, 1])],
+        inverse_w[uint64(triangles[t, 2])],
+    )
+    if w0 == w1 and w1 == w2:
+        return 1.0, 1.0, 1.0
+    return w0, w1, w2
+
+
+@kernel
+def _edges(mesh, t, px, py):
+    """The edge functions n0, n1, n2 of a pixel; the area and its triangle's sides x10, y10, x20, y20, signed
+    subpixels: docs/numbers.md, section 3.
+    """
+    triangles, x, y, _ = mesh
+    v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+    x0, y0 = int64(x[v0]), int64(y[v0])
+    x10, y10, x20, y20 = int64(x[v1]) - x0, int64(y[v1]) - y0, int64(x[v2]) - x0, int64(y[v2]) - y0
+    dx = _STEP * int64(px) + (_STEP >> 1) - x0
+    dy = _STEP * int64(py) + (_STEP >> 1) - y0
+    area = x10 * y20 - x20 * y10
+    n1, n2 = dx * y20 - x20 * dy, x10 * dy - dx * y10
+    if area < 0:
+        n1, n2 = -n1, -n2
+    return (float64(abs(area) - n1 - n2), float64(n1), float64(n2)), area, (x10, y10, x20, y20)
+
+
+@kernel(void(_MESH, _WHERE, int64, float64[:, ::1], uint8[::1]))
+def _weigh(mesh, where, counterclockwise, perspective, front):
+    """Perspective weights [3, k], and whether the triangles face the viewer."""
+    separate_loop()
+    triangle, px, py = where
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        (n0, n1, n2), area, _ = _edges(mesh, t, px[i], py[i])
+        w0, w1, w2 = _inverse_w(mesh, t)
+        e0, e1, e2 = n0 * w0, n1 * w1, n2 * w2
+        total = (e0 + e1) + e2
+        perspective[0, i] = e0 / total
+        perspective[1, i] = e1 / total
+        perspective[2, i] = e2 / total
+        front[i] = (area < 0) == (counterclockwise != 0)
+
+
+@kernel
+def _change(steps, weights, inverse_w, total):
+    """How the perspective weights of vertices 0 and 2 change where the edge functions change by ``steps``."""
+    (s0, s1, s2), (p0, p2), (w0, w1, w2) = steps, weights, inverse_w
+    d0, d1, d2 = _PIXEL * s0 * w0, _PIXEL * s1 * w1, _PIXEL * s2 * w2
+    change = (d0 + d1) + d2
+    return (d0 - p0 * change) / total, (d2 - p2 * change) / total
+
+
+@kernel(void(_MESH, _WHERE, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
+def _derivatives(mesh, where, perspective, right, down):
+    """How the perspective weights of vertices 0 and 2 change over one pixel, float64 [2, k] each."""
+    separate_loop()
+    triangle, px, py = where
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        (n0, n1, n2), area, (x10, y10, x20, y20) = _edges(mesh, t, px[i], py[i])
+        w = _inverse_w(mesh, t)
+        total = (n0 * w[0] + n1 * w[1]) + n2 * w[2]
+        sign = -1 if area < 0 else 1
+        across = float64(sign * (y10 - y20)), float64(sign * y20), float64(-sign * y10)
+        along = float64(sign * (x20 - x10)), float64(-sign * x20), float64(sign * x10)
+        p = perspective[0, i], perspective[2, i]
+        right[0, i], right[1, i] = _change(across, p, w, total)
+        down[0, i], down[1, i] = _change(along, p, w, total)
+
+
+@kernel(void(_MESH, _WHERE, float64[:, ::1]))
+def _machine_weights(mesh, where, q):
+    """The machines' weights q0 and q2, [2, k] (docs/numbers.md, section 4)."""
+    separate_loop()
+    triangle, px, py = where
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        (n0, n1, n2), _, _ = _edges(mesh, t, px[i], py[i])
+        w0, w1, w2 = _inverse_w(mesh, t)
+        e0, e1, e2 = n0 * w0, n1 * w1, n2 * w2
+        reciprocal = truncate_24(1.0 / ((e0 + e1) + e2))
+        q0, q1, q2 = truncate_24(e0 * reciprocal), truncate_24(e1 * reciprocal), truncate_24(e2 * reciprocal)
+        c0 = int64(q0 >= 0.5) + int64(q0 >= 0.25)
+        c1 = int64(q1 >= 0.5) + int64(q1 >= 0.25)
+        c2 = int64(q2 >= 0.5) + int64(q2 >= 0.25)
+        first = c0 >= c1 and c0 > c2
+        last = c2 >= c0 and (c2 > c1 or (c2 == c1 and c0 == c1))
+        q[0, i] = (1.0 - q1) - q2 if first else q0
+        q[1, i] = (1.0 - q0) - q1 if last else q2
+
+
+@kernel(void(_MESH, _WHERE, _REALS, int64, float64, float64, float64[::1]))
+def _depths(mesh, where, z, moved, units, factor, out):
+    """Window depths in [0, 1]; where they are ``moved``, by ``units`` and ``factor`` times the slope."""
+    separate_loop()
+    triangle, px, py = where
+    triangles = mesh[0]
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        (n0, _, n2), area, (x10, y10, x20, y20) = _edges(mesh, t, px[i], py[i])
+        z0 = z[uint64(triangles[t, 0])]
+        z1 = z[uint64(triangles[t, 1])]
+        z2 = z[uint64(triangles[t, 2])]
+        whole = float64(abs(area))
+        depth = ((z0 - z1) * (n0 / whole) + z1) + (z2 - z1) * (n2 / whole)
+        if moved:
+            z10, z20 = z1 - z0, z2 - z0
+            slope_x = abs((z10 * float64(y20) - z20 * float64(y10)) * _PIXEL / float64(area))
+            slope_y = abs((z20 * float64(x10) - z10 * float64(x20)) * _PIXEL / float64(area))
+            slope = slope_x if slope_x >= slope_y or np.isnan(slope_x) else slope_y
+            depth = (depth + units) + factor * slope
+        out[i] = 0.0 if depth < 0.0 else (1.0 if depth > 1.0 else depth)
+
+
+@kernel(void(_TRIANGLES, int32[::1], float64[:, ::1], _ROWS, int64, uint8[::1], int64, float64[:, ::1]))
+def _iterate_four(triangles, triangle, perspective, rows, first, front, back, out):
+    """Four numbers of the vertices' rows, iterated; those of triangles that face away ``back`` places on."""
+    separate_loop()
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+        at = uint64(first if front[i] else first + back)
+        w0, w2 = perspective[0, i], perspective[2, i]
+        for c in range(4):
+            k = at + uint64(c)
+            v = rows[v1, k]
+            out[i, c] = ((rows[v0, k] - v) * w0 + v) + (rows[v2, k] - v) * w2
+
+
+@kernel(void(_TRIANGLES, int32[::1], _ROWS, int64, uint8[::1], int64, float64[:, ::1]))
+def _provoking_four(triangles, triangle, rows, first, front, back, out):
+    """Four numbers of the provoking vertices' rows."""
+    separate_loop()
+    for i in range(len(triangle)):
+        v = uint64(triangles[uint64(triangle[i]), 3])
+        at = uint64(first if front[i] else first + back)
+        for c in range(4):
+            out[i, c] = rows[v, at + uint64(c)]
+
+
+@kernel(void(_TRIANGLES, int32[::1], float64[:, ::1], _REALS, float64[::1]))
+def _iterate_one(triangles, triangle, perspective, values, out):
+    """One number of each vertex, iterated."""
+    separate_loop()
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        v = values[uint64(triangles[t, 1])]
+        first = (values[uint64(triangles[t, 0])] - v) * perspective[0, i] + v
+        out[i] = first + (values[uint64(triangles[t, 2])] - v) * perspective[2, i]
+
+
+@kernel(void(_TRIANGLES, int32[::1], float64[:, ::1], _ROWS, int64, float64[:, ::1]))
+def _changes_of_four(triangles, triangle, step, rows, first, out):
+    """How four iterated numbers of the vertices' rows change where the weights change by ``step`` [2, k]."""
+    separate_loop()
+    at = uint64(first)
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+        d0, d2 = step[0, i], step[1, i]
+        for c in range(4):
+            k = at + uint64(c)
+            v = rows[v1, k]
+            out[i, c] = d0 * (rows[v0, k] - v) + d2 * (rows[v2, k] - v)
+
+
+@kernel(void(_TRIANGLES, int32[::1], float64[:, ::1], _ROWS, int64, float64[:, ::1], float64[:, ::1]))
+def _iterate_as_machines(triangles, triangle, q, rows, first, out, unit):
+    """Four numbers by docs/numbers.md, section 6: terms cut to the 24 bits of the largest; and that unit."""
+    separate_loop()
+    at = uint64(first)
+    for i in range(len(triangle)):
+        t = uint64(triangle[i])
+        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+        for c in range(4):
+            k = at + uint64(c)
+            v = rows[v1, k]
+            a, b = q[0, i] * (rows[v0, k] - v), q[1, i] * (rows[v2, k] - v)
+            if np.isfinite(v) and np.isfinite(a) and np.isfinite(b):
+                step, steps = step_24(max(max(max(abs(v), abs(a)), abs(b)), SMALLEST))
+                out[i, c] = ((np.trunc(v * steps) + np.trunc(a * steps)) + np.trunc(b * steps)) * step
+                unit[i, c] = step
+            else:
+                out[i, c] = np.nan
+                unit[i, c] = 2.0**-23
 
 
 @dataclass(frozen=True, eq=False)
 class Weights:
     """Barycentric weights of fragments, from the exact edge functions of the snapped vertices.
 
-    vertices       int64 [k, 3]
-    front          bool [k], front-facing
-    perspective    float64 [k, 3], (n_i / w_i) / sum: for every iterated value but window depth
+    perspective  float64 [3, k], (n_i / w_i) / sum: for every iterated value but window depth
+    front        uint8 [k], 1: front-facing
 
     Properties that few states read are computed on first use.
     """
 
-    vertices: np.ndarray
-    front: np.ndarray
     perspective: np.ndarray
-    _edges: np.ndarray  # n_i, float64 [k, 3]
-    _area: np.ndarray  # twice the triangle's, signed, int64 [k]
-    _sides: tuple  # x and y of vertex 1, then of vertex 2, from vertex 0: int64 [k] each
-    _inverse_w: np.ndarray
-    _z: np.ndarray
+    front: np.ndarray
+    _mesh: tuple  # triangles, x, y, 1/w
+    _where: tuple  # triangle, x, y
+
+    def __len__(self):
+        return len(self.front)
+
+    @property
+    def along(self):
+        """The triangles, the fragments' and ``perspective``, as kernels take what iterates."""
+        return self._mesh[0], self._where[0], self.perspective
 
     @cached_property
-    def affine(self):
-        """n_i / A, float64 [k, 3]: for window depth."""
-        return self._edges / np.abs(self._area)[:, None]
-
-    @cached_property
-    def dx(self):
-        """The derivative of ``perspective`` per pixel to the right, float64 [k, 3]."""
-        _, y10, _, y20 = self._sides
-        return self._derivative(y10 - y20, y20, -y10)
-
-    @cached_property
-    def dy(self):
-        """The derivative of ``perspective`` per pixel down, float64 [k, 3]."""
-        x10, _, x20, _ = self._sides
-        return self._derivative(x20 - x10, -x20, x10)
-
-    def _derivative(self, *steps):
-        # Steps of n over one pixel.
-        step = _PIXEL * np.stack(steps, axis=1) * np.where(self._area < 0, -1, 1)[:, None]
-        total = (self._edges * self._inverse_w).sum(axis=1, keepdims=True)
-        de = step * self._inverse_w
-        return (de - self.perspective * de.sum(axis=1, keepdims=True)) / total
+    def changes(self):
+        """The derivatives of ``perspective`` of vertices 0 and 2 per pixel: to the right, float64 [2, k], and
+        down.
+        """
+        right, down = np.empty((2, 2, len(self)))
+        _derivatives(self._mesh, self._where, self.perspective, right, down)
+        return right, down
 
     @cached_property
     def machine(self):
-        """The machines' weights q0 and q2, float64 [k, 2], which decide at exact texel boundaries."""
-        return np.stack(iteration_weights((self._edges * self._inverse_w).T), axis=1)
+        """The machines' weights q0 and q2, float64 [2, k], which decide at exact texel boundaries."""
+        q = np.empty((2, len(self)))
+        _machine_weights(self._mesh, self._where, q)
+        return q
 
-    @cached_property
-    def depth_slope(self):
-        """max(abs(dz/dx), abs(dz/dy)) of window depth per pixel, float64 [k]."""
-        x10, y10, x20, y20 = self._sides
-        z10, z20 = self._z[:, 1] - self._z[:, 0], self._z[:, 2] - self._z[:, 0]
-        slope_x = (z10 * y20 - z20 * y10) * _PIXEL / self._area
-        slope_y = (z20 * x10 - z10 * x20) * _PIXEL / self._area
-        return np.maximum(np.abs(slope_x), np.abs(slope_y))
+    def depths(self, z, polygon, bits):
+        """Window depth in [0, 1], float64 [k], of the vertices' ``z``, with an exact polygon offset whose
+        unit is the smallest step of a depth buffer of so many ``bits``.
+        """
+        out = np.empty(len(self))
+        units, factor = polygon.offset_units / (2**bits - 1), float(polygon.offset_factor)
+        _depths(self._mesh, self._where, fixed(z), bool(polygon.offset_fill), units, factor, out)
+        return out
+
+    def corners(self, values):
+        """Values [n, ...] at the vertices of each fragment's triangle: [k, 3, ...]."""
+        return values[self._mesh[0][self._where[0], :3]]
+
+    def iterate(self, rows, first=0, back=0):
+        """Numbers ``first`` to ``first + 3`` of rows float64 [n, m], ``back`` places on where a triangle
+        faces away: float64 [k, 4].
+        """
+        out = np.empty((len(self), 4))
+        _iterate_four(*self.along, rows, first, self.front, back, out)
+        return out
+
+    def provoking(self, rows, first=0, back=0):
+        """The same of the provoking vertices."""
+        out = np.empty((len(self), 4))
+        _provoking_four(self._mesh[0], self._where[0], rows, first, self.front, back, out)
+        return out
+
+    def iterate_one(self, values):
+        """Values float64 [n], iterated: float64 [k]."""
+        out = np.empty(len(self))
+        _iterate_one(*self.along, values, out)
+        return out
+
+    def changes_of(self, rows, first=0):
+        """The derivatives of ``iterate(rows, first)``, float64 [2, k, 4]: to the right, and down."""
+        out = np.empty((2, len(self), 4))
+        for step, changed in zip(self.changes, out, strict=True):
+            _changes_of_four(self._mesh[0], self._where[0], step, rows, first, changed)
+        return out
+
+    def iterate_as_machines(self, rows, first=0):
+        """``iterate`` by docs/numbers.md, section 6, and the unit to which terms are cut: float64 [k, 4]."""
+        out, unit = np.empty((2, len(self), 4))
+        _iterate_as_machines(self._mesh[0], self._where[0], self.machine, rows, first, out, unit)
+        return out, unit
 
 
-def weigh(primitives, front_face, triangle, x, y):
-    """The Weights of the fragments (triangle, x, y), int [k] each, of ``primitives``.
+def fixed(array):
+    """An array as kernels take a Draw's: C-contiguous, and read only; a view where it was contiguous."""
+    view = np.ascontiguousarray(array).view()
+    view.flags.writeable = False
+    return view
+
+
+def mesh_of(primitives):
+    """What ``weigh`` takes of WindowPrimitives."""
+    return tuple(map(fixed, (primitives.triangles, primitives.x, primitives.y, primitives.inverse_w)))
+
+
+def weigh(mesh, front_face, triangle, x, y):
+    """The Weights of the fragments (triangle, x, y), int32 [k] each; ``mesh``: of ``mesh_of``.
 
     Source: docs/numbers.md, sections 3 to 5; derivatives by the quotient rule.
     """
-    vertices = primitives.triangles[triangle, :3].astype(np.int64)
-    corner_x, corner_y = primitives.x[vertices].astype(np.int64), primitives.y[vertices].astype(np.int64)
-    x10, x20 = corner_x[:, 1] - corner_x[:, 0], corner_x[:, 2] - corner_x[:, 0]
-    y10, y20 = corner_y[:, 1] - corner_y[:, 0], corner_y[:, 2] - corner_y[:, 0]
-    edges, area = edge_functions(
-        corner_x, corner_y, x.astype(np.int64), y.astype(np.int64), IDEAL.arithmetic.subpixel_bits
-    )
-    n = np.stack(edges, axis=1).astype(np.float64)
-
-    inverse_w = primitives.inverse_w[vertices]
-    equal = (inverse_w[:, 0] == inverse_w[:, 1]) & (inverse_w[:, 1] == inverse_w[:, 2])
-    inverse_w = np.where(equal[:, None], 1.0, inverse_w)
-    e = n * inverse_w
-    front = (area < 0) == (front_face is FrontFace.CCW)
-    perspective = e / e.sum(axis=1, keepdims=True)
-    sides = x10, y10, x20, y20
-    return Weights(vertices, front, perspective, n, area, sides, inverse_w, primitives.z[vertices])
-
-
-def iterate(weights, values):
-    """Values [k, 3, ...] at a triangle's vertices, weighted by ``weights`` [k, 3] that sum to one."""
-    shape = (-1,) + (1,) * (values.ndim - 2)
-    w0, w2 = weights[:, 0].reshape(shape), weights[:, 2].reshape(shape)
-    total, other = values[:, 0] - values[:, 1], values[:, 2] - values[:, 1]
-    total *= w0
-    total += values[:, 1]
-    other *= w2
-    total += other
-    return total
-
-
-def iterate_as_machines(weights, corners):
-    """s, t, r, q by docs/numbers.md, section 6, and the unit to which their terms are cut: float64 [k, 4]."""
-    return iterate_coordinates(*weights.machine.T, corners)
-
-
-def change_of(step, values):
-    """A derivative of an iterated value: ``step`` [k, 3] sums to zero."""
-    return step[:, :1] * (values[:, 0] - values[:, 1]) + step[:, 2:] * (values[:, 2] - values[:, 1])
+    perspective, front = np.empty((3, len(triangle))), np.empty(len(triangle), np.uint8)
+    _weigh(mesh, (triangle, x, y), front_face is FrontFace.CCW, perspective, front)
+    return Weights(perspective, front, mesh, (triangle, x, y))

@@ -47,7 +47,7 @@ from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates, place, proj
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.ideal.per_fragment import blend
 from fixedpipe.pipeline.ideal.sample import sample, sample_level
-from fixedpipe.pipeline.ideal.weights import weigh
+from fixedpipe.pipeline.ideal.weights import fixed, mesh_of, weigh
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
 from fixedpipe.pipeline.state import (
     AlphaPortion,
@@ -424,7 +424,7 @@ def test_filters_and_wrap_modes_equal_a_scalar_evaluation(linear, wrap_s, wrap_t
     sampler = Sampler(wrap_s=wrap_s, wrap_t=wrap_t, border_color=(-2.0, 0.0, 0.0, 0.0))
     position = rng.uniform(-2.5, 2.5, (60, 2))
     border = np.array(sampler.border_color)
-    out = sample_level(image, at_positions(position), sampler, border, linear, False)
+    out = sample_level(image, at_positions(position), sampler, border, linear)
     expected = [scalar_sample(image[0], s, t, sampler, linear) for s, t in position]
     np.testing.assert_allclose(out[:, 0], expected, atol=NOISE, rtol=0)
 
@@ -567,8 +567,8 @@ def scalar_cube(direction):
 @pytest.mark.parametrize(("x", "y"), [(10, 30), (25, 20), (14, 8)])
 def test_coordinates_and_their_derivatives_equal_a_scalar_evaluation(target, x, y):
     p = projective_triangle()
-    weights = weigh(p, 0, np.array([0]), np.array([x]), np.array([y]))
-    got = place(target, weights, p.coordinates[weights.vertices, 0])
+    weights = weigh(mesh_of(p), 0, *np.array([[0], [x], [y]], np.int32))
+    got = place(target, weights, fixed(p.coordinates).reshape(3, 4))
 
     def at(dx, dy):
         where = x + 0.5 + dx, y + 0.5 + dy
