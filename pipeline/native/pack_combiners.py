@@ -6,18 +6,16 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import CombinerBias, Mapping, MuxSelect, Register
 from fixedpipe.pipeline.framebuffers.framebuffer import color_bytes
-from fixedpipe.pipeline.programs.combiner_rules import WITH_FOG, combiner_program
+from fixedpipe.pipeline.programs.combiner_rules import WITH_FOG, combiner_program, kept_for_stages
 from fixedpipe.pipeline.programs.texture_shader_rules import DISCARDING
 from fixedpipe.pipeline.state import CombinerInput
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 
-
 # The mappings as min(max(x, low) * factor + addend, 255); the addends of the EXPAND pair depend on
 # expand_half. Source: NV_register_combiners table 4; Inferred: the halves (docs/numbers.md, section 8).
-def _mapping(mapping, expand_half):
-    one = 256 if expand_half == 128 else 255
-    return {
+_MAPPINGS = {
+    one: {
         Mapping.UNSIGNED_IDENTITY: (0, 1, 0),
         Mapping.UNSIGNED_INVERT: (0, -1, 255),
         Mapping.EXPAND_NORMAL: (0, 2, -one),
@@ -26,7 +24,9 @@ def _mapping(mapping, expand_half):
         Mapping.HALF_BIAS_NEGATE: (0, -1, 128),
         Mapping.SIGNED_IDENTITY: (-256, 1, 0),
         Mapping.SIGNED_NEGATE: (-256, -1, 0),
-    }[mapping]
+    }
+    for one in (255, 256)
+}
 
 
 _ZERO_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE})
@@ -58,9 +58,9 @@ def _blue_to_alpha(portion):
 
 def _pack_portion(portion, alpha, expand_half, mux_select):
     blue = [0, 0] if alpha else _blue_to_alpha(portion)
-    portion, row = _normalized(portion), []
+    portion, row, mappings = _normalized(portion), [], _MAPPINGS[256 if expand_half == 128 else 255]
     for variable in (portion.a, portion.b, portion.c, portion.d):
-        row += [variable.register, variable.usage, *_mapping(variable.mapping, expand_half)]
+        row += [variable.register, variable.usage, *mappings[variable.mapping]]
     outputs = [portion.ab_output, portion.cd_output, portion.sum_output]
     row += [-1 if register == Register.DISCARD else int(register) for register in outputs]
     row += [0, 0] if alpha else [portion.ab_dot_product, portion.cd_dot_product]
@@ -94,6 +94,31 @@ def _discards(state):
     return any(stage.operation in DISCARDING for stage in stages[: len(state.texture_units)])
 
 
+@kept_for_stages
+def _stage_rows(program, half, select):
+    """Rows of general and final combiners, the registers read, and whether a texture's is written; shared by
+    all that pack the same. ``half``: expand_half; ``select``: mux_select.
+    """
+    stages = [
+        [_pack_portion(stage.rgb, False, half, select), _pack_portion(stage.alpha, True, half, select)]
+        for stage in program.general
+    ]
+    final = program.final
+    inputs = (final.a, final.b, final.c, final.d, final.e, final.f, final.g)
+    written = {
+        register
+        for stage in program.general
+        for portion in (stage.rgb, stage.alpha)
+        for register in (portion.ab_output, portion.cd_output, portion.sum_output)
+    }
+    return (
+        np.array(stages, np.int32).reshape(len(stages), 2, R.PORTION_SIZE),
+        np.array([[i.register, i.usage, i.mapping == Mapping.UNSIGNED_INVERT] for i in inputs], np.int32),
+        frozenset(_registers_read(program)),
+        any(Register.TEXTURE0 <= register <= Register.TEXTURE3 for register in written),
+    )
+
+
 def pack_combiners(state, profile, textures, draw):
     """The combiners' entries; returns rows of stages and final combiner, constants, the registers read."""
     program = combiner_program(state, profile, textures)
@@ -109,13 +134,7 @@ def pack_combiners(state, profile, textures, draw):
             set(),
         )
     half, select = profile.arithmetic.expand_half, program.mux_select
-    stages = [
-        [_pack_portion(stage.rgb, False, half, select), _pack_portion(stage.alpha, True, half, select)]
-        for stage in program.general
-    ]
-    final = program.final
-    inputs = (final.a, final.b, final.c, final.d, final.e, final.f, final.g)
-    packed_final = [[i.register, i.usage, i.mapping == Mapping.UNSIGNED_INVERT] for i in inputs]
+    stages, final, used, writes_texture = _stage_rows(program, half, select)
     own = [color_bytes(program.constant_color0), color_bytes(program.constant_color1)]
     constants = [
         [
@@ -125,7 +144,6 @@ def pack_combiners(state, profile, textures, draw):
         for stage in program.general
     ]
     constants.append([*own[0], *own[1]])  # the final combiner's
-    used = _registers_read(program)
     draw[R.STAGES] = len(stages)
     for on, bit in (
         (program.color_sum_clamp, C.COLOR_SUM_CLAMP),
@@ -135,17 +153,6 @@ def pack_combiners(state, profile, textures, draw):
         draw[R.COLOR_SUM] |= bit if on else 0
     draw[R.USES_E_TIMES_F] = Register.E_TIMES_F in used
     draw[R.USES_SPARE0_PLUS_SECONDARY] = Register.SPARE0_PLUS_SECONDARY_COLOR in used
-    written = {
-        register
-        for stage in program.general
-        for portion in (stage.rgb, stage.alpha)
-        for register in (portion.ab_output, portion.cd_output, portion.sum_output)
-    }
-    draw[R.WRITES_TEXTURE] = any(Register.TEXTURE0 <= register <= Register.TEXTURE3 for register in written)
+    draw[R.WRITES_TEXTURE] = writes_texture
     draw[R.STAGE_CONSTANTS] = any(row != constants[0] for row in constants)
-    return (
-        np.array(stages, np.int32).reshape(len(stages), 2, R.PORTION_SIZE),
-        np.array(packed_final, np.int32),
-        np.array(constants, np.int16),
-        used,
-    )
+    return stages, final, np.array(constants, np.int16), used

@@ -1,5 +1,7 @@
 """The rows of texture units: samplers, texture shader stages and comparisons of depth textures."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from fixedpipe.pipeline.enums import (
@@ -28,6 +30,7 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 
 
+@lru_cache(1024)
 def border_texel(color, internal_format):
     """The packed register bytes of a border colour: through the texture's base format."""
     rgba = np.array(color_bytes(color), np.uint8)

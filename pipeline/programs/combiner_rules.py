@@ -2,6 +2,8 @@
 a pass runs.
 """
 
+from functools import wraps
+
 from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, MuxSelect, Register
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.pipeline.state import CombinerInput, FinalCombiner, GeneralCombiner, RegisterCombiners
@@ -9,6 +11,29 @@ from fixedpipe.pipeline.state import CombinerInput, FinalCombiner, GeneralCombin
 READ_ONLY_REGISTERS = frozenset(
     {Register.ZERO, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1, Register.FOG}
 )
+# Of how many programs what follows from their stages is kept.
+_MOST_KEPT = 1024
+
+
+def kept_for_stages(find):
+    """``find(combiners, *more)`` of what follows from general and final combiners alone, and from hashable
+    ``more``: kept, as ``dataclasses.replace`` keeps them where a constant colour changes. By identity, since
+    equal ones may differ in type; what is kept holds them, so that no other has their identity.
+    """
+    kept = {}
+
+    def found(combiners, *more):
+        key = id(combiners.general), id(combiners.final), *more
+        entry = kept.get(key)
+        if entry is None:
+            if len(kept) >= _MOST_KEPT:
+                kept.clear()
+            entry = kept[key] = find(combiners, *more), combiners.general, combiners.final
+        return entry[0]
+
+    return wraps(find)(found)
+
+
 PSEUDO_REGISTERS = frozenset({Register.E_TIMES_F, Register.SPARE0_PLUS_SECONDARY_COLOR})
 _FINAL_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.UNSIGNED_INVERT})
 
@@ -124,20 +149,23 @@ def _final_input_problem(variable, given):
     return None
 
 
+@kept_for_stages
 def combiner_problems(combiners):
     """What every machine with register combiners refuses in ``combiners``, apart from their number.
 
-    Yields (path, sentence). A path leads to the offender: ("general", stage, "rgb" or "alpha", field) or
+    A tuple of (path, sentence). A path leads to the offender: ("general", stage, "rgb" or "alpha", field) or
     ("final", variable). Fields must have the types that ``fixedpipe.pipeline.state`` says.
     Source: NV_register_combiners, Errors.
     """
+    problems = []
     for number, stage in enumerate(combiners.general):
-        yield from _general_problems(number, "rgb", stage.rgb)
-        yield from _general_problems(number, "alpha", stage.alpha)
-        yield from _blue_to_alpha_problems(number, stage)
+        problems += _general_problems(number, "rgb", stage.rgb)
+        problems += _general_problems(number, "alpha", stage.alpha)
+        problems += _blue_to_alpha_problems(number, stage)
     for variable in "abcdefg":
         if problem := _final_input_problem(variable, getattr(combiners.final, variable)):
-            yield ("final", variable), problem
+            problems.append((("final", variable), problem))
+    return tuple(problems)
 
 
 def nv2a_flag(combiners):
@@ -154,8 +182,13 @@ def nv2a_flag(combiners):
 TEXTURE_REGISTERS = (Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3)
 
 
+@kept_for_stages
 def registers_named(combiners):
-    """Every register that an input or output names: yields (place, register)."""
+    """Every register that an input or output names: a tuple of (place, register), each once."""
+    return tuple(dict.fromkeys(_named(combiners)))
+
+
+def _named(combiners):
     for number, stage in enumerate(combiners.general):
         for portion in (stage.rgb, stage.alpha):
             for register in (
@@ -169,10 +202,15 @@ def registers_named(combiners):
         yield "The final combiner", getattr(combiners.final, variable).register
 
 
+@kept_for_stages
 def textures_read(combiners):
-    """Whose texels the combiners read: yields (place, number of a texture unit), once each. A texture
+    """Whose texels the combiners read: a tuple of (place, number of a texture unit), once each. A texture
     register of which the same components were written before holds no texel any more.
     """
+    return tuple(_texels(combiners))
+
+
+def _texels(combiners):
     written, found = set(), set()
 
     def of(place, reads):

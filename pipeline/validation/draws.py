@@ -14,6 +14,8 @@ def draw(walk, command):
         if problem := mesh_problem(mesh):
             walk.refuse(problem)
         checked_meshes.add(mesh)
+        if walk.takes(command):  # another mesh in a state that was checked beside one of its kind
+            return
     pass_state(walk, state, mesh)
     _points_and_lines(walk, state, mesh)
     if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:

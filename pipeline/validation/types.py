@@ -106,13 +106,15 @@ def _long_tuple_check(check_one):
 
 
 def _dataclass_check(kind, checks):
-    checks = [(f.name, checks[f.type]) for f in fields(kind)]
+    # Most fields of most values are what they are by default, and that object is right.
+    checks = [(f.name, f.default, checks[f.type]) for f in fields(kind)]
 
     def check(value):
         if not isinstance(value, kind):
             return Wrong("", f"is {shown(value)}; give a value of type {kind.__name__}")
-        for name, check_field in checks:
-            if wrong := check_field(getattr(value, name)):
+        for name, default, check_field in checks:
+            given = getattr(value, name)
+            if given is not default and (wrong := check_field(given)):
                 return wrong.below(f".{name}")
         return None
 

@@ -43,6 +43,8 @@ from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.sentences import count, shown
 from fixedpipe.pipeline.state import (
     ColorTable,
+    FinalCombiner,
+    GeneralCombiner,
     PassState,
     RegisterCombiners,
     TextureShaderStage,
@@ -80,7 +82,16 @@ if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
 # Parts that many states share, because dataclasses.replace keeps them, are looked at once.
 _CHECKS = TypeChecks(
     whole=(Mesh, Texture),
-    shared=(VertexState, TextureUnit, RegisterCombiners, PixelTransfer, PixelMaps, ColorTable),
+    shared=(
+        VertexState,
+        TextureUnit,
+        RegisterCombiners,
+        GeneralCombiner,
+        FinalCombiner,
+        PixelTransfer,
+        PixelMaps,
+        ColorTable,
+    ),
 )
 
 # What refuses a command of each class: a function of the Walk and the command.

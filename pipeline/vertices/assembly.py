@@ -121,6 +121,13 @@ def assemble(mesh, provoking):
     provoking vertex's.
     """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
+    if mesh.counts is None and mesh.primitive == PrimitiveType.TRIANGLES:  # most meshes: what ``split`` gives
+        whole = stream - stream % 3
+        vertices = np.arange(whole) if mesh.indices is None else mesh.indices[:whole]
+        triangles = np.empty((whole // 3, 4), np.int32)
+        triangles[:, :3] = vertices.reshape(-1, 3)
+        triangles[:, 3] = triangles[:, 0 if provoking == ProvokingVertex.FIRST else 2]
+        return triangles
     counts = [stream] if mesh.counts is None else mesh.counts
     splits = split if mesh.primitive.is_polygons else split_lines
     triangles, _ = splits(mesh.primitive, counts, provoking)

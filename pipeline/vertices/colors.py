@@ -101,13 +101,13 @@ def stacked_colors(count, columns, significant_bits):
     significant_bits: how many bits of a colour's mantissa are kept, the rest truncated, on its way from
     [0, 1] to a byte (section 2.13.9); None: the colours stay float64.
     """
-    result = np.zeros((count, 2, 8), dtype=np.float64 if significant_bits is None else np.uint8)
+    stacked = np.empty((count, len(columns)))
     for index, column in enumerate(columns):
-        if significant_bits is not None:
-            column = color_byte(column, significant_bits)
-        result[:, index // 8, index % 8] = column
-    if len(columns) == 8:
-        result[:, 1] = result[:, 0]
+        stacked[:, index] = column
+    if significant_bits is not None:
+        stacked = color_byte(stacked, significant_bits)
+    result = np.empty((count, 2, 8), dtype=np.float64 if significant_bits is None else np.uint8)
+    result[:, 0], result[:, 1] = stacked[:, :8], stacked[:, -8:]
     return result
 
 

@@ -171,19 +171,21 @@ def _is_covered(mesh, state):
     )
 
 
-def _linear_coordinates(mesh, units, sets, first, sums, position, eye):
-    """Rows of s, t, r, q of every unit; ``first``: the row of the first texture coordinate set."""
+def _linear_coordinates(widths, units, sets, first, sums, position, eye):
+    """Rows of s, t, r, q of every unit; ``widths``: of all texture coordinate sets; ``first``: the row of the
+    first of ``sets``.
+    """
     at = {}
     for number in sets:
         at[number] = first
-        first += _set(mesh, number).shape[1]
+        first += widths[number]
     results = []
     for unit in units:
         if unit is None:
             results += _vector(0, 0)
             continue
-        array = _set(mesh, unit.coordinates)
-        rows = _vector(at.get(unit.coordinates, 0), 0 if array is None else array.shape[1])
+        known = unit.coordinates < len(widths)
+        rows = _vector(at.get(unit.coordinates, 0), widths[unit.coordinates] if known else 0)
         for axis, gen in enumerate(unit.gen):
             if gen.mode != TexGenMode.NONE:
                 rows[axis] = sums.add(gen.plane, position if gen.mode == TexGenMode.OBJECT_LINEAR else eye)
@@ -191,40 +193,87 @@ def _linear_coordinates(mesh, units, sets, first, sums, position, eye):
     return results
 
 
-def _plan(mesh, columns, state, profile, half_size, center, width, height):
-    if not _is_covered(mesh, state):
-        return None
+@dataclass(frozen=True, eq=False, slots=True)
+class _Formula:
+    """What of a Plan follows from a state and from how wide a mesh's arrays are: members as of Plan.
+
+    sets  texture coordinate sets that the kernel reads; units  whose coordinates are the mesh's own, or None
+    """
+
+    sums: np.ndarray
+    coefficients: np.ndarray
+    results: np.ndarray
+    parameters: np.ndarray
+    rows: int
+    units: int
+    sets: tuple
+    own: tuple | None
+    keeps_eye: bool
+    clip: np.ndarray
+
+
+def _formula(widths, state, profile, width, height):
+    """``widths``: of positions and of each texture coordinate set."""
+    half_size, center = viewport_transform(state.vertex.viewport, width, height)
+    components, *of_sets = widths
     units, vertex = state.texture_units, state.vertex
     modes = {gen.mode for unit in units if unit is not None for gen in unit.gen}
     as_given = modes <= {TexGenMode.NONE} and all(u is None or u.matrix == IDENTITY for u in units)
     linear = not as_given and modes <= _LINEAR_MODES
     used = {unit.coordinates for unit in units if unit is not None} if linear else ()
-    sets = tuple(sorted(number for number in used if _set(mesh, number) is not None))
-    given = _given(mesh, columns, sets)
-    sums = _Sums(len(given))
-    components = mesh.positions.shape[1]
+    sets = tuple(sorted(number for number in used if number < len(of_sets)))
+    sums = _Sums(components + sum(of_sets[number] for number in sets))
     position = _vector(V.FIRST_GIVEN, components)
     eye = sums.transform(vertex.modelview, position)
     results = sums.transform(vertex.projection, eye)
-    coordinates = None
-    if as_given:
-        coordinates = _coordinates(mesh, columns, tuple(None if u is None else u.coordinates for u in units))
-    elif linear:
+    if linear:
         first = V.FIRST_GIVEN + components
-        results += _linear_coordinates(mesh, units, sets, first, sums, position, eye)
+        results += _linear_coordinates(of_sets, units, sets, first, sums, position, eye)
     keeps_eye = vertex.lighting is not None or state.fog is not None or not (as_given or linear)
-    return Plan(
-        triangles=_triangles(mesh, columns, state.polygon.provoking_vertex),
-        given=given,
+    return _Formula(
         sums=np.array(sums.sums, np.int32).reshape(-1, 6),
         coefficients=np.array(sums.coefficients, np.float64).reshape(-1, 4),
         results=np.array([*results, *(eye if keeps_eye else ())], np.int32),
         parameters=_parameters(state, profile, half_size, center, width, height),
         rows=sums.rows,
         units=len(units) if linear else 0,
-        coordinates=coordinates,
+        sets=sets,
+        own=tuple(None if u is None else u.coordinates for u in units) if as_given else None,
         keeps_eye=keeps_eye,
         clip=np.array(results[:4] * 2, np.int32),
+    )
+
+
+# By the widths of a mesh's arrays and what of the state they follow from, whatever the mesh: the _Formula,
+# and what the ids name.
+_formulas = {}
+_FORMULAS_KEPT = 1024
+
+
+def _plan(mesh, columns, state, profile, size, key):
+    """``key``: of what of the state and the machine the plan follows from."""
+    if not _is_covered(mesh, state):
+        return None
+    widths = mesh.positions.shape[1], *[array.shape[1] for array in mesh.texture_coordinates]
+    found = _formulas.get((widths, key))
+    if found is None:
+        if len(_formulas) >= _FORMULAS_KEPT:
+            _formulas.clear()
+        held = state.vertex, state.texture_units, state.polygon, profile
+        found = _formulas[widths, key] = _formula(widths, state, profile, *size), *held
+    formula = found[0]
+    return Plan(
+        triangles=_triangles(mesh, columns, state.polygon.provoking_vertex),
+        given=_given(mesh, columns, formula.sets),
+        sums=formula.sums,
+        coefficients=formula.coefficients,
+        results=formula.results,
+        parameters=formula.parameters,
+        rows=formula.rows,
+        units=formula.units,
+        coordinates=None if formula.own is None else _coordinates(mesh, columns, formula.own),
+        keeps_eye=formula.keeps_eye,
+        clip=formula.clip,
     )
 
 
@@ -242,8 +291,7 @@ def plan_of(mesh, columns, state, profile, width, height):
     found = columns.plans.get(key)
     # The entry holds what the ids name, so that they name nothing else while it is there.
     if found is None:
-        half_size, center = viewport_transform(vertex.viewport, width, height)
-        plan = _plan(mesh, columns, state, profile, half_size, center, width, height)
+        plan = _plan(mesh, columns, state, profile, (width, height), key)
         if len(columns.plans) >= _PLANS_KEPT:
             columns.plans.clear()
         found = columns.plans[key] = plan, vertex, units, polygon, profile
