@@ -12,16 +12,17 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
-from bench import limits, processor
+from bench import kinds, limits, processor
 from bench.peers.mesa import environment as mesa_environment
 from bench.peers.mesa import missing
 from bench.scenes import SCENES
 from bench.starting import environment
 
 DEFAULT = ("b", "f3", "e2")
-FEW, MORE = 2, 18
+FEW, MORE = 2, 10
 PERF = ("perf", "stat", "-x", ",", "-e", "instructions:u,cycles:u")
 # The code that both compile is on no file, and replaced while they run.
 VALGRIND = (
@@ -91,9 +92,7 @@ def choose(limit):
 
 def count(counter, party, scene, size):
     """{"instructions": of a fragment or triangle, ...} of a party ("ours", "llvmpipe"), as a float."""
-    variables = {"PYTHONHASHSEED": "0"}
-    if party == "llvmpipe":
-        variables |= mesa_environment(1) | limits.peer_variables()
+    variables = _variables(party)
     command = [sys.executable, "-m", "bench.counted", party, scene.name, str(size)]
     if party == "ours":
         _finish([*command, "0"], variables)  # compiles what the cache lacks
@@ -112,6 +111,7 @@ def main(arguments):
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"{', '.join(DEFAULT)} when none is named")
     parser.add_argument("--cpu", choices=limits.LIMITS, help="limit both to a processor's vectors")
     parser.add_argument("--json", metavar="FILE", help="also write them as one object")
+    parser.add_argument("--kinds", action="store_true", help="by kind, of what each compiles while it runs")
     options = parser.parse_args(arguments)
     options.scenes = options.scenes or DEFAULT
     if unknown := [name for name in options.scenes if name not in SCENES]:
@@ -122,8 +122,7 @@ def main(arguments):
     if options.cpu and limits.current() != options.cpu:
         return limits.run_again(options.cpu, ["counters", *arguments])
     try:
-        counter = choose(options.cpu)
-        found = _table(counter, options, own)
+        found = _kinds(options, own) if options.kinds else _table(choose(options.cpu), options, own)
     except OSError as problem:
         print(problem, file=sys.stderr)
         return 1
@@ -138,21 +137,17 @@ def _table(counter, options, own):
     print(f"{own}; counted by {how}")
     if options.cpu:
         print(f"--cpu {options.cpu}: {limits.LIMITS[options.cpu].means}")
-    parties = ["ours"]
-    if lacking := missing():
-        print(f"Without llvmpipe: {' '.join(lacking)}", file=sys.stderr)
-    else:
-        parties.append("llvmpipe")
-    kinds = ("instructions", "cycles") if counter is by_perf else ("instructions",)
-    names = [f"{party}, {what}" for what in kinds for party in parties]
+    parties = _parties()
+    units = ("instructions", "cycles") if counter is by_perf else ("instructions",)
+    names = [f"{party}, {what}" for what in units for party in parties]
     print("\n" + _row("scene", "of a", *names))
     print(_row(*["---"] * (2 + len(names))))
     rows = []
     for name in options.scenes:
         scene = SCENES[name]
         counted = {party: count(counter, party, scene, scene.size) for party in parties}
-        shown = [counted[party].get(what) for what in kinds for party in parties]
-        of = "triangle" if scene.unit == "Mtriangles/s" else "fragment"
+        shown = [counted[party].get(what) for what in units for party in parties]
+        of = _counted_in(scene)
         print(_row(name, of, *("-" if n is None else f"{n:.3g}" for n in shown)), flush=True)
         rows.append({"scene": name, "of": of, **counted})
     return {
@@ -162,6 +157,47 @@ def _table(counter, options, own):
         "by": how,
         "scenes": rows,
     }
+
+
+def _kinds(options, own):
+    """Count by kind and print; the object of ``--json``."""
+    for program in ("valgrind", "objdump"):
+        if not shutil.which(program):
+            raise OSError(f"--kinds needs {program}, which is not installed.")
+    if options.cpu not in _VALGRINDS:
+        raise OSError("--kinds counts by valgrind, which knows no AVX-512: give --cpu avx2 or generic.")
+    names = ("all", "stack", *kinds.KINDS, "scalars")
+    print(_row("scene", "of a", "whose", *names) + "\n" + _row(*["---"] * (3 + len(names))))
+    rows = []
+    for name in options.scenes:
+        scene, of = SCENES[name], _counted_in(SCENES[name])
+        for party in _parties():
+            variables = _variables(party)
+            command = [sys.executable, "-m", "bench.counted", party, name, str(kinds.EDGE)]
+            if party == "ours":
+                _finish([*command, "0"], variables)  # compiles what the cache lacks
+            found = kinds.count(partial(_finish, variables=variables), command, scene.work(kinds.EDGE))
+            print(_row(name, of, party, *(f"{found[kind]:.3g}" for kind in names)), flush=True)
+            rows.append({"scene": name, "of": of, "party": party, **found})
+    return {"date": processor.today(), "processor": own.as_json(), "cpu": options.cpu, "kinds": rows}
+
+
+def _parties():
+    """Who can draw here: ours, and llvmpipe; says why where it cannot."""
+    if lacking := missing():
+        print(f"Without llvmpipe: {' '.join(lacking)}", file=sys.stderr)
+        return ("ours",)
+    return ("ours", "llvmpipe")
+
+
+def _variables(party):
+    """What the party's process has in its environment."""
+    mesa = mesa_environment(1) | limits.peer_variables() if party == "llvmpipe" else {}
+    return {"PYTHONHASHSEED": "0"} | mesa
+
+
+def _counted_in(scene):
+    return "triangle" if scene.unit == "Mtriangles/s" else "fragment"
 
 
 def _row(*cells):

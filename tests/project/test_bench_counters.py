@@ -2,12 +2,13 @@
 
 import json
 import os
+import shutil
 import sys
 
 import pytest
 
 from bench import __main__ as command_line
-from bench import counted, counters, limits, processor
+from bench import counted, counters, kinds, limits, processor
 from bench.scenes import SCENES
 from bench.starting import environment
 
@@ -81,9 +82,9 @@ def test_a_fragments_share_is_that_of_the_frames_alone(monkeypatch):
     assert counters.count(counter, "llvmpipe", scene, 64) == {"instructions": 50.0}
     assert asked == [
         (["ours", "b", "64", "2"], "0", None),
-        (["ours", "b", "64", "18"], "0", None),
+        (["ours", "b", "64", "10"], "0", None),
         (["llvmpipe", "b", "64", "2"], "0", "0"),
-        (["llvmpipe", "b", "64", "18"], "0", "0"),
+        (["llvmpipe", "b", "64", "10"], "0", "0"),
     ]
 
 
@@ -146,3 +147,116 @@ def test_an_unknown_scene_is_refused(capsys):
 
 def test_children_find_the_checkout():
     assert os.path.isdir(os.path.join(environment()["PYTHONPATH"].split(os.pathsep)[0], "bench"))
+
+
+# ------------------------------------------------------------------------------------- by kind
+
+
+@pytest.mark.parametrize(
+    ("mnemonics", "kind"),
+    [
+        ("vdivpd divss vsqrtps idiv div idivl", "divisions"),
+        ("vgatherdps vpgatherdd vpgatherqq", "gathers"),
+        ("vcvttpd2dq cvtsi2sd vcvtdq2ps", "conversions"),
+        ("vmulpd addsd vfmadd231pd vroundpd vcmpnltpd vandpd", "float64"),
+        ("vmulps addss vfmadd231ps vrcpps vminps", "float32"),
+        (
+            "vpshufb vunpcklpd vpermq vinserti128 vextractf128 vpackssdw vbroadcastsd vpblendw pextrb",
+            "arranging",
+        ),
+        ("vpmovmskb vpmovzxbw vmovlhps movhps", "arranging"),
+        ("mov vmovupd vmovdqa movzbl vmaskmovps vpmaskmovd", "moves"),
+        ("vpmullw vpaddd pand vpsrlw vpmaxsw vpcmpgtd vptest", "integers"),
+        ("add cmp je lea push pop pdep prefetcht0 dec test popcnt", "scalars"),
+    ],
+)
+def test_an_instruction_is_of_one_kind(mnemonics, kind):
+    found = {mnemonic: kinds.kind_of(mnemonic) for mnemonic in mnemonics.split()}
+    assert set(found.values()) == {kind}, found
+
+
+def test_only_what_is_in_no_file_is_counted_and_no_call_twice():
+    lines = """ob=/usr/lib/libc.so.6
+fn=malloc
+0x10 31 1000
+ob=???
+fn=???
+0x1000 0 7
+calls=3 0x2000 0
+0x1004 0 999
+0x1004 0 7
+0x1000 0 1
+"""
+    assert kinds.executed(lines.splitlines()) == {0x1000: 8, 0x1004: 7}
+
+
+# vmulpd %ymm0,%ymm1,%ymm2; vmovupd %ymm2,0x20(%rsp); ret
+_CODE = bytes.fromhex("c5f559d0c5fd11542420c3")
+
+
+@pytest.mark.skipif(not shutil.which("objdump"), reason="needs objdump")
+def test_counted_addresses_are_told_by_kind():
+    regions = [(0x500, b"\x90" * 16), (0x1000, b"\x90" * 8 + _CODE), (0x9000, _CODE)]
+    counts = {0x1008: 5, 0x100C: 4, 0x1012: 3, 0x9000: 100, 0x700: 50}
+    assert kinds.tally(counts, regions) == (({"float64": 105, "moves": 4, "scalars": 3}), 4)
+    assert kinds.tally({0x700: 50}, regions) == ({}, 0)
+
+
+def test_a_processs_executable_memory_is_read_again(tmp_path):
+    maps, memory, file = tmp_path / "maps", tmp_path / "mem", tmp_path / "dump.npz"
+    maps.write_text(
+        "20-24 r-xp 00000000 00:00 0 \n"
+        "10-14 rwxp 00000000 00:00 0 \n"
+        "30-34 rw-p 00000000 00:00 0 \n"
+        "40-44 r-xp 00000000 08:01 77 /usr/lib/libc.so.6\n"
+        "50-8000050 r-xp 00000000 00:00 0 \n"
+    )
+    memory.write_bytes(bytes(range(128)))
+    counted.dump(file, maps, memory)
+    assert counted.read_dump(file) == [(0x10, bytes(range(16, 20))), (0x20, bytes(range(32, 36)))]
+
+
+def test_kinds_are_of_a_fragment_and_the_first_frame_counts(monkeypatch):
+    def run(command):
+        assert command[-4:-1] == ["b", "512", "4"]
+        callgrind = next(word for word in command if word.startswith("--callgrind-out-file="))
+        with open(callgrind.partition("=")[2], "w") as file:
+            file.write("ob=\n0x1000 0 500\n")
+
+    monkeypatch.setattr(kinds, "read_dump", lambda file: [])
+    monkeypatch.setattr(
+        kinds, "tally", lambda counts, regions: ({"float64": counts[0x1000], **_NO_KINDS}, 100)
+    )
+    found = kinds.count(run, ["ours", "b", "512"], work=10)
+    assert (found["all"], found["stack"], found["float64"], found["gathers"]) == (10.0, 2.0, 10.0, 0.0)
+
+
+_NO_KINDS = {kind: 0 for kind in (*kinds.KINDS, "scalars") if kind != "float64"}
+
+
+def test_the_table_by_kind_has_a_row_for_each_party(monkeypatch, capsys):
+    monkeypatch.setenv(limits.VARIABLE, "avx2")
+    monkeypatch.setattr(counters, "missing", list)
+    monkeypatch.setattr(counters, "_finish", lambda command, variables: "")
+    monkeypatch.setattr(shutil, "which", lambda program: program)
+    found = {"all": 50.0, "stack": 12.0, "float64": 11.4, **_NO_KINDS}
+    monkeypatch.setattr(kinds, "count", lambda run, command, work: found)
+    assert command_line.main(["counters", "b", "--kinds", "--cpu", "avx2"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(" | ")[2] for line in lines[2:]] == ["ours", "llvmpipe"]
+    assert lines[2].startswith("| b | fragment | ours | 50 | 12 | 0 | 0 | 0 | 11.4 |")
+
+
+@pytest.mark.parametrize(
+    ("installed", "cpu", "sentence"),
+    [
+        ((), ["--cpu", "avx2"], "--kinds needs valgrind, which is not installed"),
+        (("valgrind",), ["--cpu", "avx2"], "--kinds needs objdump, which is not installed"),
+        (("valgrind", "objdump"), [], "knows no AVX-512: give --cpu avx2 or generic"),
+    ],
+)
+def test_what_kinds_need_is_said(installed, cpu, sentence, monkeypatch, capsys):
+    monkeypatch.setenv(limits.VARIABLE, "avx2")
+    monkeypatch.setattr(shutil, "which", lambda program: program if program in installed else None)
+    assert command_line.main(["counters", "b", "--kinds", *cpu]) == 1
+    assert sentence in capsys.readouterr().err
