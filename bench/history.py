@@ -166,10 +166,12 @@ def sentence(one):
 
 
 def _figure(shown):
-    """matplotlib's figure of Series: a small plot each, the runs in their order, slow-downs in red."""
+    """matplotlib's figure of Series: a small plot each, the runs in their order, slow-downs in red. Where they
+    are of several processors, each says its own.
+    """
     from matplotlib.figure import Figure
 
-    rows = -(-len(shown) // _COLUMNS)
+    rows, several = -(-len(shown) // _COLUMNS), len({one.where for one in shown}) > 1
     figure = Figure(figsize=(_SIZE[0] * _COLUMNS, _SIZE[1] * rows), layout="constrained")
     for number, one in enumerate(shown):
         axes = figure.add_subplot(rows, _COLUMNS, number + 1)
@@ -183,6 +185,8 @@ def _figure(shown):
             axes.plot(places[-1], values[-1], "o", color="#c0392b", markersize=6)
         axes.set_ylim(0, 1.15 * max(values))
         axes.set_title(f"{one.name}: {values[-1]:.4g} {one.unit}", fontsize=9)
+        if several:
+            axes.text(0.02, 0.04, one.where, fontsize=5, transform=axes.transAxes)
         few = sorted({0, len(places) - 1})
         axes.set_xticks(few, [f"{one.points[k].date[:10]}\n{one.points[k].commit}" for k in few], fontsize=6)
         axes.tick_params(axis="y", labelsize=7)
