@@ -124,6 +124,8 @@ def scatter(
         found = scattering.way_of(machine)
         share = maps.photograph(colors) if colors else 0.8 if albedo is None else albedo
         field = scattering.field_of(maps.height_field(heights), found, texels, height_scale, share)
+        # Before minutes of rays are cast for it.
+        scattering.check_panel(field, size)
         announce_compiling()
         with progress(directions) as step:
             begun = 0

@@ -64,10 +64,23 @@ def variant_name(figure, changes):
 _PLAIN = (bool, int, float, str, tuple)
 
 
+def _known(figure):
+    """What may be changed in any of a figure's ways, by name."""
+    return {name: p for method in figure.methods for name, p in figure.parameters_of(method).items()}
+
+
 def _texts(figure, changes):
     """Changed values as the command line takes them, by name."""
-    known = {name: p for method in figure.methods for name, p in figure.parameters_of(method).items()}
+    known = _known(figure)
     return {name: known[name].kind.show(value) for name, value in changes.items()}
+
+
+def plain_values(figure, values):
+    """Values for JSON, by name: numbers as numbers; what JSON has no form for, a height field or an enum's
+    member, as the command line takes it.
+    """
+    known = _known(figure)
+    return {n: v if v is None or isinstance(v, _PLAIN) else known[n].kind.show(v) for n, v in values.items()}
 
 
 def picture_name(name, machine, view):
@@ -130,7 +143,7 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
         "page": _page(figure),
         "techniques": list(figure.techniques),
         "command": _command(figure, machines, size, changes, with_checks),
-        "parameters": dict(figure.values),
+        "parameters": plain_values(figure, figure.values),
         "size": size,
         "width": width,
         "height": height,
@@ -143,10 +156,7 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
     if changes:
         # What must be seen is of the figure's own values.
         del record["must_see"]
-        texts = _texts(figure, changes)
-        # Numbers as numbers; what JSON has no form for, a height field, as the command line takes it.
-        plain = {n: v if isinstance(v, _PLAIN) else texts[n] for n, v in changes.items()}
-        record |= {"figure": figure.id, "set": plain}
+        record |= {"figure": figure.id, "set": plain_values(figure, changes)}
     return Rendered(record, drawing.pictures, drawing.named)
 
 
@@ -240,7 +250,7 @@ class _Drawing:
             "profile": machine,
             "name": profile.name,
             "method": method.name,
-            "parameters": _own_values(method),
+            "parameters": plain_values(self.figure, _own_values(method)),
             "bits": drawn.bits,
             "sha256": digest(drawn.image()),
             "same_bits_as": None if same == machine else same,

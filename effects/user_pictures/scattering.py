@@ -113,6 +113,17 @@ def field_of(heights, found, texels, scale, albedo):
     return height_field(heights.fitted(texels, texels, scale, repeated=True), colors)
 
 
+def check_panel(field, size):
+    """Raises ValueError for a field of more texels than a panel of ``size`` pixels, where its light is
+    gathered.
+    """
+    if field.columns > size:
+        raise ValueError(
+            f"The height field has {field.columns} texels along an edge and a panel {size} pixels, where its "
+            f"light is gathered; give --size {field.columns} or more, or fewer --texels."
+        )
+
+
 def spread(field, directions, progress=None):
     """What a field's texels see along so many directions over the sphere; ``progress`` as of
     ``visibility.precompute``. Raises ValueError for fewer than one.
@@ -158,11 +169,7 @@ def commands(
     """
     found = found or way_of(profile)
     light, texels = tuple(check_light(light).tolist()), field.columns
-    if texels > size:
-        raise ValueError(
-            f"The height field has {texels} texels along an edge and a panel {size} pixels, where its light "
-            f"is gathered; give --size {texels} or more, or fewer --texels."
-        )
+    check_panel(field, size)
     work, total = Panel(0, 0, texels, texels), Panel(texels, 0, texels, texels)
     setup = Setup(field, visibility, profile, work, total)
     numbers = light_transport.sequences(visibility.count, bounces, max(paths, visibility.count), seed)

@@ -170,6 +170,13 @@ def test_what_cannot_be_drawn_is_refused_with_a_sentence(heights, tmp_path, opti
     assert not out.exists()
 
 
+def test_a_panel_that_is_too_small_is_refused_before_rays_are_cast(heights, tmp_path, monkeypatch):
+    monkeypatch.setattr(scattering, "precompute", None)
+    asked = ("--out", tmp_path / "out.png", *SMALL, "--texels", 64)
+    monkeypatch.setattr(scattering, "_can_draw", lambda found, profile: True)
+    assert "give --size 64 or more" in refusal_of("scatter", heights, *asked)
+
+
 def test_files_that_cannot_be_read_are_refused(heights, tmp_path):
     out, empty = tmp_path / "out.png", tmp_path / "empty.png"
     empty.touch()

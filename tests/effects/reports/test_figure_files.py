@@ -14,7 +14,7 @@ from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.figures.figure import Method
 from fixedpipe.effects.reports.figure_files import digests_in, tidy
-from fixedpipe.effects.reports.figure_record import render, steps
+from fixedpipe.effects.reports.figure_record import plain_values, render, steps
 from fixedpipe.effects.reports.pictures import canonical, digest_of
 from fixedpipe.pipeline.commands import Clear
 from fixedpipe.pipeline.framebuffers.pictures import deep_picture
@@ -42,6 +42,16 @@ def drawn(tmp_path_factory):
     folder = tmp_path_factory.mktemp("gallery")
     run("figures", "F004-2", "--size", SIZE, "--out", folder / "out", "--png", folder / "png")
     return folder
+
+
+@pytest.mark.parametrize("figure", FIGURES.values(), ids=FIGURES)
+def test_a_figures_own_values_have_a_form_in_json(figure):
+    """Numbers are numbers, members of enums names, as the command line takes them."""
+    for values in (figure.values, *(figure.values_of(method) for method in figure.methods)):
+        said = json.loads(json.dumps(plain_values(figure, values)))
+        assert set(said) == set(values)
+    if figure.id == "F002-1":
+        assert said["accumulation"] == "ACCUMULATION_BUFFER"
 
 
 def test_a_record_says_what_a_gallery_shows(drawn):
