@@ -56,9 +56,10 @@ PACKAGES = {
         "pipeline": "enums textures commands profiles vertices framebuffers validation native columns",
     },
     "pipeline/ideal": {
-        "raster": "codes floats kernel fixed columns",
+        "raster": "codes floats kernel fixed",
         "pipeline": (
-            "enums pixel_transfer textures commands profiles programs vertices framebuffers validation native"
+            "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
+            "native"
         ),
     },
     "pipeline/golden": {"raster": "kernel"},

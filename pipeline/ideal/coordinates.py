@@ -9,10 +9,12 @@ from numba import float64, int32, int64, types, uint64, void
 
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.floats import TAU
+from fixedpipe.raster.fixed import step_24
+from fixedpipe.raster.floats import SINGLE_BITS, SMALLEST, TAU
 from fixedpipe.raster.kernel import kernel, separate_loop
 
 _ROWS, _TRIANGLES = (types.Array(kind, 2, "C", readonly=True) for kind in (float64, int32))
+_UNIT_OF_ONE = 2.0 ** (1 - SINGLE_BITS)
 _ALONG = types.Tuple((_TRIANGLES, int32[::1], float64[:, ::1]))  # triangles; of fragments: theirs, weights
 
 
@@ -81,17 +83,51 @@ def _divided_change(along, rows, first, step, position, out):
             out[i, c] = (change - position[i, c] * change_of_q) / _divisor(q)
 
 
-@kernel(void(float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1], float64[:, ::1]))
-def _slip(machine, unit, position, bias, slip):
-    """What the machines' s, t, r, q over q lie beside ``position``.
+@kernel
+def _as_machines(v0, v1, v2, q0, q2):
+    """A coordinate by docs/numbers.md, section 6: terms cut to the 24 bits of the largest; and their unit."""
+    a, b = q0 * (v0 - v1), q2 * (v2 - v1)
+    if not (np.isfinite(v1) and np.isfinite(a) and np.isfinite(b)):
+        return np.nan, _UNIT_OF_ONE
+    unit, units = step_24(max(max(max(abs(v1), abs(a)), abs(b)), SMALLEST))
+    return ((np.trunc(v1 * units) + np.trunc(a * units)) + np.trunc(b * units)) * unit, unit
+
+
+@kernel(void(_ALONG, float64[:, ::1], _ROWS, int64, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
+def _slip(along, weights, rows, first, position, bias, slip):
+    """How much the machines' s, t, r over q, by their ``weights`` [2, k], lie beside ``position``.
 
     Undivided coordinates lie at least a unit off an exact boundary, or on it but for the noise of float64.
     """
     separate_loop()
+    triangles, triangle, _ = along
     for i in range(len(position)):
+        t = uint64(triangle[i])
+        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+        q0, q2, divided = weights[0, i], weights[1, i], bias[i, 0] != 0.0
+        q = 1.0
+        if divided:
+            k = uint64(first + 3)
+            q = _divisor(_as_machines(rows[v0, k], rows[v1, k], rows[v2, k], q0, q2)[0])
         for c in range(position.shape[1]):
-            value = machine[i, c] / _divisor(machine[i, 3]) - position[i, c]
-            slip[i, c] = 0.0 if bias[i, 0] == 0.0 and abs(value) < unit[i, c] / 2 else value
+            k = uint64(first + c)
+            value, unit = _as_machines(rows[v0, k], rows[v1, k], rows[v2, k], q0, q2)
+            value = value / q - position[i, c]
+            slip[i, c] = 0.0 if not divided and abs(value) < unit / 2 else value
+
+
+@kernel(void(_ALONG, float64[:, ::1], _ROWS, int64, float64[:, ::1]))
+def _directions_as_machines(along, weights, rows, first, out):
+    """The machines' s, t and r, by their ``weights`` [2, k]."""
+    separate_loop()
+    triangles, triangle, _ = along
+    for i in range(len(out)):
+        t = uint64(triangle[i])
+        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+        for c in range(3):
+            k = uint64(first + c)
+            value, _ = _as_machines(rows[v0, k], rows[v1, k], rows[v2, k], weights[0, i], weights[1, i])
+            out[i, c] = value
 
 
 def place(target, weights, rows, first=0, nearest=True, changing=True):
@@ -105,8 +141,8 @@ def place(target, weights, rows, first=0, nearest=True, changing=True):
         on_cube = project_on_cube(direction, *(weights.changes_of(rows, first) if changing else ()))
         if not nearest:
             return on_cube
-        machine, _ = weights.iterate_as_machines(rows, first)
-        slip = np.empty_like(on_cube.position)
+        machine, slip = np.empty((len(weights), 3)), np.empty_like(on_cube.position)
+        _directions_as_machines(weights.along, weights.machine, rows, first, machine)
         _place_on_face(machine, on_cube.face, slip)
         return replace(on_cube, slip=slip - on_cube.position)
     count, axes = len(weights), _axes(target)
@@ -115,7 +151,7 @@ def place(target, weights, rows, first=0, nearest=True, changing=True):
     slip = dx = dy = none
     if nearest:
         slip = np.empty_like(position)
-        _slip(*weights.iterate_as_machines(rows, first), position, bias, slip)
+        _slip(weights.along, weights.machine, rows, first, position, bias, slip)
     if changing:
         dx, dy = np.empty((2, count, axes))
         for step, change in zip(weights.changes, (dx, dy), strict=True):

@@ -33,12 +33,12 @@ from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.ideal.buffers import IdealBuffers, accumulate, clear, read_pixels, saturate
-from fixedpipe.pipeline.ideal.per_fragment import write, write_tested, writes_depth
+from fixedpipe.pipeline.ideal.per_fragment import write, write_tested, writes_color, writes_depth
 from fixedpipe.pipeline.ideal.rectangles import draw_rectangle
 from fixedpipe.pipeline.ideal.result import IdealResult
-from fixedpipe.pipeline.ideal.shade import shade
+from fixedpipe.pipeline.ideal.shade import plan_for, shade
 from fixedpipe.pipeline.ideal.textures import copied_texture, replaced_texture, with_ideal
-from fixedpipe.pipeline.ideal.weights import mesh_of, weigh
+from fixedpipe.pipeline.ideal.weights import fragments_of, mesh_of, pixels_of, weigh
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
@@ -46,62 +46,78 @@ from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices.stage import process
-from fixedpipe.raster.columns.per_fragment import in_order
 
-# Fragments shaded at a time: bounds the columns' memory to some megabytes a thread, and changes no value.
-_CHUNK = 1 << 14
-
+# Fragments shaded at a time, and so many times by a thread before all is written: what is computed stays in
+# the cache, and no value changes.
+_CHUNK, _AT_ONCE = 1 << 13, 2
 
 _DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 
-def _draw(command, buffers, textures, width, height, depth_bits, record, threads):
-    state = command.state
-    primitives = process(command.mesh, state, IDEAL, width, height)
-    if record is None:
+def _draw(command, written, textures, size, depth_bits, record, threads):
+    """A Draw's fragments, of its own coverage or those of a guide's ``record`` that passed: shaded by all
+    threads, and written in order.
+    """
+    state, guided = command.state, record is not None
+    primitives = process(command.mesh, state, IDEAL, *size)
+    if guided:
+        _check_triangles(command, record, primitives)
+        if not writes_color(state) and not writes_depth(state):
+            return
+    else:
         # Coverage has no use for colours, and its kernels take bytes.
         uncolored = replace(primitives, colors=np.zeros(primitives.colors.shape, np.uint8))
-        fragments = rasterize(uncolored, IDEAL, state.polygon, state.scissor, width, height)
-        triangle, x, y = fragments.triangle, fragments.x, fragments.y
-    else:
-        passed = np.asarray(record.passed, bool)
-        triangle, x, y = record.triangle[passed], record.x[passed], record.y[passed]
-        if len(triangle) and triangle.max() >= len(primitives.triangles):
-            raise ValueError(
-                f"{command.label}: the guide drew triangle {int(triangle.max())}, but this mesh gives "
-                f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
-            )
-    mesh = mesh_of(primitives)
-    color, z = np.empty((len(triangle), 4)), np.empty(len(triangle))
-    alive = np.ones(len(triangle), bool)
+        record = rasterize(uncolored, IDEAL, state.polygon, state.scissor, *size)
+    tests_alpha = state.alpha_test is not None and not guided
+    colored = writes_color(state) or tests_alpha or state.texture_shader is not None
+    deep = writes_depth(state) if guided else state.depth_test is not None
+    mesh, width, plan = mesh_of(primitives), size[0], plan_for(state, textures)
+
+    def shaded(part):
+        """Pixels, colours and depths of what is alive in a slice of the record."""
+        where = fragments_of(record, part, guided)
+        weights = weigh(mesh, state.polygon.front_face, *where)
+        color, z, outcome = np.zeros((0, 4)), np.zeros(0), None
+        if colored:
+            color, outcome = shade(state, textures, primitives, plan, weights)
+        if deep:
+            z = weights.depths(primitives.z, state.polygon, depth_bits)
+        pixel = pixels_of(where, width)
+        if outcome is None:
+            return pixel, color, z
+        if outcome.depth is not None:
+            z = outcome.depth
+        if guided or outcome.alive.all():
+            return pixel, color, z
+        return pixel[outcome.alive], color[outcome.alive], z[outcome.alive] if deep else z
 
     def share(number):
         # Derivatives of projections that blow up are looked at afterwards, as not finite.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            for start in range(number * _CHUNK, len(triangle), threads.count * _CHUNK):
-                part = slice(start, start + _CHUNK)
-                weights = weigh(mesh, state.polygon.front_face, triangle[part], x[part], y[part])
-                color[part], outcome = shade(state, textures, primitives, weights)
-                if record is not None and not writes_depth(state):
-                    continue
-                z[part] = weights.depths(primitives.z, state.polygon, depth_bits)
-                if outcome is not None:
-                    alive[part] = outcome.alive if record is None else True
-                    z[part] = z[part] if outcome.depth is None else outcome.depth
+            for k in range(number, len(parts), threads.count):
+                done[k] = shaded(parts[k])
         return 0
 
-    if len(triangle) <= _CHUNK:
-        share(0)  # waking the others costs more than a few hundred fragments
-    else:
-        threads.run(share)
-    pixel = y.astype(np.int64) * width + x
-    if not alive.all():
-        pixel, color, z = pixel[alive], color[alive], z[alive]
-    for once in in_order(pixel):
-        if record is None:
-            write_tested(state, buffers, pixel[once], color[once], z[once])
+    chunks = [slice(k, k + _CHUNK) for k in range(0, len(record.triangle), _CHUNK)]
+    for first in range(0, len(chunks), _AT_ONCE * threads.count):
+        parts = chunks[first : first + _AT_ONCE * threads.count]
+        done = [None] * len(parts)
+        if len(parts) < threads.count:
+            for number in range(len(parts)):  # waking the others costs more than a few hundred fragments
+                share(number)
         else:
-            write(state, buffers, pixel[once], color[once], z[once])
+            threads.run(share)
+        for fragments in done:
+            (write if guided else write_tested)(state, written, *fragments)
+
+
+def _check_triangles(command, record, primitives):
+    highest = int(record.triangle.max(initial=-1, where=record.passed != 0))
+    if highest >= len(primitives.triangles):
+        raise ValueError(
+            f"{command.label}: the guide drew triangle {highest}, but this mesh gives "
+            f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
+        )
 
 
 def _drew_otherwise(guide, draws):
@@ -183,7 +199,7 @@ class _Evaluation:
     def draw(self, command):
         written = self.buffers.buffer(command.state.draw_buffer)
         size, record = (self.width, self.height), self.next_record()
-        _draw(command, written, self.textures, *size, self.depth_bits, record, self.threads)
+        _draw(command, written, self.textures, size, self.depth_bits, record, self.threads)
 
     def rectangle(self, command):
         draw_rectangle(command, self.buffers, self.textures, self.statistics, self.next_record())
@@ -205,7 +221,7 @@ class _Evaluation:
     def define(self, command, texture):
         """Store a texture, unless a histogram's or minmax's sink took its image."""
         if texture is not None:
-            self.textures[command.texture] = texture
+            self.textures[command.texture] = with_ideal(texture)
 
     def read_pixels(self, command):
         source = self.buffers.buffer(command.read_buffer)

@@ -1,122 +1,236 @@
-"""Per-fragment operations (section 4.1) on real colours and depths: tests, blending, logic operations."""
+"""Per-fragment operations (section 4.1) on real colours and depths: tests, blending, logic operations.
+
+Fragments are taken one after the other, in draw order: several may be of one pixel.
+"""
 
 import numpy as np
+from numba import float64, int64, types, uint8, void
 
-from fixedpipe.pipeline.enums import BlendEquation, BlendFactor, ComparisonFunction, StencilOperation
+from fixedpipe.pipeline.enums import BlendEquation, BlendFactor
 from fixedpipe.pipeline.ideal.buffers import written_channels
-from fixedpipe.pipeline.ideal.result import to_bytes
+from fixedpipe.raster import codes as C
+from fixedpipe.raster.kernel import kernel, separate_loop
+
+# What a blend factor is made of, and the number before it and its sign: the factor is base + sign * value.
+_NOTHING, _SOURCE, _DESTINATION, _CONSTANT, _SATURATED = range(5)
+_COLOR, _ALPHA = range(2)
+_FACTORS = {
+    BlendFactor.ZERO: (_NOTHING, _COLOR, 0.0, 1.0),
+    BlendFactor.ONE: (_NOTHING, _COLOR, 1.0, 1.0),
+    BlendFactor.SRC_COLOR: (_SOURCE, _COLOR, 0.0, 1.0),
+    BlendFactor.ONE_MINUS_SRC_COLOR: (_SOURCE, _COLOR, 1.0, -1.0),
+    BlendFactor.DST_COLOR: (_DESTINATION, _COLOR, 0.0, 1.0),
+    BlendFactor.ONE_MINUS_DST_COLOR: (_DESTINATION, _COLOR, 1.0, -1.0),
+    BlendFactor.SRC_ALPHA: (_SOURCE, _ALPHA, 0.0, 1.0),
+    BlendFactor.ONE_MINUS_SRC_ALPHA: (_SOURCE, _ALPHA, 1.0, -1.0),
+    BlendFactor.DST_ALPHA: (_DESTINATION, _ALPHA, 0.0, 1.0),
+    BlendFactor.ONE_MINUS_DST_ALPHA: (_DESTINATION, _ALPHA, 1.0, -1.0),
+    BlendFactor.SRC_ALPHA_SATURATE: (_SATURATED, _COLOR, 0.0, 1.0),
+    BlendFactor.CONSTANT_COLOR: (_CONSTANT, _COLOR, 0.0, 1.0),
+    BlendFactor.ONE_MINUS_CONSTANT_COLOR: (_CONSTANT, _COLOR, 1.0, -1.0),
+    BlendFactor.CONSTANT_ALPHA: (_CONSTANT, _ALPHA, 0.0, 1.0),
+    BlendFactor.ONE_MINUS_CONSTANT_ALPHA: (_CONSTANT, _ALPHA, 1.0, -1.0),
+}
+_EQUATIONS = {
+    BlendEquation.FUNC_ADD,
+    BlendEquation.FUNC_SUBTRACT,
+    BlendEquation.FUNC_REVERSE_SUBTRACT,
+    BlendEquation.MIN,
+    BlendEquation.MAX,
+}
+
+_FACTOR = types.Tuple((int64, int64, float64, float64))
+_FOUR = types.UniTuple(float64, 4)
+_MASK = types.UniTuple(int64, 4)
+_PLACE = types.Tuple((int64[::1], float64[:, ::1], _MASK, float64[:, ::1]))  # pixels, colours; mask, buffer
 
 
-def compare(function, a, b):
-    """``a FUNC b``, bool, elementwise (section 4.1)."""
-    return {
-        ComparisonFunction.NEVER: lambda: np.zeros(np.broadcast(a, b).shape, bool),
-        ComparisonFunction.LESS: lambda: a < b,
-        ComparisonFunction.EQUAL: lambda: a == b,
-        ComparisonFunction.LEQUAL: lambda: a <= b,
-        ComparisonFunction.GREATER: lambda: a > b,
-        ComparisonFunction.NOTEQUAL: lambda: a != b,
-        ComparisonFunction.GEQUAL: lambda: a >= b,
-        ComparisonFunction.ALWAYS: lambda: np.ones(np.broadcast(a, b).shape, bool),
-    }[function]()
+@kernel
+def _holds(function, a, b):
+    """``a FUNC b`` (section 4.1): the function has a bit each for less, equal and greater."""
+    if a < b:
+        return (function & C.COMPARISON_LESS) != 0
+    if a > b:
+        return (function & C.COMPARISON_GREATER) != 0
+    if a == b:
+        return (function & C.COMPARISON_EQUAL) != 0
+    return function == C.COMPARISON_NOTEQUAL or function == C.COMPARISON_ALWAYS  # one is no number
 
 
-def _stencil_operation(operation, stored, reference):
-    return {
-        StencilOperation.KEEP: lambda: stored,
-        StencilOperation.ZERO: lambda: np.zeros_like(stored),
-        StencilOperation.REPLACE: lambda: np.full_like(stored, reference),
-        StencilOperation.INCR: lambda: np.minimum(stored + 1, 255),
-        StencilOperation.DECR: lambda: np.maximum(stored - 1, 0),
-        StencilOperation.INVERT: lambda: 255 - stored,
-        StencilOperation.INCR_WRAP: lambda: (stored + 1) & 255,
-        StencilOperation.DECR_WRAP: lambda: (stored - 1) & 255,
-    }[operation]()
+@kernel
+def _stencil_result(operation, stored, reference):
+    """Section 4.1.4 and EXT_stencil_wrap, of 8 bits."""
+    if operation == C.STENCIL_ZERO:
+        return 0
+    if operation == C.STENCIL_REPLACE:
+        return reference
+    if operation == C.STENCIL_INCR:
+        return min(stored + 1, 255)
+    if operation == C.STENCIL_DECR:
+        return max(stored - 1, 0)
+    if operation == C.STENCIL_INVERT:
+        return 255 - stored
+    if operation == C.STENCIL_INCR_WRAP:
+        return (stored + 1) & 255
+    if operation == C.STENCIL_DECR_WRAP:
+        return (stored - 1) & 255
+    return stored  # STENCIL_KEEP
 
 
-def blend_factor(factor, source, destination, constant):
-    """A factor of tables 4.1 and 4.2, float64 broadcastable to [k, 4], of unclamped colours."""
-    one = np.ones((1, 4))
-
-    def saturate():
-        room = np.minimum(source[:, 3:], 1.0 - destination[:, 3:])
-        return np.concatenate([room, room, room, np.ones_like(room)], axis=1)
-
-    return {
-        BlendFactor.ZERO: lambda: 0.0 * one,
-        BlendFactor.ONE: lambda: one,
-        BlendFactor.SRC_COLOR: lambda: source,
-        BlendFactor.ONE_MINUS_SRC_COLOR: lambda: 1.0 - source,
-        BlendFactor.DST_COLOR: lambda: destination,
-        BlendFactor.ONE_MINUS_DST_COLOR: lambda: 1.0 - destination,
-        BlendFactor.SRC_ALPHA: lambda: source[:, 3:],
-        BlendFactor.ONE_MINUS_SRC_ALPHA: lambda: 1.0 - source[:, 3:],
-        BlendFactor.DST_ALPHA: lambda: destination[:, 3:],
-        BlendFactor.ONE_MINUS_DST_ALPHA: lambda: 1.0 - destination[:, 3:],
-        BlendFactor.SRC_ALPHA_SATURATE: saturate,
-        BlendFactor.CONSTANT_COLOR: lambda: constant,
-        BlendFactor.ONE_MINUS_CONSTANT_COLOR: lambda: 1.0 - constant,
-        BlendFactor.CONSTANT_ALPHA: lambda: constant[3:],
-        BlendFactor.ONE_MINUS_CONSTANT_ALPHA: lambda: 1.0 - constant[3:],
-    }[factor]()
+# Of each test whether it is asked, first; then the alpha test's function and reference, the depth test's
+# function and whether it writes, the stencil test's function, reference, masks and operations.
+_ALPHA_TEST = types.Tuple((int64, int64, float64))
+_DEPTH_TEST = types.UniTuple(int64, 3)
+_STENCIL_TEST = types.UniTuple(int64, 8)
+_TESTED = types.Tuple((int64[::1], float64[:, ::1], float64[::1]))  # pixels, colours, depths
 
 
-def blend(blending, source, destination):
-    """Section 4.1.6 on float64 [k, 4] colours, without a clamp of the result."""
-    if blending.equation is BlendEquation.MIN:
-        return np.minimum(source, destination)
-    if blending.equation is BlendEquation.MAX:
-        return np.maximum(source, destination)
-    constant = np.array(blending.color, np.float64)
-    s = source * blend_factor(blending.source, source, destination, constant)
-    d = destination * blend_factor(blending.destination, source, destination, constant)
-    if blending.equation is BlendEquation.FUNC_ADD:
-        return s + d
-    if blending.equation is BlendEquation.FUNC_SUBTRACT:
-        return s - d
-    if blending.equation is BlendEquation.FUNC_REVERSE_SUBTRACT:
-        return d - s
-    raise ValueError(f"The ideal machine has no blend equation {blending.equation.name}.")
+@kernel(void(_TESTED, _ALPHA_TEST, _DEPTH_TEST, _STENCIL_TEST, float64[::1], uint8[::1], uint8[::1]))
+def _test(fragments, alpha_test, depth_test, stencil_test, depth, stencil, alive):
+    """Alpha, stencil and depth test; new stencil values and depths; which fragments pass."""
+    separate_loop()
+    pixel, color, z = fragments
+    asks_alpha, alpha_function, least = alpha_test
+    asks_depth, depth_function, writes = depth_test
+    asks_stencil, stencil_function, reference, mask, write_mask, fail, depth_fail, depth_pass = stencil_test
+    for i in range(len(pixel)):
+        at, passed = pixel[i], True
+        if asks_alpha:
+            passed = _holds(alpha_function, color[i, 3], least)
+        if passed:
+            if asks_depth:
+                passed = _holds(depth_function, z[i], depth[at])
+            if asks_stencil:
+                stored = int64(stencil[at])
+                agreed = _holds(stencil_function, reference & mask, stored & mask)
+                operation = (depth_pass if passed else depth_fail) if agreed else fail
+                new = _stencil_result(operation, stored, reference)
+                stencil[at] = uint8((stored & ~write_mask) | (new & write_mask))
+                passed = passed and agreed
+            if passed and writes:
+                depth[at] = z[i]
+        alive[i] = passed
 
 
-def apply_logic_operation(operation, source, destination):
-    """Table 4.3 on the bytes nearest to the colours: bits have no meaning in the real numbers."""
-    s, d = to_bytes(source), to_bytes(destination)
-    out = np.zeros_like(s)
-    for bit, minterm in enumerate((s & d, s & ~d, ~s & d, ~s & ~d)):
-        if operation >> bit & 1:
-            out |= minterm
-    return out / 255.0
+@kernel(void(_PLACE))
+def _write_plain(place):
+    """Colours as they are, the last of a pixel."""
+    separate_loop()
+    pixel, source, mask, color = place
+    for i in range(len(pixel)):
+        for c in range(4):
+            if mask[c]:
+                color[pixel[i], c] = source[i, c]
+
+
+@kernel
+def _factor(factor, c, source, destination, constant):
+    """A factor of tables 4.1 and 4.2 for component ``c``."""
+    what, which, base, sign = factor
+    k = 3 if which == _ALPHA else c
+    if what == _NOTHING:
+        return base
+    if what == _SATURATED:
+        if c == 3:
+            return 1.0
+        room = 1.0 - destination[3]
+        return source[3] if source[3] <= room or np.isnan(source[3]) else room
+    value = constant[k]
+    if what == _SOURCE:
+        value = source[k]
+    elif what == _DESTINATION:
+        value = destination[k]
+    return base + sign * value
+
+
+@kernel(void(_PLACE, int64, _FACTOR, _FACTOR, _FOUR))
+def _write_blended(place, equation, of_source, of_destination, constant):
+    """Section 4.1.6, without a clamp of the result."""
+    separate_loop()
+    pixel, colors, mask, color = place
+    for i in range(len(pixel)):
+        at = pixel[i]
+        source = colors[i, 0], colors[i, 1], colors[i, 2], colors[i, 3]
+        destination = color[at, 0], color[at, 1], color[at, 2], color[at, 3]
+        for c in range(4):
+            s, d = source[c], destination[c]
+            if equation == C.EQUATION_MIN:
+                result = s if s <= d or np.isnan(s) else d
+            elif equation == C.EQUATION_MAX:
+                result = s if s >= d or np.isnan(s) else d
+            else:  # FUNC_ADD, FUNC_SUBTRACT and FUNC_REVERSE_SUBTRACT
+                s *= _factor(of_source, c, source, destination, constant)
+                d *= _factor(of_destination, c, source, destination, constant)
+                if equation == C.EQUATION_FUNC_SUBTRACT:
+                    result = s - d
+                elif equation == C.EQUATION_FUNC_REVERSE_SUBTRACT:
+                    result = d - s
+                else:  # EQUATION_FUNC_ADD
+                    result = s + d
+            if mask[c]:
+                color[at, c] = result
+
+
+@kernel
+def _byte(value):
+    """The byte nearest to a colour, halves up."""
+    return int64(np.floor(min(max(value, 0.0), 1.0) * 255.0 + 0.5))
+
+
+@kernel(void(_PLACE, _MASK))
+def _write_combined(place, minterms):
+    """Table 4.3 on the bytes nearest to the colours: bits have no meaning in the real numbers. ``minterms``:
+    1 for those that the result has.
+    """
+    separate_loop()
+    pixel, source, mask, color = place
+    both, first, second, neither = minterms
+    for i in range(len(pixel)):
+        for c in range(4):
+            if mask[c]:
+                s, d = _byte(source[i, c]), _byte(color[pixel[i], c])
+                out = (s & d) * both | (s & ~d) * first
+                out |= (~s & d) * second | (~s & ~d & 255) * neither
+                color[pixel[i], c] = float64(out) / 255.0
 
 
 def write_tested(state, buffers, pixel, source, z):
-    """Alpha, stencil and depth test on reals, then the writes; each pixel occurs once."""
-    if state.alpha_test is not None:
-        keep = compare(state.alpha_test.function, source[:, 3], state.alpha_test.reference)
-        pixel, source, z = pixel[keep], source[keep], z[keep]
-    depth = buffers.depth.reshape(-1)
-    closer = np.ones(len(pixel), bool)
-    if state.depth_test is not None:
-        closer = compare(state.depth_test.function, z, depth[pixel])
-    passed = closer
-    test = state.stencil_test
-    if test is not None:
-        stencil = buffers.stencil.reshape(-1)
-        stored = stencil[pixel].astype(np.int64)
-        reference = min(max(test.reference, 0), 255)
-        agreed = compare(test.function, np.int64(reference & test.mask), stored & test.mask)
-        new = np.where(
-            agreed,
-            np.where(
-                closer,
-                _stencil_operation(test.depth_pass, stored, reference),
-                _stencil_operation(test.depth_fail, stored, reference),
-            ),
-            _stencil_operation(test.fail, stored, reference),
+    """Alpha, stencil and depth test on reals, then the writes. ``pixel`` int64, ``z`` float64 [k]; ``source``
+    float64 [k, 4]. Those that no test and no write asks for may be empty.
+    """
+    alpha, depth, test = state.alpha_test, state.depth_test, state.stencil_test
+    if alpha is not None or depth is not None or test is not None:
+        alive = np.empty(len(pixel), np.uint8)
+        _test(
+            (pixel, source, z),
+            (0, 0, 0.0) if alpha is None else (1, int(alpha.function), float(alpha.reference)),
+            (0, 0, 0) if depth is None else (1, int(depth.function), int(depth.write)),
+            (0,) * 8 if test is None else _stencil(test),
+            buffers.depth.reshape(-1),
+            buffers.stencil.reshape(-1),
+            alive,
         )
-        stencil[pixel] = (stored & ~test.write_mask) | (new & test.write_mask)
-        passed = agreed & closer
-    write(state, buffers, pixel[passed], source[passed], z[passed])
+        if writes_color(state) and not alive.all():
+            passed = alive.view(bool)
+            pixel, source = pixel[passed], source[passed]
+    _write_color(state, buffers, pixel, source)
+
+
+def _stencil(test):
+    operations = (int(operation) for operation in (test.fail, test.depth_fail, test.depth_pass))
+    return (
+        1,
+        int(test.function),
+        min(max(test.reference, 0), 255),
+        int(test.mask),
+        int(test.write_mask),
+        *operations,
+    )
+
+
+def writes_color(state):
+    """Whether a pass changes some component of the colours."""
+    return bool(written_channels(state.color_mask).any())
 
 
 def writes_depth(state):
@@ -132,11 +246,18 @@ def write(state, buffers, pixel, source, z):
 
 
 def _write_color(state, buffers, pixel, source):
-    """Blending or logic operation, then the color mask; each pixel occurs once."""
-    color = buffers.color.reshape(-1, 4)
-    destination = color[pixel]
+    """Blending or logic operation, then the color mask."""
+    mask = tuple(written_channels(state.color_mask).astype(int).tolist())
+    if not any(mask):
+        return
+    place = pixel, source, mask, buffers.color.reshape(-1, 4)
     if state.logic_op is not None:
-        source = apply_logic_operation(state.logic_op, source, destination)
+        _write_combined(place, tuple(state.logic_op >> bit & 1 for bit in range(4)))
     elif state.blending is not None:
-        source = blend(state.blending, source, destination)
-    color[pixel] = np.where(written_channels(state.color_mask), source, destination)
+        blending = state.blending
+        if blending.equation not in _EQUATIONS:
+            raise ValueError(f"The ideal machine has no blend equation {blending.equation.name}.")
+        factors = _FACTORS[blending.source], _FACTORS[blending.destination]
+        _write_blended(place, int(blending.equation), *factors, tuple(map(float, blending.color)))
+    else:
+        _write_plain(place)

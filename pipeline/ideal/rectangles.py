@@ -27,7 +27,7 @@ from fixedpipe.pipeline.framebuffers.transfer import (
 from fixedpipe.pipeline.ideal.coordinates import reference_of, still_place
 from fixedpipe.pipeline.ideal.per_fragment import write, write_tested
 from fixedpipe.pipeline.ideal.sample import sample
-from fixedpipe.pipeline.ideal.shade import shade_colors
+from fixedpipe.pipeline.ideal.shade import plan_for, shade_colors
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 
@@ -201,7 +201,8 @@ def draw_rectangle(command, buffers, textures, statistics, record):
             parts[:, 3] = found.texel_alpha
         return parts
 
-    color = shade_colors(state, textures, found.primary, found.secondary, found.distances, texel)
+    plan = plan_for(state, textures)
+    color = shade_colors(state, textures, plan, found.primary, found.secondary, found.distances, texel)
     written = buffers.buffer(state.draw_buffer)
     if record is None:
         write_tested(state, written, found.pixel, color, found.depth)

@@ -19,7 +19,7 @@ from fixedpipe.pipeline.textures.images import (
 )
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.floats import TAU
-from fixedpipe.raster.kernel import kernel, separate_loop
+from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 
 _LEVEL = types.Array(float64, 4, "C", readonly=True)
 
@@ -168,23 +168,39 @@ def _rows(level, position, i, wrap):
 
 
 @kernel
-def _filtered_plane(level, plane, columns, rows, border, reader, reference):
-    """Four texels of a plane, filtered."""
+def _filtered_plane(level, layer, columns, rows, border, reader, reference):
+    """Four texels of a plane, filtered, each as a reader or the border makes it."""
+    separate_function()
     left, right, across = columns
     lower, upper, up = rows
     below = _between(
-        _texel(level, (plane, lower, left), border, reader, reference),
-        _texel(level, (plane, lower, right), border, reader, reference),
+        _texel(level, (layer, lower, left), border, reader, reference),
+        _texel(level, (layer, lower, right), border, reader, reference),
         across,
     )
     if lower == upper and up == 0.0:
         return below
     above = _between(
-        _texel(level, (plane, upper, left), border, reader, reference),
-        _texel(level, (plane, upper, right), border, reader, reference),
+        _texel(level, (layer, upper, left), border, reader, reference),
+        _texel(level, (layer, upper, right), border, reader, reference),
         across,
     )
     return _between(below, above, up)
+
+
+@kernel
+def _plain_plane(level, layer, columns, rows, c):
+    """A component of four texels of a plane, filtered: those as they are, of which none is the border's."""
+    p, left, right = uint64(layer), uint64(columns[0]), uint64(columns[1])
+    lower, upper = uint64(rows[0]), uint64(rows[1])
+    below = level[p, lower, left, c] + (level[p, lower, right, c] - level[p, lower, left, c]) * columns[2]
+    above = level[p, upper, left, c] + (level[p, upper, right, c] - level[p, upper, left, c]) * columns[2]
+    return below + (above - below) * rows[2]
+
+
+@kernel
+def _all_inside(columns, rows):
+    return min(min(columns[0], columns[1]), min(rows[0], rows[1])) >= 0
 
 
 @kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
@@ -193,14 +209,19 @@ def _linear(sampled, chosen, number, last, how, out):
     separate_loop()
     level, position, face, reference = sampled
     wraps, border, reader = how
+    plain = reader[_KIND] == _AS_IT_IS
     for i in range(len(position)):
         weight = _weight(chosen, number, last, i)
         if weight > 0.0:
-            compared = reference[i] if len(reference) else 0.0
             columns = _along(position[i, 0] * level.shape[2], level.shape[2], wraps[0], True)
             rows = _rows(level, position, i, wraps[1])
-            color = _filtered_plane(level, face[i], columns, rows, border, reader, compared)
-            _add(out, i, weight, color)
+            if plain and _all_inside(columns, rows):
+                for c in range(4):
+                    out[i, c] += weight * _plain_plane(level, face[i], columns, rows, c)
+            else:
+                compared = reference[i] if len(reference) else 0.0
+                color = _filtered_plane(level, face[i], columns, rows, border, reader, compared)
+                _add(out, i, weight, color)
 
 
 @kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
@@ -209,19 +230,26 @@ def _linear_in_volume(sampled, chosen, number, last, how, out):
     separate_loop()
     level, position, _, reference = sampled
     wraps, border, reader = how
+    plain = reader[_KIND] == _AS_IT_IS
     for i in range(len(position)):
         weight = _weight(chosen, number, last, i)
         if weight > 0.0:
-            compared = reference[i] if len(reference) else 0.0
             columns = _along(position[i, 0] * level.shape[2], level.shape[2], wraps[0], True)
             rows = _rows(level, position, i, wraps[1])
             near, far, deep = _along(position[i, 2] * level.shape[0], level.shape[0], wraps[2], True)
-            color = _between(
-                _filtered_plane(level, near, columns, rows, border, reader, compared),
-                _filtered_plane(level, far, columns, rows, border, reader, compared),
-                deep,
-            )
-            _add(out, i, weight, color)
+            if plain and _all_inside(columns, rows) and min(near, far) >= 0:
+                for c in range(4):
+                    first = _plain_plane(level, near, columns, rows, c)
+                    second = _plain_plane(level, far, columns, rows, c)
+                    out[i, c] += weight * (first + (second - first) * deep)
+            else:
+                compared = reference[i] if len(reference) else 0.0
+                color = _between(
+                    _filtered_plane(level, near, columns, rows, border, reader, compared),
+                    _filtered_plane(level, far, columns, rows, border, reader, compared),
+                    deep,
+                )
+                _add(out, i, weight, color)
 
 
 @kernel
@@ -238,17 +266,22 @@ def _nearest(sampled, chosen, number, last, how, slip, bias, out):
     separate_loop()
     level, position, face, reference = sampled
     wraps, border, reader = how
+    plain = reader[_KIND] == _AS_IT_IS
     for i in range(len(position)):
         weight = _weight(chosen, number, last, i)
         if weight > 0.0:
             column = _nearest_along(position[i, 0], slip[i, 0], bias[i, 0], level.shape[2], wraps[0])
-            row, plane = 0, face[i]
+            row, layer = 0, face[i]
             if wraps[1] != _NO_ROWS:
                 row = _nearest_along(position[i, 1], slip[i, 1], bias[i, 0], level.shape[1], wraps[1])
             if position.shape[1] == 3:
-                plane = _nearest_along(position[i, 2], slip[i, 2], bias[i, 0], level.shape[0], wraps[2])
-            compared = reference[i] if len(reference) else 0.0
-            _add(out, i, weight, _texel(level, (plane, row, column), border, reader, compared))
+                layer = _nearest_along(position[i, 2], slip[i, 2], bias[i, 0], level.shape[0], wraps[2])
+            if plain and min(min(layer, row), column) >= 0:
+                for c in range(4):
+                    out[i, c] += weight * level[uint64(layer), uint64(row), uint64(column), c]
+            else:
+                compared = reference[i] if len(reference) else 0.0
+                _add(out, i, weight, _texel(level, (layer, row, column), border, reader, compared))
 
 
 @kernel(void(_SAMPLED, _HOW, types.UniTuple(int64, 3), float64[:, ::1]))

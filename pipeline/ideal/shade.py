@@ -3,9 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
+from numba import float64, types, void
 
 from fixedpipe.pipeline.enums import FogMode, Register, ShadeModel, TextureCompareMode, TextureFilter
-from fixedpipe.pipeline.ideal.combine import combine, constant_color
+from fixedpipe.pipeline.ideal.combine import combine, constant_color, plan_of
 from fixedpipe.pipeline.ideal.coordinates import made_place, place, reference_of, spherical, turned_place
 from fixedpipe.pipeline.ideal.sample import as_register, sample
 from fixedpipe.pipeline.ideal.texture_shader import run_stages
@@ -14,46 +15,53 @@ from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
+from fixedpipe.raster.kernel import kernel, separate_loop
+
+_COLORS = types.Array(float64, 2, "C", readonly=True)
 
 
-def shade(state, textures, primitives, weights):
+def shade(state, textures, primitives, plan, weights):
     """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1], and the Outcome of a
     texture shader, or None.
 
-    ``textures``: name to Texture with ideal levels. ``primitives``: as the vertex stage makes them;
-    ``weights``: those of ``weigh``.
+    ``textures``: name to Texture with ideal levels. ``primitives``: as the vertex stage makes them; ``plan``:
+    of ``plan_for``; ``weights``: those of ``weigh``.
     """
     rows = fixed(primitives.colors).reshape(-1, 16)
     back = 8 if primitives.two_side else 0
-    if state.polygon.shade_model is ShadeModel.FLAT:
-        colors = [weights.provoking(rows, first, back) for first in (0, 4)]
-    else:
-        colors = [weights.iterate(rows, first, back) for first in (0, 4)]
-        turned = state.spherical_primary_color, state.spherical_secondary_color
-        for first, color, asked in zip((0, 4), colors, turned, strict=True):
-            if asked:  # as EXPAND_NORMAL reads them
-                color[:, :3] = _turned(primitives, weights, first)
+
+    def color(first, turned):
+        if state.polygon.shade_model is ShadeModel.FLAT:
+            return weights.provoking(rows, first, back)
+        color = weights.iterate(rows, first, back)
+        if turned:  # as EXPAND_NORMAL reads them
+            color[:, :3] = _turned(primitives, weights, first)
+        return color
+
+    colors = [color(0, state.spherical_primary_color), None]
+    if _reads_secondary(state, plan):
+        colors[1] = color(4, state.spherical_secondary_color)
     distances = None
     if state.fog is not None:
         distances = weights.iterate_one(fixed(primitives.fog))
     coordinates = fixed(primitives.coordinates)
-    rows = coordinates.reshape(len(coordinates), -1)
+    units = coordinates.reshape(len(coordinates), -1)
 
     def own(i):
-        strq = weights.iterate(rows, 4 * i)
+        strq = weights.iterate(units, 4 * i)
         if state.texture_units[i].spherical_coordinates:
             strq[:, :3] = spherical(weights.perspective.T, weights.corners(coordinates[:, i, :3]))
         return strq
 
     def change(i):
-        return weights.changes_of(rows, 4 * i)
+        return weights.changes_of(units, 4 * i)
 
     def texel(i, unit, texture, tap=None):
         filters = unit.sampler.min_filter, unit.sampler.mag_filter
         where = place(
             texture.target,
             weights,
-            rows,
+            units,
             4 * i,
             nearest=filters != (TextureFilter.LINEAR, TextureFilter.LINEAR),
             changing=filters[0] is not filters[1]
@@ -64,10 +72,10 @@ def shade(state, textures, primitives, weights):
             where = replace(where, **turned_place(texture.target, weights, corners))
         reference = None
         if unit.sampler.compare_mode is not TextureCompareMode.NONE:
-            reference = reference_of(weights.iterate(rows, 4 * i))
+            reference = reference_of(weights.iterate(units, 4 * i))
         return sample(texture, unit, where, reference, tap)
 
-    given = state, textures, *colors, distances
+    given = state, textures, plan, *colors, distances
     if state.texture_shader is not None:
         outcome = run_stages(state, textures, len(weights), own, texel, _sample_made, as_register, change)
         return shade_colors(*given, lambda i, unit, texture: outcome.registers[i]), outcome
@@ -84,7 +92,7 @@ def _turned(primitives, weights, first):
     return (turned + 1.0) / 2.0
 
 
-def _before_filtering(state, textures, primary, secondary, distances, texel):
+def _before_filtering(state, textures, plan, primary, secondary, distances, texel):
     """Colours at each texel of unit 0's filter, filtered: docs/numbers.md, section 20."""
     along, fractions = units_along(state, textures), []
 
@@ -97,7 +105,7 @@ def _before_filtering(state, textures, primary, secondary, distances, texel):
                 fractions[:] = found[:, 4:].T
             return found[:, :4]
 
-        return shade_colors(state, textures, primary, secondary, distances, one)
+        return shade_colors(state, textures, plan, primary, secondary, distances, one)
 
     planes = []
     for k in (0, 1):
@@ -109,42 +117,50 @@ def _before_filtering(state, textures, primary, secondary, distances, texel):
     return planes[0] + (planes[1] - planes[0]) * fractions[2][:, None]
 
 
-def shade_colors(state, textures, primary, secondary, distances, texel):
-    """``shade`` from iterated values: colours float64 [k, 4], fog coordinates [k] (None: no fog), and
-    ``texel(number, unit, texture)``, an enabled texture unit's texel: with a texture shader, its register.
+def plan_for(state, textures):
+    """The Plan of what a state combines colours by: its program, or that of its texture environments; None:
+    color sum and fog alone.
     """
-    count = len(primary)
-    fog = np.zeros((count, 4))
-    fog[:, 3] = 1.0
-    if state.fog is not None:
-        fog[:, :3] = state.fog.color[:3]
-        fog[:, 3] = fog_factor(state.fog, distances)
     program = state.register_combiners
     if program is None:
         program = environment_program(state, textures, IDEAL, has_color_sum(state))
-    if program is None:
-        return _without_combiners(state, primary, secondary, fog)
-    registers = {
-        Register.FOG: fog,
-        Register.PRIMARY_COLOR: primary,
-        Register.SECONDARY_COLOR: secondary,
-        Register.SPARE1: np.zeros((count, 4)),
-    }
-    # A disabled unit's register is opaque black.  Source: docs/numbers.md, section 7.
+    return None if program is None else plan_of(program)
+
+
+def _reads_secondary(state, plan):
+    return has_color_sum(state) if plan is None else Register.SECONDARY_COLOR in plan.read
+
+
+def shade_colors(state, textures, plan, primary, secondary, distances, texel):
+    """``shade`` from iterated values: colours float64 [k, 4], fog coordinates [k] (None: no fog), and
+    ``texel(number, unit, texture)``, an enabled texture unit's texel: with a texture shader, its register.
+    ``plan``: of ``plan_for``. ``secondary`` may be None where nothing reads it.
+    """
+    factor = None if state.fog is None else fog_factor(state.fog, distances)
+    if plan is None:
+        return _without_combiners(state, primary, secondary, factor)
+    registers = {Register.PRIMARY_COLOR: primary, Register.FOG: constant_color((0.0, 0.0, 0.0, 1.0))}
+    if secondary is not None:
+        registers[Register.SECONDARY_COLOR] = secondary
+    if state.fog is not None and Register.FOG in plan.read:
+        registers[Register.FOG] = np.empty((len(primary), 4))
+        registers[Register.FOG][:] = *state.fog.color[:3], 0.0
+        registers[Register.FOG][:, 3] = factor
+    read = plan.read | {Register.TEXTURE0} if Register.SPARE0 in plan.read else plan.read
     for i in range(4):
+        register = Register(Register.TEXTURE0 + i)
         unit = state.texture_units[i] if i < len(state.texture_units) else None
         if unit is None:
-            registers[Register.TEXTURE0 + i] = constant_color((0.0, 0.0, 0.0, 1.0), count)
-            continue
-        found = texel(i, unit, textures.get(unit.texture))
-        if state.texture_shader is None:
-            found = as_register(found, unit)
-        registers[Register.TEXTURE0 + i] = found
-    registers[Register.SPARE0] = np.zeros((count, 4))
-    registers[Register.SPARE0][:, 3] = registers[Register.TEXTURE0][:, 3]
+            # A disabled unit's register is opaque black.  Source: docs/numbers.md, section 7.
+            registers[register] = constant_color((0.0, 0.0, 0.0, 1.0))
+        elif register in read or state.evaluate_before_filtering:
+            found = texel(i, unit, textures.get(unit.texture))
+            if state.texture_shader is None:
+                found = as_register(found, unit)
+            registers[register] = found
 
-    def look_up(lookup, registers):
-        unit, rgb = state.texture_units[lookup.unit], registers[lookup.register][:, :3]
+    def look_up(lookup, rgb):
+        unit = state.texture_units[lookup.unit]
         level_0 = replace(unit.sampler, min_filter=unit.sampler.mag_filter)
         compared = unit.sampler.compare_mode is not TextureCompareMode.NONE
         made = sample(
@@ -155,7 +171,7 @@ def shade_colors(state, textures, primary, secondary, distances, texel):
         )
         return as_register(made, unit)
 
-    return combine(program, registers, look_up)
+    return combine(plan, registers, look_up)
 
 
 def _sample_made(i, unit, texture, str_, r, lifted, axes):
@@ -182,11 +198,30 @@ def fog_factor(fog, coordinate):
     return np.clip(factor, 0.0, 1.0)
 
 
-def _without_combiners(state, primary, secondary, fog):
+@kernel(void(_COLORS, _COLORS, float64[::1], types.UniTuple(float64, 3), float64[:, ::1]))
+def _sum_and_fog(primary, secondary, factor, fog, out):
+    """Color sum, where there are secondary colours, and fog, where there are factors; then the clamp."""
+    separate_loop()
+    sums, fogs = len(secondary) > 0, len(factor) > 0
+    for i in range(len(out)):
+        for c in range(4):
+            value = primary[i, c]
+            if c < 3:
+                if sums:
+                    value += secondary[i, c]
+                if fogs:
+                    value = factor[i] * value + (1.0 - factor[i]) * fog[c]
+            out[i, c] = 0.0 if value < 0.0 else (1.0 if value > 1.0 else value)
+
+
+def _without_combiners(state, primary, secondary, factor):
     """Color sum (section 3.9) and fog (section 3.10): float64 [k, 4], clamped to [0, 1] at the end only."""
-    rgb = primary[:, :3]
-    if has_color_sum(state):
-        rgb = rgb + secondary[:, :3]
-    if state.fog is not None:
-        rgb = fog[:, 3:] * rgb + (1.0 - fog[:, 3:]) * fog[:, :3]
-    return np.clip(np.concatenate([rgb, primary[:, 3:]], axis=1), 0.0, 1.0)
+    out, color = np.empty((len(primary), 4)), (0.0, 0.0, 0.0)
+    if factor is None:
+        factor = np.empty(0)
+    else:
+        color = tuple(map(float, state.fog.color[:3]))
+    if not has_color_sum(state):
+        secondary = np.empty((0, 4))
+    _sum_and_fog(fixed(primary), fixed(secondary), factor, color, out)
+    return out

@@ -12,9 +12,13 @@ from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, pyramid, texture_2d
 
 
 def with_ideal(texture):
-    """The texture with its real texels: those that it has, or what its words stand for."""
+    """The texture with its real texels: those that it has, or what its words stand for; C-contiguous, as
+    kernels read them.
+    """
     if texture.ideal is not None:
-        return texture
+        if all(level.flags.c_contiguous for level in texture.ideal):
+            return texture
+        return replace(texture, ideal=tuple(np.ascontiguousarray(level) for level in texture.ideal))
     one = 2.0**texture.bits - 1.0
     if texture.internal_format in DEPTH_TEXELS:
         most = DEPTH_TEXELS[texture.internal_format].largest

@@ -13,8 +13,7 @@ from numba import float64, int32, int64, types, uint8, uint64, void
 
 from fixedpipe.pipeline.enums import FrontFace
 from fixedpipe.pipeline.profiles import IDEAL
-from fixedpipe.raster.fixed import step_24, truncate_24
-from fixedpipe.raster.floats import SMALLEST
+from fixedpipe.raster.fixed import truncate_24
 from fixedpipe.raster.kernel import kernel, separate_loop
 
 _STEP = 1 << IDEAL.arithmetic.subpixel_bits
@@ -199,25 +198,26 @@ def _changes_of_four(triangles, triangle, step, rows, first, out):
             out[i, c] = d0 * (rows[v0, k] - v) + d2 * (rows[v2, k] - v)
 
 
-@kernel(void(_TRIANGLES, int32[::1], float64[:, ::1], _ROWS, int64, float64[:, ::1], float64[:, ::1]))
-def _iterate_as_machines(triangles, triangle, q, rows, first, out, unit):
-    """Four numbers by docs/numbers.md, section 6: terms cut to the 24 bits of the largest; and that unit."""
+_RECORD = types.UniTuple(_INTS, 4)  # triangle, x, y, passed
+
+
+@kernel(int64(_RECORD, int64, int64, int32[:, ::1]))
+def _passed(record, first, last, out):
+    """Copy a record's fragments from ``first`` to ``last`` that passed; returns how many they are."""
     separate_loop()
-    at = uint64(first)
-    for i in range(len(triangle)):
-        t = uint64(triangle[i])
-        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
-        for c in range(4):
-            k = at + uint64(c)
-            v = rows[v1, k]
-            a, b = q[0, i] * (rows[v0, k] - v), q[1, i] * (rows[v2, k] - v)
-            if np.isfinite(v) and np.isfinite(a) and np.isfinite(b):
-                step, steps = step_24(max(max(max(abs(v), abs(a)), abs(b)), SMALLEST))
-                out[i, c] = ((np.trunc(v * steps) + np.trunc(a * steps)) + np.trunc(b * steps)) * step
-                unit[i, c] = step
-            else:
-                out[i, c] = np.nan
-                unit[i, c] = 2.0**-23
+    triangle, x, y, passed = record
+    count = 0
+    for i in range(first, last):
+        out[0, count], out[1, count], out[2, count] = triangle[i], x[i], y[i]
+        count += 1 if passed[i] else 0
+    return count
+
+
+@kernel(void(int32[::1], int32[::1], int64, int64[::1]))
+def _pixels(x, y, width, out):
+    separate_loop()
+    for i in range(len(out)):
+        out[i] = int64(y[i]) * width + int64(x[i])
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,12 +299,6 @@ class Weights:
             _changes_of_four(self._mesh[0], self._where[0], step, rows, first, changed)
         return out
 
-    def iterate_as_machines(self, rows, first=0):
-        """``iterate`` by docs/numbers.md, section 6, and the unit to which terms are cut: float64 [k, 4]."""
-        out, unit = np.empty((2, len(self), 4))
-        _iterate_as_machines(self._mesh[0], self._where[0], self.machine, rows, first, out, unit)
-        return out, unit
-
 
 def fixed(array):
     """An array as kernels take a Draw's: C-contiguous, and read only; a view where it was contiguous."""
@@ -326,3 +320,21 @@ def weigh(mesh, front_face, triangle, x, y):
     perspective, front = np.empty((3, len(triangle))), np.empty(len(triangle), np.uint8)
     _weigh(mesh, (triangle, x, y), front_face is FrontFace.CCW, perspective, front)
     return Weights(perspective, front, mesh, (triangle, x, y))
+
+
+def fragments_of(record, part, passed):
+    """Triangles, x and y, int32 [k] each, of a slice of Fragments: those that ``passed`` alone, or all."""
+    columns = record.triangle, record.x, record.y
+    if not passed:
+        return tuple(np.ascontiguousarray(column[part]) for column in columns)
+    first, last, _ = part.indices(len(record.triangle))
+    out = np.empty((3, last - first), np.int32)
+    count = _passed(tuple(map(fixed, (*columns, record.passed))), first, last, out)
+    return tuple(out[:, :count])
+
+
+def pixels_of(where, width):
+    """The pixels of what ``fragments_of`` returns, int64 [k], flat in a framebuffer of this ``width``."""
+    out = np.empty(len(where[0]), np.int64)
+    _pixels(where[1], where[2], width, out)
+    return out

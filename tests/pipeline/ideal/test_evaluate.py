@@ -42,10 +42,11 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal import evaluate
-from fixedpipe.pipeline.ideal.combine import combine, mapped
+from fixedpipe.pipeline.ideal.buffers import IdealBuffers
+from fixedpipe.pipeline.ideal.combine import combine, plan_of
 from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates, place, project_on_cube
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
-from fixedpipe.pipeline.ideal.per_fragment import blend
+from fixedpipe.pipeline.ideal.per_fragment import write
 from fixedpipe.pipeline.ideal.sample import sample, sample_level
 from fixedpipe.pipeline.ideal.weights import fixed, mesh_of, weigh
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
@@ -127,7 +128,27 @@ def centres(size):
     ],
 )
 def test_mappings_are_the_specifications_in_real_numbers(mapping, expected):
-    np.testing.assert_array_equal(mapped(mapping, np.array([-2.0, -0.25, 0, 0.25, 1, 3])), expected)
+    # x / 16 + 1/2 lies in [0, 1], and is exact.
+    def constant(value):
+        return CombinerInput(value, Mapping.SIGNED_IDENTITY)
+
+    portion = RGBPortion(
+        a=CombinerInput(Register.SPARE1, mapping),
+        b=constant(Register.CONSTANT_COLOR0),
+        c=constant(Register.CONSTANT_COLOR1),
+        d=constant(Register.CONSTANT_COLOR1),
+    )
+    combiners = RegisterCombiners(
+        general=(GeneralCombiner(portion, replace(AlphaPortion(), sum_output=Register.DISCARD)),),
+        final=FinalCombiner(a=CombinerInput(), c=CombinerInput(), d=CombinerInput(Register.SPARE0)),
+        constant_color0=(1 / 16,) * 4,
+        constant_color1=(0.5**0.5,) * 4,
+    )
+    registers = {r: np.zeros((6, 4)) for r in WRITABLE}
+    registers[Register.SPARE1][:] = np.array([[-2.0, -0.25, 0, 0.25, 1, 3]]).T
+    half = (0.5**0.5) ** 2
+    found = (combine(plan_of(combiners), registers)[:, 0] - half) * 16
+    np.testing.assert_allclose(found, expected, atol=16 * NOISE)
 
 
 def scalar_map(mapping, x):
@@ -263,7 +284,7 @@ def test_combiners_equal_a_scalar_evaluation(seed):
         for r in [*WRITABLE, Register.FOG]
     }
     kept = {r: c.copy() for r, c in columns.items()}
-    out = combine(combiners, columns)
+    out = combine(plan_of(combiners), columns)
     expected = [scalar_combine(combiners, {r: c[k] for r, c in columns.items()}) for k in range(fragments)]
     np.testing.assert_allclose(out, expected, atol=NOISE, rtol=0)
     for register, column in columns.items():
@@ -286,7 +307,7 @@ def test_mux_takes_cd_from_one_half_on():
     )
     registers = {r: np.zeros((3, 4)) for r in [*WRITABLE, Register.FOG]}
     registers[Register.SPARE0][:, 3] = [math.nextafter(0.5, 0), 0.5, 1.0]
-    np.testing.assert_array_equal(combine(combiners, registers)[:, 0], [0.25, 0.75, 0.75])
+    np.testing.assert_array_equal(combine(plan_of(combiners), registers)[:, 0], [0.25, 0.75, 0.75])
 
 
 def test_a_general_combiner_may_leave_the_machines_range_and_come_back():
@@ -320,7 +341,7 @@ def test_a_weight_of_the_final_combiner_is_at_most_one():
     )
     registers = {r: np.zeros((2, 4)) for r in [*WRITABLE, Register.FOG]}
     registers[Register.SPARE1][:, 0] = [2.0, 0.5]
-    np.testing.assert_array_equal(combine(combiners, registers)[:, 0], [0.25, 0.375])
+    np.testing.assert_array_equal(combine(plan_of(combiners), registers)[:, 0], [0.25, 0.375])
 
 
 def test_a_stage_may_have_its_own_constants_and_the_final_combiner_keeps_the_programs():
@@ -345,9 +366,9 @@ def test_a_stage_may_have_its_own_constants_and_the_final_combiner_keeps_the_pro
         constant_color1=(0, 0, 0.0625, 0),
     )
     registers = {r: np.zeros((1, 4)) for r in [*WRITABLE, Register.FOG]}
-    np.testing.assert_array_equal(combine(combiners, registers)[0, :3], [0.5, 0, 0.125])
+    np.testing.assert_array_equal(combine(plan_of(combiners), registers)[0, :3], [0.5, 0, 0.125])
     spare0 = replace(combiners, final=replace(combiners.final, b=CombinerInput(Register.SPARE0)))
-    np.testing.assert_array_equal(combine(spare0, registers)[0, :3], [0, 0.25, 0.1875])
+    np.testing.assert_array_equal(combine(plan_of(spare0), registers)[0, :3], [0, 0.25, 0.1875])
 
 
 def test_registers_start_as_the_extension_says():
@@ -778,7 +799,11 @@ def test_blending_equals_a_scalar_evaluation_and_does_not_clamp(equation, source
     s, d = rng.random((5, 4)), rng.uniform(-0.5, 1.5, (5, 4))
     constant = (0.2, 0.4, 0.6, 0.8)
     for destination in BlendFactor:
-        got = blend(Blending(source, destination, equation, constant), s, d)
+        buffers = IdealBuffers(5, 1)
+        buffers.color[0] = d
+        state = PassState(blending=Blending(source, destination, equation, constant))
+        write(state, buffers, np.arange(5), s, None)
+        got = buffers.color[0]
         for k in range(5):
             for c in range(4):
                 x = s[k, c] * scalar_factor(source, s[k], d[k], constant, c)
