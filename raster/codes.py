@@ -302,3 +302,10 @@ PATH_DISABLED, PATH_ITERATED, PATH_MIPMAPPED, PATH_COMPUTED, PATH_FOOTPRINT, PAT
     PLAN_SELECT,  # either of them to the total, by bit MUX of A, which is SPARE0's alpha
     PLAN_FINISH,  # scratch plane SECOND to plane TARGET: rounding, bias, scale, clamp
 ) = range(11)
+
+# What min(max(x, low) * factor + addend, 255) leaves to do, from least to most, for the values that come.
+(
+    MAPS_NOTHING,  # they stay as they are
+    MAPS_WITHIN,  # neither limit is reached
+    MAPS_ALL,
+) = range(3)

@@ -79,4 +79,6 @@ def step_24(value):
     24 bits, and how many of it make one.
     """
     exponent = bits_of(value) & EXPONENT
-    return float_of(exponent - int64(23 << 52)), float_of(int64(2069 << 52) - exponent)
+    # Both differences are int64: LLVM would take one that wraps as a promise, and what follows from it.
+    steps = float_of((int64(2046 << 52) - exponent) + int64(23 << 52))
+    return float_of(exponent - int64(23 << 52)), steps

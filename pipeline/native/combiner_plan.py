@@ -90,6 +90,14 @@ def _is_itself(operand):
     return operand.factor == 1 and operand.addend == 0 and operand.value.low >= operand.low
 
 
+def _work(operand):
+    """What a mapping leaves to do: codes.MAPS_..."""
+    value, low, factor, addend = operand
+    if value.low < low or max(x * factor + addend for x in (value.low, value.high)) > 255:
+        return C.MAPS_ALL
+    return C.MAPS_NOTHING if _is_itself(operand) else C.MAPS_WITHIN
+
+
 def _inverted(operand):
     """One minus an operand of the final combiner."""
     return operand._replace(factor=-operand.factor, addend=255 - operand.addend)
@@ -367,16 +375,17 @@ def _rows(operations):
                 value, low, factor, addend = operand
                 column = V.OPERANDS + k * R.INPUT_SIZE
                 if value.kind == "number":
-                    entries = (0, 0, 0, 0, min(max(value.at, low) * factor + addend, 255))
+                    number = min(max(value.at, low) * factor + addend, 255)
+                    entries = (0, C.MAPS_WITHIN, 0, 0, number)
                 elif value.kind == "constant":
                     constants.append((len(rows), column + 4, value.at, low, factor, addend))
-                    entries = (0, 0, 0, 0, 0)
+                    entries = (0, C.MAPS_WITHIN, 0, 0, 0)
                 else:
                     if value.kind == "plane":
                         planes.add(value.at)
                     entries = (
                         value.at if value.kind == "plane" else sources[operand],
-                        0,
+                        _work(operand),
                         low,
                         factor,
                         addend,

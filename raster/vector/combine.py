@@ -26,11 +26,13 @@ from fixedpipe.raster.vector.lanes import (
     narrow_i16,
     shift_right,
     store,
+    upper_half,
     widen_i32,
 )
 
 # A plan: int32[operations, OPERATION_SIZE]. Up to six operands A..F in the layout of a portion's inputs:
-# plane, unused, and the mapping min(max(x, low) * factor + addend, HIGHEST); a constant has the factor 0.
+# plane, what the mapping leaves to do (codes.MAPS_...), and the mapping min(max(x, low) * factor + addend,
+# HIGHEST); a constant has the factor 0.
 (OPERATION, TARGET, SECOND, ROUNDING, BIAS, SCALE, LOWEST, HIGHEST, MUX, OPERANDS) = range(10)
 OPERATION_SIZE = OPERANDS + 6 * R.INPUT_SIZE
 TOTAL = 8  # the scratch plane of a sum
@@ -63,12 +65,20 @@ def mapped(x, low, factor, addend):
 
 
 @kernel
+def at_most(row, operands, left):
+    """Whether no mapping of the first ``operands`` leaves more to do than ``left``."""
+    most = C.MAPS_NOTHING
+    for k in range(operands):
+        most = max(most, row[OPERANDS + R.INPUT_SIZE * k + 1])
+    return most <= left
+
+
+@kernel
 def divide_bytes(n):
     """rn(n / 255) of unsigned 16-bit lanes up to 255 * 255: ``(u + (u >> 8)) >> 8`` with u = n + 128, which
-    is exact and needs no seventeenth bit up to 65152.
+    is exact and needs no seventeenth bit up to 65152. It is the upper half of 257 u = 256 u + u.
     """
-    u = n + 128
-    return shift_right(u + shift_right(u, 8), 8)
+    return upper_half(n + 128, 257)
 
 
 _OFFSET = 8192  # fixedpipe.raster.fixed.divide_255 adds it so that it divides positive numbers only
@@ -108,6 +118,10 @@ def modulate(registers, row, count):
     a, b, out = registers[plane(row, _A)], registers[plane(row, _B)], registers[uint64(row[TARGET])]
     la, fa, aa = mapping(row, _A)
     lb, fb, ab = mapping(row, _B)
+    if at_most(row, 2, C.MAPS_NOTHING):
+        for i in range(0, count, 32):
+            store(out, i, divide_bytes(load_i16x32(a, i) * load_i16x32(b, i)))
+        return
     for i in range(0, count, 32):
         x, y = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
         store(out, i, divide_bytes(x * y))
@@ -175,6 +189,15 @@ def dot_product(registers, row, count):
     le, fe, ae = mapping(row, _E)
     lf, ff, af = mapping(row, _F)
     addend, left, right, low, high = ending(row, int32(_OFFSET))
+    if at_most(row, 6, C.MAPS_WITHIN):
+        for i in range(0, count, 32):
+            x0, y0 = load_i16x32(a, i) * fa + aa, load_i16x32(b, i) * fb + ab
+            x1, y1 = load_i16x32(c, i) * fc + ac, load_i16x32(d, i) * fd + ad
+            x2, y2 = load_i16x32(e, i) * fe + ae, load_i16x32(f, i) * ff + af
+            total = widen_i32(x0) * widen_i32(y0) + widen_i32(x1) * widen_i32(y1)
+            total = total + widen_i32(x2) * widen_i32(y2)
+            store(out, i, ended(divide_sum(total), addend, left, right, low, high))
+        return
     for i in range(0, count, 32):
         x0, y0 = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
         x1, y1 = mapped(load_i16x32(c, i), lc, fc, ac), mapped(load_i16x32(d, i), ld, fd, ad)
@@ -218,6 +241,14 @@ def pack(registers, row, count, packed):
     lb, fb, ab = mapping(row, _B)
     lc, fc, ac = mapping(row, _C)
     ld, fd, ad = mapping(row, _D)
+    if at_most(row, 4, C.MAPS_NOTHING):
+        for i in range(0, count, 32):
+            low, high = (
+                load_i16x32(a, i) | (load_i16x32(b, i) << 8),
+                load_i16x32(c, i) | (load_i16x32(d, i) << 8),
+            )
+            store(packed, i, join_i32(low, high))
+        return
     for i in range(0, count, 32):
         red, green = mapped(load_i16x32(a, i), la, fa, aa), mapped(load_i16x32(b, i), lb, fb, ab)
         blue, alpha = mapped(load_i16x32(c, i), lc, fc, ac), mapped(load_i16x32(d, i), ld, fd, ad)

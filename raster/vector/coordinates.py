@@ -1,22 +1,32 @@
-"""Computed texture coordinates by vectors: divided by q, of a cube map's face, compared as a depth.
+"""Texture coordinates by vectors, up to the int32 columns that raster/vector/sample.py reads: counted in
+texels as they are iterated, or computed from iterated ones (divided by q, of a cube map's face, compared as
+depths).
 
-The operations are those of raster/portable/sample.py and raster/portable/shadow.py, in the same order, on
-columns of float64, up to the int32 columns that raster/vector/sample.py reads. Columns are whole vectors
-longer than ``count`` asks for.
+The operations are those of raster/portable/interpolate.py, sample.py and shadow.py, in the same order, on
+columns of float64, but where a function says why others give the same bits. Columns are whole vectors longer
+than ``count`` asks for.
 """
 
+import numpy as np
 from numba import float64, int32, int64
 
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.fixed import float_depth
-from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.fixed import float_depth, step_24
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, SMALLEST
+from fixedpipe.raster.kernel import bits_of, kernel, separate_function, separate_loop
+from fixedpipe.raster.vector.interpolate import EXACT_FROM, LARGEST_COORDINATE, terms_of
 from fixedpipe.raster.vector.lanes import (
     absolute,
+    all_lanes,
+    any_lane,
     bits_of_lanes,
     f64x16,
+    floats_of_lanes,
     floored,
     i32x16,
     load_f64x16,
+    magnitude,
     maximum,
     minimum,
     narrow_i32,
@@ -24,6 +34,121 @@ from fixedpipe.raster.vector.lanes import (
     store,
     to_int32,
 )
+
+_FIXED = 8  # fraction bits of a texel coordinate
+_LARGEST_STEPS = 2.0**30  # a difference in last bits: its products are int32
+
+
+@kernel
+def logarithm(power):
+    """The logarithm of a power of two."""
+    return int32((bits_of(power) >> int64(FRACTION_BITS)) - int64(EXPONENT_BIAS))
+
+
+@kernel
+def texels_of(largest, exponent, total, to_fixed):
+    """(whether wrapping rounds, floor(256 u size)) of a coordinate u.
+
+    to_fixed: the exponent, in a float64's place, by which 24 bits of the largest term and 256 size differ.
+    """
+    rounds = any_lane((largest < EXACT_FROM) & (total != 0.0))
+    return rounds, to_int32(floored(total * floats_of_lanes(exponent + to_fixed)))
+
+
+@kernel
+def guessed_steps(q0, q2, v1, d0, d2):
+    """How many last bits of its largest term make one, for the coordinate of one fragment; 0 where
+    ``beside_texels`` may not be asked.
+    """
+    largest = max(max(abs(v1), max(abs(q0 * d0), abs(q2 * d2))), SMALLEST)
+    _, steps = step_24(largest)
+    usual = largest >= EXACT_FROM and largest < LARGEST_COORDINATE * 4.0
+    return steps if usual and max(abs(d0), abs(d2)) * steps < _LARGEST_STEPS else 0.0
+
+
+@kernel
+def beside_texels(q0, q2, v1, d0, d2, right, left):
+    """Whether the guess of ``guessed_steps`` holds for sixteen fragments, and their floor(256 u size) if so.
+
+    v1, d0, d2: the vertices' numbers times the guess, v1 cut to an int32; ``right``, ``left``: how far the
+    terms' sum is shifted to count 1/256 texels, one of them zero.
+
+    A guess is a power of two, so that q d times it has the bits of ``terms_of``'s term, and a conversion to
+    integers cuts it as ``truncated`` does. The largest of the cut terms lies in [2**23, 2**24) where the
+    guess is the one that the largest term asks for, and nowhere else: a cut keeps x >= 2**23 and x < 2**24.
+    With bits from 24 up clear in all three, and bit 23 set in one, it does. Sums of three such are exact,
+    and shifting them is floor.
+    """
+    p0, p2 = to_int32(q0 * d0), to_int32(q2 * d2)
+    bits = magnitude(p0) | magnitude(p2) | magnitude(v1)
+    return all_lanes((bits >> int32(23)) == int32(1)), (((v1 + p0) + p2) >> right) << left
+
+
+@kernel
+def exact_steps(q0, q2, v1, d0, d2, size, repeat):
+    """As ``texels_of``, of one fragment, where wrapping rounds: the portable kernels' every operation.
+
+    A linear filter's texel coordinate is a nearest one's as well.
+    """
+    p0, p2 = q0 * d0, q2 * d2
+    step, steps = step_24(max(max(abs(v1), max(abs(p0), abs(p2))), SMALLEST))
+    total = (np.trunc(v1 * steps) + np.trunc(p0 * steps)) + np.trunc(p2 * steps)
+    t = (total * step) * size
+    if repeat:
+        t = t - size * np.floor(t * (1.0 / size))
+        t = t if t > 0.0 else 0.0
+        t = t if t < size else size
+    return int32(int32(np.floor((t - 0.5) * 256.0)) + int32(128))
+
+
+@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i8,i8,f8[:,::1],i4[::1])")
+def iterate_texels(lists, segments, triangles, coordinates, unit, component, log2_size, repeat, floats, out):
+    """floor(256 u size) of one texture coordinate (0: s, 1: t) into a column of int32."""
+    separate_loop()
+    starts, owners = lists[R.STARTS], lists[R.OWNERS]
+    q0, q2 = floats[R.Q0], floats[R.Q2]
+    first = R.TERMS + 12 * unit + 3 * component
+    base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
+    to_fixed, size = int64((log2_size + _FIXED - 23) << 52), float64(int64(1) << log2_size)
+    for s in range(segments):
+        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
+        if t < 0:
+            for i in range(begin, end, 16):
+                v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
+                w0, w2 = load_f64x16(q0, i), load_f64x16(q2, i)
+                rounds, fixed = texels_of(*terms_of(w0, w2, v1, d0, d2), to_fixed)
+                store(out, i, fixed)
+                if rounds:
+                    for k in range(i, min(i + 16, end)):
+                        out[k] = exact_steps(q0[k], q2[k], base[k], from0[k], from2[k], size, repeat)
+            continue
+        c1 = coordinates[triangles[t, 1], unit, component]
+        c0 = coordinates[triangles[t, 0], unit, component] - c1
+        c2 = coordinates[triangles[t, 2], unit, component] - c1
+        v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
+        i = begin
+        while i < end:
+            steps = guessed_steps(q0[i], q2[i], c1, c0, c2)
+            if steps > 0.0:
+                own, e0, e2 = i32x16(int32(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+                shift = int32(log2_size) + int32(_FIXED) - logarithm(steps)
+                # The sum is below 2**26: shifted by 31 or more, it is its sign.
+                right, left = min(max(int32(-shift), int32(0)), int32(31)), max(shift, int32(0))
+                holds = True
+                while holds and i < end:
+                    w0, w2 = load_f64x16(q0, i), load_f64x16(q2, i)
+                    holds, fixed = beside_texels(w0, w2, own, e0, e2, right, left)
+                    if holds:
+                        store(out, i, fixed)
+                        i += 16
+                if i >= end:
+                    break
+            rounds, fixed = texels_of(*terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2), to_fixed)
+            store(out, i, fixed)
+            if rounds:
+                for k in range(i, min(i + 16, end)):
+                    out[k] = exact_steps(q0[k], q2[k], c1, c0, c2, size, repeat)
+            i += 16
 
 
 @kernel

@@ -35,7 +35,6 @@ from fixedpipe.raster.vector.lanes import (
     f64x8,
     f64x16,
     floats_of_lanes,
-    floored,
     i16x16,
     load_f64x16,
     load_i16x16,
@@ -55,7 +54,6 @@ EXACT_FROM = 2.0**-30  # a coordinate whose largest term is not below this wraps
 LARGEST_COORDINATE = 512.0  # then 256 times the largest texture, twice, is an int32
 LARGEST_REPEATED = 11  # log2 of the largest texture
 LARGEST_FLOAT = 2.0**100  # of any coordinate: none of its terms overflows
-_FIXED = 8  # fraction bits of a texel coordinate
 
 
 @kernel
@@ -442,80 +440,6 @@ def dominates(c1, c0, c2):
 def sum_beside(q0, q2, base, d0, d2):
     """The terms' sum where vertex 1 dominates: its own term is ``base``, and d0 and d2 count its last bit."""
     return (base + truncated(q0 * d0)) + truncated(q2 * d2)
-
-
-@kernel
-def texels_of(largest, exponent, total, to_fixed):
-    """(whether wrapping rounds, floor(256 u size)) of a coordinate u.
-
-    to_fixed: the exponent, in a float64's place, by which 24 bits of the largest term and 256 size differ.
-    """
-    rounds = any_lane((largest < EXACT_FROM) & (total != 0.0))
-    return rounds, to_int32(floored(total * floats_of_lanes(exponent + to_fixed)))
-
-
-@kernel
-def exact_steps(q0, q2, v1, d0, d2, size, repeat):
-    """As ``texels_of``, of one fragment, where wrapping rounds: the portable kernels' every operation.
-
-    A linear filter's texel coordinate is a nearest one's as well.
-    """
-    p0, p2 = q0 * d0, q2 * d2
-    step, steps = step_24(max(max(abs(v1), max(abs(p0), abs(p2))), SMALLEST))
-    total = (np.trunc(v1 * steps) + np.trunc(p0 * steps)) + np.trunc(p2 * steps)
-    t = (total * step) * size
-    if repeat:
-        t = t - size * np.floor(t * (1.0 / size))
-        t = t if t > 0.0 else 0.0
-        t = t if t < size else size
-    return int32(int32(np.floor((t - 0.5) * 256.0)) + int32(128))
-
-
-@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i8,i8,f8[:,::1],i4[::1])")
-def iterate_texels(lists, segments, triangles, coordinates, unit, component, log2_size, repeat, floats, out):
-    """floor(256 u size) of one texture coordinate (0: s, 1: t) into a column of int32."""
-    separate_loop()
-    starts, owners = lists[R.STARTS], lists[R.OWNERS]
-    q0, q2 = floats[R.Q0], floats[R.Q2]
-    first = R.TERMS + 12 * unit + 3 * component
-    base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
-    to_fixed, size = int64((log2_size + _FIXED - 23) << 52), float64(int64(1) << log2_size)
-    for s in range(segments):
-        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
-        if t < 0:
-            for i in range(begin, end, 16):
-                v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
-                w0, w2 = load_f64x16(q0, i), load_f64x16(q2, i)
-                rounds, fixed = texels_of(*terms_of(w0, w2, v1, d0, d2), to_fixed)
-                store(out, i, fixed)
-                if rounds:
-                    for k in range(i, min(i + 16, end)):
-                        out[k] = exact_steps(q0[k], q2[k], base[k], from0[k], from2[k], size, repeat)
-            continue
-        c1 = coordinates[triangles[t, 1], unit, component]
-        c0 = coordinates[triangles[t, 0], unit, component] - c1
-        c2 = coordinates[triangles[t, 2], unit, component] - c1
-        v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
-        if dominates(c1, c0, c2):
-            step, steps = step_24(abs(c1))
-            own, d0, d2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
-            scale = step * (size * 256.0)
-            for i in range(begin, end, 16):
-                total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, d0, d2)
-                store(out, i, to_int32(floored(total * scale)))
-            continue
-        one_term, only0 = c1 == 0.0 and (c0 == 0.0 or c2 == 0.0), c2 == 0.0
-        for i in range(begin, end, 16):
-            if one_term:
-                q, d = (load_f64x16(q0, i), d0) if only0 else (load_f64x16(q2, i), d2)
-                rounds, fixed = texels_of(*term_of(q, d), to_fixed)
-            else:
-                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
-                rounds, fixed = texels_of(*terms, to_fixed)
-            store(out, i, fixed)
-            if rounds:
-                for k in range(i, min(i + 16, end)):
-                    out[k] = exact_steps(q0[k], q2[k], c1, c0, c2, size, repeat)
 
 
 @kernel

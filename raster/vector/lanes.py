@@ -334,6 +334,73 @@ def join_i32(typing_context, low, high):
     return result(low, low), codegen
 
 
+@intrinsic
+def magnitude(typing_context, a):
+    """The absolute value of integer lanes; the least integer stays."""
+
+    def codegen(context, builder, signature, args):
+        false = ir.Constant(ir.IntType(1), 0)
+        return _call(builder, f"llvm.abs.{a.suffix}", a.ir, [args[0], false])
+
+    return a(a), codegen
+
+
+def _extended(builder, vector, value, bits, extend):
+    """Lanes of more bits."""
+    return getattr(builder, extend)(value, ir.VectorType(ir.IntType(bits), vector.lanes))
+
+
+@intrinsic
+def upper_half(typing_context, a, b):
+    """The upper 16 bits of each product of 16-bit lanes without sign; ``b``: a vector, or a number."""
+
+    def codegen(context, builder, signature, args):
+        vector, values = _operands(context, builder, signature, args)
+        x, y = (_extended(builder, vector, value, 32, "zext") for value in values)
+        sixteen = ir.Constant(x.type, [16] * vector.lanes)
+        return builder.trunc(builder.lshr(builder.mul(x, y), sixteen), vector.ir)
+
+    return a(a, b), codegen
+
+
+# Of (a b + 2**14) >> 15 in signed 16-bit lanes: an instruction by the feature that has it and the number of
+# lanes. Nothing in LLVM's own language becomes it.
+_ROUNDED_PRODUCTS = (
+    ("+avx512bw", 32, "llvm.x86.avx512.pmul.hr.sw.512"),
+    ("+avx2", 16, "llvm.x86.avx2.pmul.hr.sw"),
+)
+
+
+@intrinsic
+def mixed_bytes(typing_context, p, q, weight):
+    """``(p (256 - weight) + q weight + 128) >> 8`` in 16-bit lanes, all three in 0..255.
+
+    Where the processor multiplies and rounds at once, it is ``p + ((q - p) (128 weight) + 2**14 >> 15)``: the
+    same, as a multiple of 256 passes through the shift, and a factor of 128 through its rounding. Elsewhere
+    the sum has no sign, and at most 255 * 256 + 128 < 65536.
+    """
+
+    def codegen(context, builder, signature, args):
+        a, b, w = args
+        features = context.codegen().magic_tuple()[2].split(",")
+        for feature, lanes, name in _ROUNDED_PRODUCTS:
+            if feature not in features or p.lanes % lanes:
+                continue
+            part = ir.VectorType(ir.IntType(16), lanes)
+            x, y = builder.sub(b, a), builder.shl(w, _all(p, 7))
+            found = None
+            for first in range(0, p.lanes, lanes):
+                pair = [_shuffle(builder, v, v, range(first, first + lanes)) for v in (x, y)]
+                product = _call(builder, name, part, pair)
+                order = range(first + lanes)
+                found = product if found is None else _shuffle(builder, found, product, order)
+            return builder.add(a, found)
+        total = builder.add(builder.mul(a, builder.sub(_all(p, 256), w)), builder.mul(b, w))
+        return builder.lshr(builder.add(total, _all(p, 128)), _all(p, 8))
+
+    return p(p, p, p), codegen
+
+
 truncated = _unary("trunc")  # toward zero, still a float
 floored = _unary("floor")
 absolute = _unary("fabs")
@@ -641,8 +708,8 @@ load_each_i32x16, load_each_i64x8 = _each_loader(I32X16), _each_loader(I64X8)
 
 @intrinsic
 def load_quads(typing_context, array, indices, at):
-    """Four consecutive 32-bit elements at each of sixteen indices (as ``load_each_i32x16``): vectors of the
-    first elements, the second, the third and the fourth.
+    """Four consecutive 32-bit elements at each of sixteen indices (as ``load_each_i32x16``), every second one
+    from ``indices[at]`` on: vectors of the first elements, the second, the third and the fourth.
 
     Sixteen loads of 128 bits and a transposition in those lanes: less than half the time of 64 loads, or of
     the processor's own gathering.
@@ -656,7 +723,7 @@ def load_quads(typing_context, array, indices, at):
         quad = Vector(types.int32, 4)
         quads = []
         for lane in range(16):
-            index = _index(context, builder, indices, args[1], args[2], lane)
+            index = _index(context, builder, indices, args[1], args[2], 2 * lane)
             loaded = builder.load(_address(context, builder, array, args[0], index, quad))
             loaded.align = 4
             quads.append(loaded)

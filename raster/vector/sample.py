@@ -21,7 +21,6 @@ from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.vector.lanes import (
     even_lanes,
     halves_of_lanes,
-    i16x32,
     i32x16,
     lanes_of_halves,
     largest_lane,
@@ -32,6 +31,7 @@ from fixedpipe.raster.vector.lanes import (
     lowest_bit,
     maximum,
     minimum,
+    mixed_bytes,
     odd_lanes,
     select,
     shift_right,
@@ -119,6 +119,13 @@ def locate(levels, unit, f_s, f_t, count, located):
     mask_s = int32(mask_s * int32(2))
     base, stride = levels[0, 0], int32(int32(levels[0, 1] + int32(1)) * int32(2))
     first, weights = located[FIRST], located[WEIGHTS]
+    if low_s == _LOWEST and low_t == _LOWEST:  # both repeat, nothing is limited
+        for at in range(0, _rounded(count), 16):
+            s, t = load_i32x16(f_s, at) - half, load_i32x16(f_t, at) - half
+            column, row = (s >> int32(7)) & mask_s, (t >> int32(8)) & mask_t
+            store(first, at, row * stride + column + base)
+            store(weights, at, (s & fraction) | ((t & fraction) << int32(16)))
+        return
     for at in range(0, _rounded(count), 16):
         s = minimum(maximum(load_i32x16(f_s, at), low_s), high_s) - half
         t = minimum(maximum(load_i32x16(f_t, at), low_t), high_t) - half
@@ -202,41 +209,51 @@ def move_to_faces(levels, face, count, located):
 
 
 @kernel
-def _lerp(p, q, weight):
-    """(p (256 - w) + q w + 128) >> 8 in 16-bit lanes without sign: at most 255 * 256 + 128 < 65536."""
-    return shift_right(p * (i16x32(int16(256)) - weight) + q * weight + int16(128), int16(8))
-
-
-@kernel
 def _doubled(weight):
     """A number of up to 16 bits in 32-bit lanes, in both halves of each."""
     return halves_of_lanes(weight | (weight << int32(16)))
 
 
 @kernel
-def _footprint(pairs, first, weights, at):
-    """The filtered texels of sixteen fragments: red and blue in 16-bit lanes, green and alpha."""
-    p00, p01, p10, p11 = load_quads(pairs, first, at)
-    lower_left, upper_left = halves_of_lanes(p00), halves_of_lanes(p01)
-    lower_right, upper_right = halves_of_lanes(p10), halves_of_lanes(p11)
-    both = load_i32x16(weights, at)
-    across, upwards = _doubled(both & int32(0xFFFF)), _doubled(both >> int32(16))
-    byte, eight = int16(255), int16(8)
-    lower = _lerp(lower_left & byte, lower_right & byte, across)
-    upper = _lerp(upper_left & byte, upper_right & byte, across)
-    even = _lerp(lower, upper, upwards)
-    lower = _lerp(shift_right(lower_left, eight), shift_right(lower_right, eight), across)
-    upper = _lerp(shift_right(upper_left, eight), shift_right(upper_right, eight), across)
-    return even, _lerp(lower, upper, upwards)
+def _two_weights(weights, at):
+    """A row of 32 fragments: what every second one from ``at`` on has, and what the others have."""
+    one, other = load_i32x16(weights, at), load_i32x16(weights, at + 16)
+    return even_lanes(one, other), odd_lanes(one, other)
 
 
 @kernel
-def _store_planes(even0, odd0, even1, odd1, registers, plane, at):
+def _footprint(pairs, first, weights, at):
+    """The filtered texels of sixteen fragments, every second one from ``at`` on, whose WEIGHTS are given: red
+    and blue in 16-bit lanes, green and alpha.
+    """
+    p00, p01, p10, p11 = load_quads(pairs, first, at)
+    lower_left, upper_left = halves_of_lanes(p00), halves_of_lanes(p01)
+    lower_right, upper_right = halves_of_lanes(p10), halves_of_lanes(p11)
+    across, upwards = _doubled(weights & int32(0xFFFF)), _doubled(weights >> int32(16))
+    byte, eight = int16(255), int16(8)
+    lower = mixed_bytes(lower_left & byte, lower_right & byte, across)
+    upper = mixed_bytes(upper_left & byte, upper_right & byte, across)
+    red_blue = mixed_bytes(lower, upper, upwards)
+    lower = mixed_bytes(shift_right(lower_left, eight), shift_right(lower_right, eight), across)
+    upper = mixed_bytes(shift_right(upper_left, eight), shift_right(upper_right, eight), across)
+    return red_blue, mixed_bytes(lower, upper, upwards)
+
+
+@kernel
+def _store_pair(one, other, registers, low, high, at):
+    """Two values of 32 fragments to their planes, from the lower and upper halves of lanes: of every second
+    fragment from ``at`` on (``one``), and of those between (``other``).
+    """
+    x, y = lanes_of_halves(one), lanes_of_halves(other)
+    store(registers[low], at, halves_of_lanes((x & int32(0xFFFF)) | (y << int32(16))))
+    store(registers[high], at, halves_of_lanes(shift_right(x, int32(16)) | (y & int32(-65536))))
+
+
+@kernel
+def _store_planes(red_blue0, green_alpha0, red_blue1, green_alpha1, registers, plane, at):
     """Twice sixteen texels as ``_footprint`` gives them, to four planes."""
-    store(registers[plane], at, even_lanes(even0, even1))
-    store(registers[plane + 1], at, even_lanes(odd0, odd1))
-    store(registers[plane + 2], at, odd_lanes(even0, even1))
-    store(registers[plane + 3], at, odd_lanes(odd0, odd1))
+    _store_pair(red_blue0, red_blue1, registers, plane, plane + 2, at)
+    _store_pair(green_alpha0, green_alpha1, registers, plane + 1, plane + 3, at)
 
 
 @kernel("void(u4[::1],i4[:,::1],i8,i2[:,::1],i8)")
@@ -245,8 +262,9 @@ def fetch_linear(pairs, located, count, registers, plane):
     separate_loop()
     first, weights = located[FIRST], located[WEIGHTS]
     for at in range(0, count, 32):
-        even0, odd0 = _footprint(pairs, first, weights, at)
-        even1, odd1 = _footprint(pairs, first, weights, at + 16)
+        weights0, weights1 = _two_weights(weights, at)
+        even0, odd0 = _footprint(pairs, first, weights0, at)
+        even1, odd1 = _footprint(pairs, first, weights1, at + 1)
         _store_planes(even0, odd0, even1, odd1, registers, plane, at)
 
 
@@ -256,8 +274,8 @@ def fetch_nearest(pairs, located, count, registers, plane):
     separate_loop()
     first, byte, eight = located[FIRST], int16(255), int16(8)
     for at in range(0, count, 32):
-        p = halves_of_lanes(load_each_i32x16(pairs, first, at))
-        q = halves_of_lanes(load_each_i32x16(pairs, first, at + 16))
+        one, other = load_each_i32x16(pairs, first, at), load_each_i32x16(pairs, first, at + 16)
+        p, q = halves_of_lanes(even_lanes(one, other)), halves_of_lanes(odd_lanes(one, other))
         odd0, odd1 = shift_right(p, eight), shift_right(q, eight)
         _store_planes(p & byte, odd0, q & byte, odd1, registers, plane, at)
 
@@ -266,16 +284,19 @@ def fetch_nearest(pairs, located, count, registers, plane):
 def fetch_blended(pairs, located, count, registers, plane):
     """Filtered texels of two levels, each rounded to bytes, blended, into four planes from ``plane`` on."""
     separate_loop()
-    between = located[BETWEEN]
+    first, upper_first = located[FIRST], located[UPPER_FIRST]
     for at in range(0, count, 32):
-        even0, odd0 = _footprint(pairs, located[FIRST], located[WEIGHTS], at)
-        even1, odd1 = _footprint(pairs, located[UPPER_FIRST], located[UPPER_WEIGHTS], at)
-        weight = _doubled(load_i32x16(between, at))
-        even2, odd2 = _lerp(even0, even1, weight), _lerp(odd0, odd1, weight)
-        even0, odd0 = _footprint(pairs, located[FIRST], located[WEIGHTS], at + 16)
-        even1, odd1 = _footprint(pairs, located[UPPER_FIRST], located[UPPER_WEIGHTS], at + 16)
-        weight = _doubled(load_i32x16(between, at + 16))
-        even0, odd0 = _lerp(even0, even1, weight), _lerp(odd0, odd1, weight)
+        weights0, weights1 = _two_weights(located[WEIGHTS], at)
+        upper0, upper1 = _two_weights(located[UPPER_WEIGHTS], at)
+        between0, between1 = _two_weights(located[BETWEEN], at)
+        even0, odd0 = _footprint(pairs, first, weights0, at)
+        even1, odd1 = _footprint(pairs, upper_first, upper0, at)
+        weight = _doubled(between0)
+        even2, odd2 = mixed_bytes(even0, even1, weight), mixed_bytes(odd0, odd1, weight)
+        even0, odd0 = _footprint(pairs, first, weights1, at + 1)
+        even1, odd1 = _footprint(pairs, upper_first, upper1, at + 1)
+        weight = _doubled(between1)
+        even0, odd0 = mixed_bytes(even0, even1, weight), mixed_bytes(odd0, odd1, weight)
         _store_planes(even2, odd2, even0, odd0, registers, plane, at)
 
 
@@ -286,18 +307,18 @@ def _compared(texel, reference, less, equal, greater):
 
 
 @kernel
-def _compared_footprint(pairs, first, weights, references, at, lower, upper):
-    """The filtered comparisons of sixteen fragments in 32-bit lanes. ``lower``, ``upper``: what less, equal
-    and greater make of the lower two texels, in the lower halves of lanes, and of the upper two.
+def _compared_footprint(pairs, first, weights, reference, at, lower, upper):
+    """The filtered comparisons of sixteen fragments, every second one from ``at`` on, in 32-bit lanes; theirs
+    are ``weights`` and ``reference``. ``lower``, ``upper``: what less, equal and greater make of the lower
+    two texels, in the lower halves of lanes, and of the upper two.
     """
     p00, p01, p10, p11 = load_quads(pairs, first, at)
-    reference, both = load_i32x16(references, at), load_i32x16(weights, at)
     left = _compared(p00, reference, *lower) | _compared(p01, reference, *upper)
     right = _compared(p10, reference, *lower) | _compared(p11, reference, *upper)
-    across = _doubled(both & int32(0xFFFF))
-    rows = lanes_of_halves(_lerp(halves_of_lanes(left), halves_of_lanes(right), across))
-    above = halves_of_lanes(rows >> int32(16))
-    return _lerp(halves_of_lanes(rows & int32(0xFFFF)), above, halves_of_lanes(both >> int32(16)))
+    across = _doubled(weights & int32(0xFFFF))
+    rows = lanes_of_halves(mixed_bytes(halves_of_lanes(left), halves_of_lanes(right), across))
+    above, below = halves_of_lanes(rows >> int32(16)), halves_of_lanes(rows & int32(0xFFFF))
+    return lanes_of_halves(mixed_bytes(below, above, halves_of_lanes(weights >> int32(16))))
 
 
 @kernel
@@ -321,9 +342,11 @@ def fetch_compared(pairs, located, references, function, count, registers, plane
     first, weights = located[FIRST], located[WEIGHTS]
     lower, upper = _outcomes(function, int32(255)), _outcomes(function, int32(255 << 16))
     for at in range(0, count, 32):
-        low = _compared_footprint(pairs, first, weights, references, at, lower, upper)
-        high = _compared_footprint(pairs, first, weights, references, at + 16, lower, upper)
-        value = even_lanes(low, high)
+        weights0, weights1 = _two_weights(weights, at)
+        reference0, reference1 = _two_weights(references, at)
+        one = _compared_footprint(pairs, first, weights0, reference0, at, lower, upper)
+        other = _compared_footprint(pairs, first, weights1, reference1, at + 1, lower, upper)
+        value = halves_of_lanes(one | (other << int32(16)))
         store(registers[plane], at, value)
         store(registers[plane + 1], at, value)
         store(registers[plane + 2], at, value)

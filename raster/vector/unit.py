@@ -8,14 +8,19 @@ from fixedpipe.raster.arrays import RUNS, TEXTURES
 from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.kernel import float_of, kernel, separate_function
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
-from fixedpipe.raster.vector.coordinates import cube_faces, depth_words, divide_by_q, fixed_from_floats
+from fixedpipe.raster.vector.coordinates import (
+    cube_faces,
+    depth_words,
+    divide_by_q,
+    fixed_from_floats,
+    iterate_texels,
+)
 from fixedpipe.raster.vector.footprint import sample_footprints
 from fixedpipe.raster.vector.interpolate import (
     LARGEST_COORDINATE,
     LARGEST_FLOAT,
     LARGEST_REPEATED,
     iterate_floats,
-    iterate_texels,
 )
 from fixedpipe.raster.vector.level_of_detail import level_of_detail
 from fixedpipe.raster.vector.sample import (
