@@ -17,6 +17,7 @@ from fixedpipe.raster.kernel import kernel, next_of, separate_function, separate
 from fixedpipe.raster.portable.check import usable_levels
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, polygon_offset, row_span
+from fixedpipe.raster.vector.addresses import words_at
 from fixedpipe.raster.vector.arrays import (
     JOB,
     JOBS,
@@ -54,7 +55,7 @@ from fixedpipe.raster.vector.lanes import (
     ramp_i32x16,
     store,
 )
-from fixedpipe.raster.vector.per_fragment import write_fragments
+from fixedpipe.raster.vector.per_fragment import are_hidden, is_hidden, tests_early, write_fragments
 from fixedpipe.raster.vector.unit import plan_units, sample
 
 SMALL = 32  # pixels: triangles whose box is not wider share segments
@@ -239,7 +240,8 @@ def draw_band(job, members, band, batch, buffers, scratch):
 
     Fragments fill a batch of columns. Triangles whose box is small share a mixed segment; others are segments
     of their own, row by row. Where one colour and one depth word are all that fragments have, runs alone are
-    kept, and no columns (a solid batch).
+    kept, and no columns (a solid batch). A row of a large triangle, and a small one of ``ALONE`` fragments or
+    more, is left out where all of it is hidden (``per_fragment.tests_early``).
     """
     separate_function()
     p = pass_of(job)
@@ -260,6 +262,8 @@ def draw_band(job, members, band, batch, buffers, scratch):
     low = min(max(draw_float[R.DEPTH_LOW], 0.0), farthest)
     high = min(max(draw_float[R.DEPTH_HIGH], 0.0), farthest)
     width = int64(buffers.color.shape[1])
+    early, function = tests_early(draw), int64(draw[R.DEPTH_FUNCTION])
+    depth_words = words_at(int64(buffers.depth.ctypes.data), int64(buffers.depth.size))
     top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
     x_first, x_last = draw[R.X0], draw[R.X1] - 1
     # Of the batch: fragments, the longest run, segments, runs; whether it is solid, and its depth word.
@@ -319,7 +323,7 @@ def draw_band(job, members, band, batch, buffers, scratch):
         back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
         s0, s1, s2 = float64(right0), float64(right1), float64(right2)
         if small:
-            begin = position
+            begin, runs_before = position, runs
             step0, step1, step2 = ramp_f64x8() * s0, ramp_f64x8() * s1, ramp_f64x8() * s2
             # Sixteen pixels at a time: half a row, one, or where eight are enough two, lane 8 beginning the
             # second.
@@ -370,20 +374,25 @@ def draw_band(job, members, band, batch, buffers, scratch):
             n = position - begin
             if n == 0:
                 continue
+            doubled = float64(area)
+            if n >= ALONE:  # before its columns are written: a vector goes beyond the segment's end
+                mixed_from = close_mixed(job, draw, floats, ints, mixed_from, begin, low, high)
+            if n >= ALONE and needs_depth:
+                words = ints[R.DEPTH_WORD]
+                triangle_depth(floats, words, begin, n, (z0, z1, z2), doubled, offset, low, high)
+                if early and are_hidden(depth_words, ints[R.PIXEL], words, begin, n, function):
+                    fragments += n
+                    position, runs = begin, runs_before
+                    continue
             if not row_runs and (runs == 0 or lists[R.RUN_Y, runs - 1] >= 0):
                 lists[R.RUN_STARTS, runs], lists[R.RUN_Y, runs] = int32(begin), int32(-1)
                 runs += 1
             if n >= ALONE:
-                mixed_from = close_mixed(job, draw, floats, ints, mixed_from, begin, low, high)
                 lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(begin), t
                 lists[R.BACKS, segments] = back
                 segments += 1
-                doubled = float64(area)
                 if needs_weights:
                     triangle_weights(floats, begin, n, (iw0, iw1, iw2), doubled)
-                if needs_depth:
-                    words = ints[R.DEPTH_WORD]
-                    triangle_depth(floats, words, begin, n, (z0, z1, z2), doubled, offset, low, high)
                 continue
             if mixed_from < 0:
                 mixed_from = begin
@@ -410,6 +419,19 @@ def draw_band(job, members, band, batch, buffers, scratch):
             start, end = row_span(n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right)
             while start < end:
                 n = min(end - start, batch if solid else batch - position)
+                ahead = start - left
+                here = (
+                    float64(n0 + ahead * right0),
+                    float64(n1 + ahead * right1),
+                    float64(n2 + ahead * right2),
+                )
+                if not solid and needs_depth:
+                    words, depths = ints[R.DEPTH_WORD], (z0, z1, z2)
+                    run_depth(words, position, n, here, (s0, s1, s2), depths, offset, low, high)
+                    if early and is_hidden(buffers.depth[row], start, words, position, n, function):
+                        fragments += n
+                        start += n
+                        continue
                 lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(start)
                 lists[R.RUN_Y, runs] = int32(row)
                 ints[R.OWNER, runs] = t
@@ -419,17 +441,8 @@ def draw_band(job, members, band, batch, buffers, scratch):
                         lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
                         lists[R.BACKS, segments] = back
                         segments += 1
-                    ahead = start - left
-                    here = (
-                        float64(n0 + ahead * right0),
-                        float64(n1 + ahead * right1),
-                        float64(n2 + ahead * right2),
-                    )
                     if needs_weights:
                         run_weights(floats, position, n, here, (s0, s1, s2), (iw0, iw1, iw2))
-                    if needs_depth:
-                        words, depths = ints[R.DEPTH_WORD], (z0, z1, z2)
-                        run_depth(words, position, n, here, (s0, s1, s2), depths, offset, low, high)
                 position += n
                 longest = max(longest, n)
                 start += n

@@ -33,6 +33,7 @@ from fixedpipe.raster.vector.lanes import (
     load_i32x32,
     load_u8x16,
     load_u8x32,
+    mask_bits,
     maximum,
     minimum,
     minimum_unsigned,
@@ -71,6 +72,59 @@ def interval(function, far):
     elif function == C.COMPARISON_GREATER:
         first = int64(1)
     return first, width
+
+
+# -------------------------------------------------------------------------------------------- hidden pixels
+
+
+@kernel
+def tests_early(draw):
+    """Whether a fragment that fails the depth test now can be left out before it is shaded.
+
+    It has no effect then: no stencil operation waits for its failure, and what fails beside the depths of now
+    fails at its turn too. For until then depths change by this Draw's fragments alone, each of which passes:
+    with LESS, LEQUAL, GREATER and GEQUAL they move away from what failed, with EQUAL they stay, and
+    so they do where none is written.
+    """
+    function, still = draw[R.DEPTH_FUNCTION], draw[R.DEPTH_WRITE] == 0
+    useful = draw[R.NEEDS_DEPTH] != 0 and draw[R.NEEDS_COLOR] != 0 and function != C.COMPARISON_ALWAYS
+    return useful and draw[R.STENCIL_TEST] == 0 and (still or function != C.COMPARISON_NOTEQUAL)
+
+
+@kernel("boolean(u4[::1],i4[::1],i4[::1],i8,i8,i8)")
+def are_hidden(depth_words, pixel, depth, start, count, function):
+    """Whether none of ``count`` fragments from ``start`` passes the depth test, each at its ``pixel``."""
+    separate_function()
+    first, width = interval(function, _FAR_DEPTH)
+    low, near = int32(first), int32(width)
+    whole = start + (count & ~15)
+    for i in range(start, whole, 16):
+        value, old = load_i32x16(depth, i), load_each_i32x16(depth_words, pixel, i)
+        if mask_bits(below(value - old - low, near)) != 0:
+            return False
+    for i in range(whole, start + count):
+        old = depth_words[uint64(pixel[i])]
+        if uint32(uint32(depth[i]) - old - uint32(low)) < uint32(near):
+            return False
+    return True
+
+
+@kernel("boolean(u4[::1],i8,i4[::1],i8,i8,i8)")
+def is_hidden(depth_row, x, depth, start, count, function):
+    """The same of a run from ``x`` of a row."""
+    separate_function()
+    first, width = interval(function, _FAR_DEPTH)
+    low, near = int32(first), int32(width)
+    whole = count & ~15
+    for i in range(0, whole, 16):
+        value, old = load_i32x16(depth, start + i), load_i32x16(depth_row, x + i)
+        if mask_bits(below(value - old - low, near)) != 0:
+            return False
+    for i in range(whole, count):
+        old = depth_row[uint64(x + i)]
+        if uint32(uint32(depth[uint64(start + i)]) - old - uint32(low)) < uint32(near):
+            return False
+    return True
 
 
 # ------------------------------------------------------------------------------------------------- blending
