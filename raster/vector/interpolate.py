@@ -20,11 +20,12 @@ from fixedpipe.raster.fixed import (
     FRACTION,
     KEEP_24,
     KEEP_29,
+    power_below,
     reciprocal_29,
     step_24,
     truncate_24,
 )
-from fixedpipe.raster.floats import SMALLEST
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, SMALLEST
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.interpolate import TINY, depth_difference
 from fixedpipe.raster.vector.lanes import (
@@ -51,6 +52,7 @@ from fixedpipe.raster.vector.lanes import (
 )
 
 EXACT_FROM = 2.0**-30  # a coordinate whose largest term is not below this wraps without rounding
+_BIT_23 = int64((EXPONENT_BIAS + 23) << FRACTION_BITS)  # the exponent of 2**23 to 2**24
 LARGEST_COORDINATE = 512.0  # then 256 times the largest texture, twice, is an int32
 LARGEST_REPEATED = 11  # log2 of the largest texture
 LARGEST_FLOAT = 2.0**100  # of any coordinate: none of its terms overflows
@@ -196,6 +198,20 @@ def fixed_depth(z, offset, low, high):
     return to_int32(minimum(maximum(z + offset, low), high))
 
 
+@kernel
+def reciprocal_beside(total, area, inverse):
+    """``reciprocal_29`` of sixteen sums of edge functions without a division, and whether it is decided.
+
+    A sum of three integers, each cut to 24 bits, lies below the integer ``area`` by less than 2**-23 of it;
+    ``inverse`` is 1/area to nearest. With d that part, 1/total = inverse (1 + d + d d + ...), of which the
+    first two are taken: what is left out is below 2**-46 of it, the operations err by less than 2**-50. So
+    the pattern is less than 2**8 units from that of the nearest float64, and its upper 29 bits are the same
+    unless their lower 24, lessened by 2**21, lie that near to their ends. No total may be a power of two.
+    """
+    pattern = bits_of_lanes(inverse + inverse * ((area - total) * inverse)) - int64(1 << 21)
+    return all_lanes(((pattern + int64(256)) & int64(0xFFFE00)) != int64(0)), pattern & KEEP_29
+
+
 @kernel(void(int32[::1], int64, int64, THREE, THREE, THREE, float64, float64, float64))
 def run_depth(words, position, count, n, right, depths, offset, low, high):
     """Depth words of ``count`` pixels to the right of the one whose edge functions are ``n``."""
@@ -220,11 +236,16 @@ def run_depth(words, position, count, n, right, depths, offset, low, high):
             store(words, position + i, fixed_depth(z, offset, low, high))
             a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
         return
+    whole = f64x16(1.0 / area)
+    odd = area - power_below(area) > area * 2.0**-22  # then no sum below is a power of two
     for i in range(0, count, 16):
         e0, e1, e2 = keep_24(a0), keep_24(a1), keep_24(a2)
-        inverse = bits_of_lanes(1.0 / ((e0 + e1) + e2))
-        exact = (inverse & FRACTION) == int64(0)
-        lessened = select(exact, inverse, inverse - int64(1 << 21)) & KEEP_29
+        total = (e0 + e1) + e2
+        decided, lessened = reciprocal_beside(total, area, whole)
+        if not (odd and decided):
+            inverse = bits_of_lanes(1.0 / total)
+            exact = (inverse & FRACTION) == int64(0)
+            lessened = select(exact, inverse, inverse - int64(1 << 21)) & KEEP_29
         z = depth_of(e0, e1, e2, floats_of_lanes(lessened), v0, v1, v2, v10, v20, v21)
         store(words, position + i, fixed_depth(z, offset, low, high))
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
@@ -422,24 +443,17 @@ def terms_of(q0, q2, v1, d0, d2):
 
 
 @kernel
-def term_of(q, d):
-    """The same where vertices 1 and either 0 or 2 have the coordinate zero: one term is left."""
-    p = q * d
-    largest = maximum(absolute(p), SMALLEST)
-    exponent = bits_of_lanes(largest) & EXPONENT
-    return largest, exponent, truncated(p * floats_of_lanes(int64(2069 << 52) - exponent))
+def sum_beside(q0, q2, own, d0, d2):
+    """Whether a guess of how many last bits of the largest term make one holds for sixteen fragments, and the
+    sum of their cut terms if so.
 
-
-@kernel
-def dominates(c1, c0, c2):
-    """Whether vertex 1's coordinate is the largest term wherever the weights are, and not tiny."""
-    return abs(c1) >= max(abs(c0), abs(c2)) and abs(c1) >= EXACT_FROM
-
-
-@kernel
-def sum_beside(q0, q2, base, d0, d2):
-    """The terms' sum where vertex 1 dominates: its own term is ``base``, and d0 and d2 count its last bit."""
-    return (base + truncated(q0 * d0)) + truncated(q2 * d2)
+    own, d0, d2: the vertices' numbers times the guess, ``own`` cut. A guess is a power of two, so q d times
+    it has the bits of ``terms_of``'s term, and the largest of the cut terms lies in [2**23, 2**24) where the
+    guess is the one that the largest term asks for, and nowhere else.
+    """
+    p0, p2 = truncated(q0 * d0), truncated(q2 * d2)
+    largest = maximum(maximum(absolute(p0), absolute(p2)), absolute(own))
+    return all_lanes((bits_of_lanes(largest) & EXPONENT) == _BIT_23), (own + p0) + p2
 
 
 @kernel
@@ -473,21 +487,20 @@ def iterate_floats(lists, segments, triangles, coordinates, unit, component, flo
             for i in range(begin, end, 16):
                 store(out, i, value)
             continue
-        if dominates(c1, c0, c2):
-            step, steps = step_24(abs(c1))
-            own, d0, d2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
-            for i in range(begin, end, 16):
-                total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, d0, d2)
-                store(out, i, total * step)
-            continue
-        one_term, only0 = c1 == 0.0 and (c0 == 0.0 or c2 == 0.0), c2 == 0.0
-        for i in range(begin, end, 16):
-            if one_term:
-                q, d = (load_f64x16(q0, i), d0) if only0 else (load_f64x16(q2, i), d2)
-                store(out, i, float_of_terms(*term_of(q, d)))
-            else:
+        i = begin
+        while i < end:
+            step, steps = step_24(max(max(abs(c1), max(abs(q0[i] * c0), abs(q2[i] * c2))), SMALLEST))
+            own, e0, e2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+            holds = True
+            while holds and i < end:
+                holds, total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, e0, e2)
+                if holds:
+                    store(out, i, total * step)
+                    i += 16
+            if i < end:
                 terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
                 store(out, i, float_of_terms(*terms))
+                i += 16
 
 
 @kernel("void(f8[:,::1],i8,i8,f8[:,:,::1],i8,i8,i4,i4,i4)")

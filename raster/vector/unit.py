@@ -13,6 +13,7 @@ from fixedpipe.raster.vector.coordinates import (
     depth_words,
     divide_by_q,
     fixed_from_floats,
+    fixed_from_quotients,
     iterate_texels,
 )
 from fixedpipe.raster.vector.footprint import sample_footprints
@@ -31,6 +32,7 @@ from fixedpipe.raster.vector.sample import (
     move_to_faces,
 )
 
+LARGEST_SHADOW = 4096.0  # texels along an edge: 2**20 of their 256ths, whose floors are told apart
 _WHITE = 0xFFFFFFFF  # packed: every component one
 
 
@@ -166,6 +168,23 @@ def sample_computed(job, u, count, segments, scratch):
         cube_faces(s, t, extra, ints[R.FACE], count)
     elif projective:
         iterate_floats(scratch.lists, segments, triangles, coordinates, u, 3, floats, extra)
+    # The usual shadow map: quotients need not be known to their last bit.
+    width, height, edge = float64(levels[0, 1]), float64(levels[0, 2]), int64(C.WRAP_CLAMP_TO_EDGE)
+    usual = projective and row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE and row[R.MAG_LINEAR] != 0
+    usual = usual and row[R.TARGET] == C.TARGET_2D and row[R.DEPTH_TEXEL_FORMAT] == C.DEPTH_FIXED
+    usual = usual and row[R.WRAP_S] == edge and row[R.WRAP_T] == edge and max(width, height) <= LARGEST_SHADOW
+    if usual:
+        iterate_floats(scratch.lists, segments, triangles, coordinates, u, 2, floats, r)
+        scale, largest = float_of(row[R.COORDINATE_DEPTH]), int32(row[R.DEPTH_TEXEL_MAX])
+        fixed_from_quotients(
+            s, t, r, extra, f_s, f_t, ints[R.REFERENCE], width, height, scale, largest, count
+        )
+        locate(levels, row, f_s, f_t, count, located)
+        plane, function = (C.REGISTER_TEXTURE0 + u) * 4, row[R.COMPARE_FUNCTION]
+        pairs = p.textures.texels[u]
+        fetch_compared(pairs, located, ints[R.REFERENCE], function, count, scratch.planes, plane)
+        return
+    if projective and not cube:
         divide_by_q(s, extra, count)
         divide_by_q(t, extra, count)
     if compared:
@@ -179,11 +198,10 @@ def sample_computed(job, u, count, segments, scratch):
         depth_words(r, ints[R.REFERENCE], scale, depth_format, int32(row[R.DEPTH_TEXEL_MAX]), count)
     bias = TAU if cube or projective else 0.0
     scale = 0.5 if cube else (0.0 if row[R.TARGET] == C.TARGET_RECTANGLE else 1.0)
-    edge = int64(C.WRAP_CLAMP_TO_EDGE)
     wrap_s, wrap_t = (edge, edge) if cube else (row[R.WRAP_S], row[R.WRAP_T])
     linear = row[R.MAG_LINEAR]
-    fixed_from_floats(s, f_s, float64(levels[0, 1]), bias, scale, wrap_s, linear, count)
-    fixed_from_floats(t, f_t, float64(levels[0, 2]), bias, scale, wrap_t, linear, count)
+    fixed_from_floats(s, f_s, width, bias, scale, wrap_s, linear, count)
+    fixed_from_floats(t, f_t, height, bias, scale, wrap_t, linear, count)
     locate(levels, row, f_s, f_t, count, located)
     if cube:
         move_to_faces(levels, ints[R.FACE], count, located)

@@ -6,10 +6,21 @@ import numpy as np
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.floats import SMALLEST, keep_significant_bits
-from fixedpipe.raster.vector.coordinates import iterate_texels
-from fixedpipe.raster.vector.interpolate import iterate_floats
+from fixedpipe.raster.fixed import reciprocal_29
+from fixedpipe.raster.floats import SMALLEST, TAU, keep_significant_bits
+from fixedpipe.raster.kernel import kernel
+from fixedpipe.raster.portable.interpolate import depth_words, emit_depth
+from fixedpipe.raster.vector.coordinates import depth_words as vector_depth_words
+from fixedpipe.raster.vector.coordinates import (
+    divide_by_q,
+    fixed_from_floats,
+    fixed_from_quotients,
+    iterate_texels,
+)
+from fixedpipe.raster.vector.interpolate import iterate_floats, reciprocal_beside, run_depth
+from fixedpipe.raster.vector.lanes import f64x16, floats_of_lanes, store
 
 UNIT, COMPONENT = 1, 0
 
@@ -85,3 +96,89 @@ def test_coordinates_are_the_specified_sums(run, vertices):
     out = np.zeros(count + R.SLACK)
     iterate_floats(lists, 1, triangles, coordinates, UNIT, COMPONENT, floats, out)
     assert out[:count].tolist() == [specified(a, b, *vertices) for a, b in zip(q0, q2, strict=True)]
+
+
+depth = st.one_of(
+    st.sampled_from([0.0, 1.0, 0.5, 2.0**24 - 1, 12345678.0]), st.floats(0.0, 2.0**24 - 1, width=32)
+)
+# Edge functions of a pixel, and how they change to the right; from 24 bits on they are cut.
+edge = st.integers(1, 2**38)
+step = st.integers(-(2**20), 2**20)
+
+
+@settings(deadline=None, max_examples=400)
+@given(st.tuples(edge, edge, edge), st.tuples(step, step), st.tuples(depth, depth, depth))
+@example((2**30 - 3, 1, 2), (16, -16), (1.0, 0.5, 12345678.0))  # the area is a power of two
+@example((2**29 + 63, 2**29 - 2**20, 2**20), (0, 0), (0.0, 2.0**23, 0.0))  # the sum of cut ones is one
+@example((2**37 + 12345, 2**36 + 999, 2**37 + 1), (2**15 + 1, 7), (1.0, 0.5, 12345678.0))
+def test_depths_of_a_run_are_those_of_the_portable_engine(first, right, depths):
+    right = (*right, -sum(right))
+    count = 48
+    while count > 1 and any(n + (count - 1) * d < 0 for n, d in zip(first, right, strict=True)):
+        count //= 2  # inside the triangle
+    n, right = tuple(map(float, first)), tuple(map(float, right))
+    words = np.zeros(count + R.SLACK, np.int32)
+    run_depth(words, 0, count, n, right, depths, 0.0, 0.0, 2.0**24 - 1)
+    floats, expected = np.zeros((R.DEPTH + 1, count + R.SLACK)), np.zeros(count + R.SLACK, np.int32)
+    emit_depth(floats, 0, count, n, right, (1.0, 1.0, 1.0), depths, 0.0, 0.0)
+    draw, draw_float = np.zeros(R.DRAW_SIZE, np.int64), np.zeros(R.DRAW_FLOAT_SIZE)
+    draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = C.DEPTH_FIXED, 2**24 - 1
+    draw_float[R.DEPTH_HIGH] = 2.0**24 - 1
+    depth_words(floats, count, draw, draw_float, expected)
+    assert words[:count].tolist() == expected[:count].tolist()
+
+
+@kernel("void(f8[::1],f8[::1],f8[::1],b1[::1])")
+def reciprocals(totals, areas, out, decided):
+    for at in range(0, totals.shape[0], 16):
+        for k in range(16):  # one by one: each in all lanes
+            total, area = totals[at + k], areas[at + k]
+            found, pattern = reciprocal_beside(f64x16(total), area, f64x16(1.0 / area))
+            store(out, at, floats_of_lanes(pattern))
+            totals[at + k], decided[at + k] = out[at], found
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.integers(0, 2**32), st.integers(24, 40))
+def test_reciprocals_beside_an_areas_are_decided_rightly(seed, bits):
+    random = np.random.default_rng(seed)
+    # Inverses of 29 bits and what is taken off them: the sums nearest to theirs are the ones in doubt.
+    inverse = (random.integers(2**28, 2**29, 512) * 2.0**24 + 2.0**21) * 2.0 ** (-52 - bits)
+    totals = np.rint(1.0 / inverse)
+    totals = totals[np.frexp(totals)[0] != 0.5]
+    totals = totals[: len(totals) // 16 * 16]
+    areas = totals + np.floor(totals * 2.0**-23 * random.random(len(totals)))
+    out, decided = np.zeros(len(totals) + 16), np.zeros(len(totals), bool)
+    expected = np.array([reciprocal_29(1.0 / total) for total in totals])
+    reciprocals(totals, areas, out, decided)
+    assert (totals == expected)[decided].all()
+    assert decided.any() and (bits < 36 or not decided.all())
+
+
+def quotients(seed, size, count):
+    """Columns s, t, r, q: near and on ties of texels and of depth words, beyond the limits, zeros."""
+    random = np.random.default_rng(seed)
+    q = random.choice([1.0, -1.0, 0.0, 3.0, 0.37, 2.0**-120, 2.0**90], count) * (1 + random.random(count))
+    q[::3] = keep_significant_bits(random.random(len(q[::3])) + 0.25, 24)
+    beside = 1 + random.integers(-3, 4, (3, count)) * 2.0 ** -random.integers(18, 54, (3, count))
+    whole = random.integers(-300, 256 * size + 300, (2, count)) / (256.0 * size)
+    depths = random.integers(-2, 2**24 + 2, count) / (2.0**24 - 1)
+    s, t, r = (np.concatenate([whole, depths[None]]) * np.where(q == 0.0, 1.0, q)) * beside
+    s[::7], t[::11], r[::13] = 0.0, q[::11], q[::13]
+    return s, t, r, q
+
+
+@settings(deadline=None, max_examples=200)
+@given(st.integers(0, 2**32), st.sampled_from([1, 3, 512, 1000, 4096]))
+def test_quotients_by_one_division_have_the_floors_of_three(seed, size):
+    count, scale = 96, 2.0**24 - 1
+    s, t, r, q = quotients(seed, size, count)
+    found = np.zeros((3, count), np.int32)
+    fixed_from_quotients(s, t, r, q, *found, float(size), float(size), scale, 2**24 - 1, count)
+    expected = np.zeros((3, count), np.int32)
+    for column, out in ((s, expected[0]), (t, expected[1])):
+        divide_by_q(column, q, count)
+        fixed_from_floats(column, out, float(size), TAU, 1.0, C.WRAP_CLAMP_TO_EDGE, 1, count)
+    divide_by_q(r, q, count)
+    vector_depth_words(r, expected[2], scale, C.DEPTH_FIXED, 2**24 - 1, count)
+    assert found.tolist() == expected.tolist()
