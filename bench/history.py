@@ -166,8 +166,8 @@ def sentence(one):
 
 
 def _figure(shown):
-    """matplotlib's figure of Series: a small plot each, the runs in their order, slow-downs in red. Where
-    they are of several processors, each says its own.
+    """matplotlib's figure of Series: a small plot each, the runs in their order, slow-downs in red; each says
+    its processor where there are several.
     """
     from matplotlib.figure import Figure
 
