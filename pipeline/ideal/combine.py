@@ -1,13 +1,13 @@
 """General combiners and the final combiner in real numbers.
 
-Kernels take blocks of fragments, so that registers stay in the cache: a *file* of registers, float64
-[registers, 4, block], in which each operation is one loop over a block.
+Kernels take blocks of fragments, windows of a *file* of registers, float64 [registers, 4, k], so that what
+they compute stays in the cache: each operation is one loop over a block.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import float64, int64, types, void
+from numba import float64, int64, types, uint64, void
 
 from fixedpipe.pipeline.enums import (
     CombinerBias,
@@ -17,7 +17,6 @@ from fixedpipe.pipeline.enums import (
     Mapping,
     Register,
 )
-from fixedpipe.pipeline.ideal.weights import fixed
 from fixedpipe.pipeline.state import CombinerInput, RegisterCombiners
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.kernel import kernel, separate_loop
@@ -50,24 +49,20 @@ _MAPPINGS = {
 _BLOCK = 64
 _REGISTERS = C.REGISTER_DISCARD  # those that a file holds come before it
 
-# Rows of whole numbers: of four variables the register and the component, or _OWN for each its own; then of a
-# portion what follows. Rows of reals: of four variables a mapping, of a portion its bias and scale.
-_OWN = -1
+# Rows of whole numbers: of four variables the register, or _SAME where it is a colour that all fragments
+# share, and the component, or _OWN for each its own; then of a portion what follows. Rows of reals: of four
+# variables a mapping, then of each such a colour, then of a portion bias and scale.
+_SAME = _OWN = -1
 _AB_DOT, _CD_DOT, _MUX, _AB_TO, _CD_TO, _SUM_TO, _BLUE_TO_ALPHA, _PORTION = range(8, 16)
-_BIAS, _FACTOR, _REALS = 16, 17, 18
+_COLORS, _BIAS, _FACTOR, _REALS = 16, 32, 33, 34
 # Of the final combiner's second row: whether E F or SPARE0 + SECONDARY_COLOR is asked.
 _ASKS_PSEUDO = 8
-
-# How a register begins: as it may, from columns, or SPARE0 with texture 0's alpha.
-_UNREAD, _GIVEN, _FRESH = range(3)
 
 # What a portion computes, each [4, block]: its variables, two products, their sum; the RGB portion's first.
 _AB, _CD, _SUM, _COMPUTED = 4, 5, 6, 7
 
 _FILE = float64[:, :, ::1]
-_SOURCE = types.Array(float64, 2, "C", readonly=True)
-_SOURCES = types.UniTuple(_SOURCE, _REGISTERS)
-_PROGRAM = types.Tuple((int64[:, :, ::1], float64[:, :, ::1], float64[:, :, ::1]))  # of a Plan
+_WINDOW = types.UniTuple(int64, 2)  # of a file: the first fragment, and how many
 
 
 @kernel
@@ -77,183 +72,153 @@ def _mapped(x, least, factor, offset, most):
     return most if x < most else x
 
 
-@kernel(void(_FILE, int64[::1], float64[::1], int64, int64, int64, float64[:, ::1]))
-def _read(file, row, reals, variable, first, last, out):
+@kernel(void(_FILE, _WINDOW, int64[::1], float64[::1], int64, int64, int64, float64[:, ::1]))
+def _read(file, window, row, reals, variable, first, last, out):
     """A combiner variable's value for components ``first`` to ``last``."""
     separate_loop()
+    start, count = uint64(window[0]), window[1]
     register, component = row[2 * variable], row[2 * variable + 1]
     least, factor = reals[4 * variable], reals[4 * variable + 1]
     offset, most = reals[4 * variable + 2], reals[4 * variable + 3]
     for c in range(first, last):
-        values, to = file[register, c if component == _OWN else component], out[c]
-        for i in range(len(to)):
-            to[i] = _mapped(values[i], least, factor, offset, most)
+        k = c if component == _OWN else component
+        if register == _SAME:
+            value = _mapped(reals[_COLORS + 4 * variable + k], least, factor, offset, most)
+            for i in range(count):
+                out[c, i] = value
+        else:
+            for i in range(count):
+                out[c, i] = _mapped(file[register, k, start + uint64(i)], least, factor, offset, most)
 
 
-@kernel(void(float64[:, ::1], float64[:, ::1], int64, int64, float64[:, ::1]))
-def _product(a, b, first, last, out):
+@kernel(void(_FILE, int64, int64, int64, int64, int64))
+def _multiply(computed, at, first, last, dots, count):
+    """The product of two variables, the second behind the first, to its place; or their dot product."""
     separate_loop()
+    a, b, to = uint64(at), uint64(at + 1), uint64(at - at % _COMPUTED + _AB + (at % _COMPUTED) // 2)
     for c in range(first, last):
-        x, y, to = a[c], b[c], out[c]
-        for i in range(len(to)):
-            to[i] = x[i] * y[i]
+        for i in range(count):
+            computed[to, c, i] = computed[a, c, i] * computed[b, c, i]
+    if dots:
+        for i in range(count):
+            total = (computed[to, 0, i] + computed[to, 1, i]) + computed[to, 2, i]
+            for c in range(3):
+                computed[to, c, i] = total
 
 
-@kernel(void(float64[:, ::1]))
-def _dot(products):
-    """The sum of three products, in each of them."""
-    separate_loop()
-    red, green, blue = products[0], products[1], products[2]
-    for i in range(len(red)):
-        total = (red[i] + green[i]) + blue[i]
-        red[i], green[i], blue[i] = total, total, total
-
-
-@kernel(void(float64[:, ::1], float64[:, ::1], int64, int64, int64, float64[::1], float64[:, ::1]))
-def _sum(ab, cd, first, last, mux, chooses, out):
+@kernel(void(_FILE, _WINDOW, int64, int64, int64, int64, _FILE))
+def _add(file, window, at, first, last, mux, computed):
     """AB + CD; or CD where SPARE0's alpha is 1/2 or more, and AB elsewhere.
 
     Source: NV_register_combiners, section 3.8.12.2.
     """
     separate_loop()
+    start, count = uint64(window[0]), window[1]
+    ab, cd, to = uint64(at + _AB), uint64(at + _CD), uint64(at + _SUM)
     for c in range(first, last):
-        x, y, to = ab[c], cd[c], out[c]
         if mux:
-            for i in range(len(to)):
-                to[i] = y[i] if chooses[i] >= 0.5 else x[i]
+            for i in range(count):
+                chooses = file[C.REGISTER_SPARE0, 3, start + uint64(i)] >= 0.5
+                computed[to, c, i] = computed[cd, c, i] if chooses else computed[ab, c, i]
         else:
-            for i in range(len(to)):
-                to[i] = x[i] + y[i]
+            for i in range(count):
+                computed[to, c, i] = computed[ab, c, i] + computed[cd, c, i]
 
 
-@kernel(void(_FILE, int64[:, ::1], float64[:, ::1], _FILE))
-def _compute(file, rows, reals, computed):
-    """What the two portions of a stage compute before bias and scale."""
-    for portion in range(2):
-        row, at = rows[portion], portion * _COMPUTED
-        first, last = (3, 4) if portion else (0, 3)
-        sums = row[_SUM_TO] != C.REGISTER_DISCARD
-        ab, cd = computed[at + _AB], computed[at + _CD]
-        if sums or row[_AB_TO] != C.REGISTER_DISCARD:
-            for v in range(2):
-                _read(file, row, reals[portion], v, first, last, computed[at + v])
-            _product(computed[at], computed[at + 1], first, last, ab)
-            if row[_AB_DOT]:
-                _dot(ab)
-        if sums or row[_CD_TO] != C.REGISTER_DISCARD:
-            for v in range(2, 4):
-                _read(file, row, reals[portion], v, first, last, computed[at + v])
-            _product(computed[at + 2], computed[at + 3], first, last, cd)
-            if row[_CD_DOT]:
-                _dot(cd)
-        if sums:
-            chooses = file[C.REGISTER_SPARE0, 3]
-            _sum(ab, cd, first, last, row[_MUX], chooses, computed[at + _SUM])
-
-
-@kernel(void(float64[::1], float64, float64, float64[::1]))
-def _scaled(values, bias, factor, out):
-    separate_loop()
-    for i in range(len(out)):
-        out[i] = (values[i] + bias) * factor
-
-
-@kernel(void(_FILE, int64[:, ::1], float64[:, ::1], _FILE))
-def _store(file, rows, reals, computed):
+@kernel(void(_FILE, _WINDOW, int64[:, ::1], float64[:, ::1], _FILE))
+def _store(file, window, rows, reals, computed):
     """The outputs of a stage's portions into registers: the RGB portion's first."""
+    separate_loop()
+    start, count = uint64(window[0]), window[1]
     for portion in range(2):
-        row, at = rows[portion], portion * _COMPUTED
         bias, factor = reals[portion, _BIAS], reals[portion, _FACTOR]
         for k in range(3):
-            to = row[_AB_TO + k]
+            to, at = rows[portion, _AB_TO + k], uint64(portion * _COMPUTED + _AB + k)
             if to != C.REGISTER_DISCARD:
-                value = computed[at + _AB + k]
-                for c in range(3 * portion, 3 + portion):
-                    _scaled(value[c], bias, factor, file[to, c])
-                if k == 0 and row[_BLUE_TO_ALPHA]:
-                    _scaled(value[2], bias, factor, file[to, 3])
+                last = 4 if portion or (k == 0 and rows[portion, _BLUE_TO_ALPHA]) else 3
+                for c in range(3 * portion, last):
+                    source = uint64(c if portion else min(c, 2))
+                    for i in range(count):
+                        file[to, c, start + uint64(i)] = (computed[at, source, i] + bias) * factor
 
 
-@kernel(void(_FILE, _FILE))
-def _pseudo_registers(file, computed):
+@kernel(void(_FILE, int64[:, ::1], float64[:, ::1], int64, int64, _FILE))
+def _stage(file, rows, reals, computes, stores, computed):
+    """The two portions of a stage, block by block: what they compute before bias and scale, and its way into
+    registers.
+    """
+    block = computed.shape[2]
+    for start in range(0, file.shape[2], block):
+        window = start, min(block, file.shape[2] - start)
+        for portion in range(2 * computes):
+            row, numbers, at = rows[portion], reals[portion], portion * _COMPUTED
+            first, last = (3, 4) if portion else (0, 3)
+            sums = row[_SUM_TO] != C.REGISTER_DISCARD
+            for pair in range(2):
+                if sums or row[_AB_TO + pair] != C.REGISTER_DISCARD:
+                    for v in range(2 * pair, 2 * pair + 2):
+                        _read(file, window, row, numbers, v, first, last, computed[at + v])
+                    _multiply(computed, at + 2 * pair, first, last, row[_AB_DOT + pair], window[1])
+            if sums:
+                _add(file, window, at, first, last, row[_MUX], computed)
+        if stores:
+            _store(file, window, rows, reals, computed)
+
+
+@kernel(void(_FILE, _WINDOW, _FILE))
+def _pseudo_registers(file, window, computed):
     """E F from its factors, and what SPARE0 and SECONDARY_COLOR add up to."""
     separate_loop()
+    start, count = uint64(window[0]), window[1]
     for c in range(3):
-        e, f, product = computed[4, c], computed[5, c], file[C.REGISTER_E_TIMES_F, c]
-        spare, second = file[C.REGISTER_SPARE0, c], file[C.REGISTER_SECONDARY_COLOR, c]
-        total = file[C.REGISTER_SPARE0_PLUS_SECONDARY_COLOR, c]
-        for i in range(len(e)):
-            product[i] = e[i] * f[i]
-            total[i] = (0.0 if spare[i] < 0.0 else spare[i]) + (0.0 if second[i] < 0.0 else second[i])
+        for i in range(count):
+            k = start + uint64(i)
+            file[C.REGISTER_E_TIMES_F, c, k] = computed[4, c, i] * computed[5, c, i]
+        for i in range(count):
+            k = start + uint64(i)
+            spare, second = file[C.REGISTER_SPARE0, c, k], file[C.REGISTER_SECONDARY_COLOR, c, k]
+            total = (0.0 if spare < 0.0 else spare) + (0.0 if second < 0.0 else second)
+            file[C.REGISTER_SPARE0_PLUS_SECONDARY_COLOR, c, k] = total
 
 
-@kernel(void(_FILE, int64, int64, float64[:, ::1]))
-def _blend(computed, start, count, out):
-    """A B + (1 - A) C + D, and G, clamped to [0, 1], to rows of ``out`` from ``start`` on."""
+@kernel(void(_FILE, _WINDOW, float64[:, ::1]))
+def _blend(computed, window, out):
+    """A B + (1 - A) C + D, and G, clamped to [0, 1], to a window of ``out``."""
     separate_loop()
+    start, count = uint64(window[0]), window[1]
     for i in range(count):
-        for c in range(4):
-            if c < 3:
-                a = computed[0, c, i]
-                a = 1.0 if a > 1.0 else a
-                value = (a * computed[1, c, i] + (1.0 - a) * computed[2, c, i]) + computed[3, c, i]
-            else:
-                value = computed[6, 3, i]
-            out[start + i, c] = 0.0 if value < 0.0 else (1.0 if value > 1.0 else value)
+        for c in range(3):
+            a = computed[0, c, i]
+            a = 1.0 if a > 1.0 else a
+            value = (a * computed[1, c, i] + (1.0 - a) * computed[2, c, i]) + computed[3, c, i]
+            out[start + uint64(i), c] = 0.0 if value < 0.0 else (1.0 if value > 1.0 else value)
+        value = computed[6, 3, i]
+        out[start + uint64(i), 3] = 0.0 if value < 0.0 else (1.0 if value > 1.0 else value)
 
 
-@kernel(void(_FILE, int64[:, ::1], float64[:, ::1], _FILE, int64, int64, float64[:, ::1]))
-def _finish(file, rows, reals, computed, start, count, out):
-    """The final combiner. ``rows``: A to D, then E, F and G."""
-    if rows[1, _ASKS_PSEUDO]:
-        for v in range(2):
-            _read(file, rows[1], reals[1], v, 0, 3, computed[4 + v])
-        _pseudo_registers(file, computed)
-    for v in range(4):
-        _read(file, rows[0], reals[0], v, 0, 3, computed[v])
-    _read(file, rows[1], reals[1], 2, 3, 4, computed[6])
-    _blend(computed, start, count, out)
+@kernel(void(_FILE, int64[:, ::1], float64[:, ::1], _FILE, float64[:, ::1]))
+def _finish(file, rows, reals, computed, out):
+    """The final combiner, block by block. ``rows``: of A to D, then of E, F and G."""
+    block = computed.shape[2]
+    for start in range(0, file.shape[2], block):
+        window = start, min(block, file.shape[2] - start)
+        for k in range(7):
+            v = (k + 4) % 7  # E, F and G; then A to D, which may read what E and F make
+            if v == 0 and rows[1, _ASKS_PSEUDO]:
+                _pseudo_registers(file, window, computed)
+            row, first, last = v // 4, 3 if v == 6 else 0, 4 if v == 6 else 3
+            _read(file, window, rows[row], reals[row], v % 4, first, last, computed[v])
+        _blend(computed, window, out)
 
 
-@kernel(void(_SOURCE, int64, int64, _FILE, int64))
-def _load(source, start, count, file, register):
-    """A register of a block from the fragments' columns, or one value for all of them."""
+@kernel(void(float64[:, ::1], _FILE, int64))
+def _load(source, file, register):
+    """A register from the fragments' columns, or one colour for all of them."""
     separate_loop()
     step = 1 if len(source) > 1 else 0
-    for i in range(count):
+    for i in range(file.shape[2]):
         for c in range(4):
-            file[register, c, i] = source[step * (start + i), c]
-
-
-@kernel(void(_FILE, float64[:, ::1]))
-def _fill_constants(file, colors):
-    """The two constant colours, unless the file has them from the stage before."""
-    for k in range(2):
-        for c in range(4):
-            row = file[C.REGISTER_CONSTANT_COLOR0 + k, c]
-            if row[0] != colors[k, c]:
-                for i in range(len(row)):
-                    row[i] = colors[k, c]
-
-
-@kernel(void(_SOURCES, int64[::1], _PROGRAM, _FILE, _FILE, float64[:, ::1]))
-def _combine(sources, loaded, program, file, computed, out):
-    """A program without lookups and functions. ``loaded``: how each register begins."""
-    rows, reals, constants = program
-    stages, block = len(rows) - 1, file.shape[2]
-    for start in range(0, len(out), block):
-        count = min(block, len(out) - start)
-        for register in range(_REGISTERS):
-            if loaded[register] == _GIVEN:
-                _load(sources[register], start, count, file, register)
-        if loaded[C.REGISTER_SPARE0] == _FRESH:
-            _scaled(file[C.REGISTER_TEXTURE0, 3], 0.0, 1.0, file[C.REGISTER_SPARE0, 3])
-        for stage in range(stages):
-            _fill_constants(file, constants[stage])
-            _compute(file, rows[stage], reals[stage], computed)
-            _store(file, rows[stage], reals[stage], computed)
-        _fill_constants(file, constants[stages])
-        _finish(file, rows[stages], reals[stages], computed, start, count, out)
+            file[register, c, i] = source[step * i, c]
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,14 +226,12 @@ class Plan:
     """RegisterCombiners as kernels take them (``plan_of``).
 
     rows, reals  int64 and float64 [stages + 1, 2, ...]: what is read and computed, the final combiner's last
-    constants    float64 [stages + 1, 2, 4]: the constant colours of each
-    read         the registers that something reads
+    read         the registers that something reads, but those that are one colour
     """
 
     combiners: RegisterCombiners
     rows: np.ndarray
     reals: np.ndarray
-    constants: np.ndarray
     read: frozenset[Register]
 
 
@@ -281,36 +244,50 @@ def plan_of(combiners):
     rows = np.full((len(stages) + 1, 2, _PORTION), C.REGISTER_DISCARD, np.int64)
     reals, read = np.zeros((len(rows), 2, _REALS)), set()
     for k, stage in enumerate(stages):
+        colors = _colors(combiners, stage.constant_color0, stage.constant_color1)
         for portion, row, numbers in zip((stage.rgb, stage.alpha), rows[k], reals[k], strict=True):
-            _plan_portion(portion, row, numbers, read)
+            _plan_portion(portion, colors, row, numbers, read)
         if stage.lookup is not None:
             read.add(stage.lookup.register)
-    _plan_variables((final.a, final.b, final.c, final.d), rows[-1, 0], reals[-1, 0], read)
-    asked = {variable.register for variable in (final.a, final.b, final.c, final.d)}
+    colors, blended = _colors(combiners), (final.a, final.b, final.c, final.d)
+    _plan_variables(blended, colors, rows[-1, 0], reals[-1, 0], read)
+    asked = {variable.register for variable in blended}
     product = Register.E_TIMES_F in asked
     total = Register.SPARE0_PLUS_SECONDARY_COLOR in asked
     factors = (final.e, final.f) if product else (CombinerInput(), CombinerInput())
-    _plan_variables((*factors, final.g), rows[-1, 1], reals[-1, 1], read)
+    _plan_variables((*factors, final.g), colors, rows[-1, 1], reals[-1, 1], read)
     rows[-1, 1, _ASKS_PSEUDO] = product or total
-    if total:
+    if product or total:
         read |= {Register.SPARE0, Register.SECONDARY_COLOR}
-    constants = np.array([_constants(combiners, stage) for stage in (*stages, None)], np.float64)
-    return Plan(combiners, rows, reals, constants, frozenset(read))
+    return Plan(combiners, rows, reals, frozenset(read))
 
 
-def _plan_variables(variables, row, numbers, read):
+def _colors(combiners, color0=None, color1=None):
+    """The registers that are one colour: a stage's own constants, or the program's."""
+    return {
+        Register.ZERO: (0.0,) * 4,
+        Register.CONSTANT_COLOR0: combiners.constant_color0 if color0 is None else color0,
+        Register.CONSTANT_COLOR1: combiners.constant_color1 if color1 is None else color1,
+    }
+
+
+def _plan_variables(variables, colors, row, numbers, read):
     for k, variable in enumerate(variables):
         if variable.usage not in _COMPONENTS:
             raise ValueError(f"The ideal machine has no component usage {variable.usage.name}.")
-        row[2 * k : 2 * k + 2] = variable.register, _COMPONENTS[variable.usage]
+        same = variable.register in colors
+        row[2 * k : 2 * k + 2] = _SAME if same else variable.register, _COMPONENTS[variable.usage]
         numbers[4 * k : 4 * k + 4] = _MAPPINGS[variable.mapping]
-        read.add(variable.register)
+        if same:
+            numbers[_COLORS + 4 * k : _COLORS + 4 * k + 4] = colors[variable.register]
+        else:
+            read.add(variable.register)
 
 
-def _plan_portion(portion, row, numbers, read):
+def _plan_portion(portion, colors, row, numbers, read):
     if portion.ab_output is portion.cd_output is portion.sum_output is Register.DISCARD:
         return
-    _plan_variables((portion.a, portion.b, portion.c, portion.d), row, numbers, read)
+    _plan_variables((portion.a, portion.b, portion.c, portion.d), colors, row, numbers, read)
     row[_AB_DOT] = getattr(portion, "ab_dot_product", False)
     row[_CD_DOT] = getattr(portion, "cd_dot_product", False)
     row[_MUX] = portion.mux_sum
@@ -320,12 +297,6 @@ def _plan_portion(portion, row, numbers, read):
     numbers[_FACTOR] = _SCALE[portion.scale]
     if portion.mux_sum:
         read.add(Register.SPARE0)
-
-
-def _constants(combiners, stage):
-    own = (None, None) if stage is None else (stage.constant_color0, stage.constant_color1)
-    programs = combiners.constant_color0, combiners.constant_color1
-    return [everywhere if color is None else color for color, everywhere in zip(own, programs, strict=True)]
 
 
 def _function(function, ab, cd):
@@ -356,39 +327,32 @@ def combine(plan, registers, look_up=None):
     the final combiner's A, being the weight of a blend, stays in [0, 1].
     ``look_up(lookup, rgb)``: the texel of a stage's CombinerLookup at its register's colours, float64 [k, 3].
     """
-    count = len(registers[Register.PRIMARY_COLOR])
-    sources, loaded = [fixed(np.zeros((1, 4)))] * _REGISTERS, np.full(_REGISTERS, _UNREAD)
-    for register, color in registers.items():
-        if register in plan.read or register is Register.TEXTURE0:
-            sources[register], loaded[register] = fixed(color), _GIVEN
+    count, stages = len(registers[Register.PRIMARY_COLOR]), plan.combiners.general
+    whole = any(_functions(stage) for stage in stages)
+    file = np.empty((_REGISTERS, 4, count))
+    computed = np.zeros((2 * _COMPUTED, 4, max(count, 1) if whole else _BLOCK))
+    for register in plan.read:
+        if register in registers:
+            _load(np.ascontiguousarray(registers[register]), file, int(register))
+        else:
+            file[register] = 0.0
     if Register.SPARE0 in plan.read and Register.SPARE0 not in registers:
-        loaded[Register.SPARE0] = _FRESH
-    stages, out = plan.combiners.general, np.empty((count, 4))
-    whole = any(stage.lookup is not None or _functions(stage) for stage in stages)
-    block = max(count, 1) if whole else _BLOCK
-    file, computed = np.zeros((_REGISTERS, 4, block)), np.empty((2 * _COMPUTED, 4, block))
-    if not whole:
-        program = plan.rows, plan.reals, plan.constants
-        _combine(tuple(sources), loaded, program, file, computed, out)
-        return out
-    for register in np.flatnonzero(loaded == _GIVEN).tolist():
-        _load(sources[register], 0, count, file, register)
-    if loaded[Register.SPARE0] == _FRESH:
-        file[Register.SPARE0, 3] = file[Register.TEXTURE0, 3]
-    for k, stage in enumerate(stages):
-        _fill_constants(file, plan.constants[k])
-        _compute(file, plan.rows[k], plan.reals[k], computed)
-        for portion, function in enumerate(_functions(stage)):
+        file[Register.SPARE0, 3] = registers[Register.TEXTURE0][:, 3]
+    out = np.empty((count, 4))
+    for stage, rows, reals in zip(stages, plan.rows, plan.reals, strict=False):
+        functions = _functions(stage)
+        _stage(file, rows, reals, 1, not functions, computed)
+        for portion, function in enumerate(functions):
             ab, cd, total = computed[portion * _COMPUTED :][_AB:_COMPUTED]
             if function is not CombinerFunction.NONE:
                 channels = slice(3, 4) if portion else slice(3)
                 total[channels] = _function(function, ab[channels], cd[channels])
-        _store(file, plan.rows[k], plan.reals[k], computed)
+        if functions:
+            _stage(file, rows, reals, 0, 1, computed)
         if stage.lookup is not None:
             found = look_up(stage.lookup, np.ascontiguousarray(file[stage.lookup.register, :3].T))
             file[Register.TEXTURE0 + stage.lookup.unit] = found.T
-    _fill_constants(file, plan.constants[-1])
-    _finish(file, plan.rows[-1], plan.reals[-1], computed, 0, count, out)
+    _finish(file, plan.rows[-1], plan.reals[-1], computed, out)
     return out
 
 

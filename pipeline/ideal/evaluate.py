@@ -54,7 +54,7 @@ _CHUNK, _AT_ONCE = 1 << 13, 2
 _DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 
-def _draw(command, written, textures, size, depth_bits, record, threads):
+def _draw(command, written, textures, plans, size, depth_bits, record, threads):
     """A Draw's fragments, of its own coverage or those of a guide's ``record`` that passed: shaded by all
     threads, and written in order.
     """
@@ -71,7 +71,7 @@ def _draw(command, written, textures, size, depth_bits, record, threads):
     tests_alpha = state.alpha_test is not None and not guided
     colored = writes_color(state) or tests_alpha or state.texture_shader is not None
     deep = writes_depth(state) if guided else state.depth_test is not None
-    mesh, width, plan = mesh_of(primitives), size[0], plan_for(state, textures)
+    mesh, width, plan = mesh_of(primitives), size[0], plan_for(state, textures, plans)
 
     def shaded(part):
         """Pixels, colours and depths of what is alive in a slice of the record."""
@@ -155,6 +155,8 @@ class _Evaluation:
         self.guide, self.drawn, self.threads = guide, 0, threads
         self.buffers, self.pixels = IdealBuffers(width, height), {}
         self.textures: dict[str, Texture] = {}
+        self.patched = {}  # the images of levels that were copied when a part was replaced first
+        self.plans = {}  # by the program's id, which the plan keeps alive
         self.statistics = PixelStatistics()
         held = width, height, depth_bits, self.textures, None, self.statistics
         self.valid = ValidFrame(commands, lambda read: begun(IDEAL, *held, read))
@@ -199,10 +201,12 @@ class _Evaluation:
     def draw(self, command):
         written = self.buffers.buffer(command.state.draw_buffer)
         size, record = (self.width, self.height), self.next_record()
-        _draw(command, written, self.textures, size, self.depth_bits, record, self.threads)
+        given = self.textures, self.plans, size, self.depth_bits, record, self.threads
+        _draw(command, written, *given)
 
     def rectangle(self, command):
-        draw_rectangle(command, self.buffers, self.textures, self.statistics, self.next_record())
+        given = self.textures, self.plans, self.statistics, self.next_record()
+        draw_rectangle(command, self.buffers, *given)
 
     def tex_image(self, command):
         if command.pixels is None:
@@ -216,7 +220,11 @@ class _Evaluation:
 
     def copy_tex_sub_image(self, command):
         source, texture = self.buffers.buffer(command.read_buffer), self.textures[command.texture]
-        self.define(command, replaced_texture(command, texture, source, self.statistics))
+        level, patched = texture.ideal[command.level], self.patched.get((command.texture, command.level))
+        replaced = replaced_texture(command, texture, source, self.statistics, own=level is patched)
+        self.define(command, replaced)
+        if replaced is not None and not command.generate_mipmap:
+            self.patched[command.texture, command.level] = replaced.ideal[command.level]
 
     def define(self, command, texture):
         """Store a texture, unless a histogram's or minmax's sink took its image."""

@@ -175,7 +175,7 @@ def _chosen(q, texture):
     return np.clip(index, 0, texture.volumes - 1).astype(np.int64)
 
 
-def draw_rectangle(command, buffers, textures, statistics, record):
+def draw_rectangle(command, buffers, textures, plans, statistics, record):
     """DrawPixels, CopyPixels and Bitmap: the machine's pixels, real colours. ``record``: a guide's."""
     state = without_footprints(command.state)
     found = rectangle(command, buffers, statistics)
@@ -201,7 +201,7 @@ def draw_rectangle(command, buffers, textures, statistics, record):
             parts[:, 3] = found.texel_alpha
         return parts
 
-    plan = plan_for(state, textures)
+    plan = plan_for(state, textures, plans)
     color = shade_colors(state, textures, plan, found.primary, found.secondary, found.distances, texel)
     written = buffers.buffer(state.draw_buffer)
     if record is None:

@@ -148,12 +148,6 @@ def _weight(chosen, number, last, i):
     return weight
 
 
-@kernel
-def _add(out, i, weight, color):
-    for c in range(4):
-        out[i, c] += weight * color[c]
-
-
 _SAMPLED = types.Tuple((_LEVEL, float64[:, ::1], int64[::1], float64[::1]))
 _CHOSEN = types.Tuple((int64[::1], float64[::1]))
 _HOW = types.Tuple((int64[::1], float64[::1], float64[::1]))  # wrap modes, border and reader
@@ -198,58 +192,62 @@ def _plain_plane(level, layer, columns, rows, c):
     return below + (above - below) * rows[2]
 
 
-@kernel
-def _all_inside(columns, rows):
-    return min(min(columns[0], columns[1]), min(rows[0], rows[1])) >= 0
-
-
 @kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
 def _linear(sampled, chosen, number, last, how, out):
-    """Add the filtered texels of level ``number``'s four nearest to the fragments that it is for."""
+    """Add the filtered texels of level ``number``'s four nearest to the fragments that it is for; they are as
+    they are, and none is the border's.
+    """
     separate_loop()
-    level, position, face, reference = sampled
-    wraps, border, reader = how
-    plain = reader[_KIND] == _AS_IT_IS
+    level, position, face, _ = sampled
+    wraps, _, _ = how
     for i in range(len(position)):
         weight = _weight(chosen, number, last, i)
         if weight > 0.0:
             columns = _along(position[i, 0] * level.shape[2], level.shape[2], wraps[0], True)
             rows = _rows(level, position, i, wraps[1])
-            if plain and _all_inside(columns, rows):
-                for c in range(4):
-                    out[i, c] += weight * _plain_plane(level, face[i], columns, rows, c)
-            else:
-                compared = reference[i] if len(reference) else 0.0
-                color = _filtered_plane(level, face[i], columns, rows, border, reader, compared)
-                _add(out, i, weight, color)
+            for c in range(4):
+                out[i, c] += weight * _plain_plane(level, face[i], columns, rows, c)
 
 
 @kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
 def _linear_in_volume(sampled, chosen, number, last, how, out):
-    """Add the filtered texels of a volume's eight nearest to the fragments that the level is for."""
+    """The same of a volume's eight nearest."""
     separate_loop()
-    level, position, _, reference = sampled
-    wraps, border, reader = how
-    plain = reader[_KIND] == _AS_IT_IS
+    level, position, _, _ = sampled
+    wraps, _, _ = how
     for i in range(len(position)):
         weight = _weight(chosen, number, last, i)
         if weight > 0.0:
             columns = _along(position[i, 0] * level.shape[2], level.shape[2], wraps[0], True)
             rows = _rows(level, position, i, wraps[1])
             near, far, deep = _along(position[i, 2] * level.shape[0], level.shape[0], wraps[2], True)
-            if plain and _all_inside(columns, rows) and min(near, far) >= 0:
-                for c in range(4):
-                    first = _plain_plane(level, near, columns, rows, c)
-                    second = _plain_plane(level, far, columns, rows, c)
-                    out[i, c] += weight * (first + (second - first) * deep)
-            else:
-                compared = reference[i] if len(reference) else 0.0
-                color = _between(
-                    _filtered_plane(level, near, columns, rows, border, reader, compared),
-                    _filtered_plane(level, far, columns, rows, border, reader, compared),
-                    deep,
-                )
-                _add(out, i, weight, color)
+            for c in range(4):
+                first = _plain_plane(level, near, columns, rows, c)
+                second = _plain_plane(level, far, columns, rows, c)
+                out[i, c] += weight * (first + (second - first) * deep)
+
+
+@kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
+def _linear_read(sampled, chosen, number, last, how, out):
+    """The same of either, of texels that a reader changes or that may be the border's."""
+    separate_loop()
+    level, position, face, reference = sampled
+    wraps, border, reader = how
+    for i in range(len(position)):
+        weight = _weight(chosen, number, last, i)
+        if weight > 0.0:
+            columns = _along(position[i, 0] * level.shape[2], level.shape[2], wraps[0], True)
+            rows = _rows(level, position, i, wraps[1])
+            near, far, deep = face[i], face[i], 0.0
+            if position.shape[1] == 3:
+                near, far, deep = _along(position[i, 2] * level.shape[0], level.shape[0], wraps[2], True)
+            compared = reference[i] if len(reference) else 0.0
+            color = _filtered_plane(level, near, columns, rows, border, reader, compared)
+            if near != far:
+                other = _filtered_plane(level, far, columns, rows, border, reader, compared)
+                color = _between(color, other, deep)
+            for c in range(4):
+                out[i, c] += weight * color[c]
 
 
 @kernel
@@ -281,7 +279,9 @@ def _nearest(sampled, chosen, number, last, how, slip, bias, out):
                     out[i, c] += weight * level[uint64(layer), uint64(row), uint64(column), c]
             else:
                 compared = reference[i] if len(reference) else 0.0
-                _add(out, i, weight, _texel(level, (layer, row, column), border, reader, compared))
+                color = _texel(level, (layer, row, column), border, reader, compared)
+                for c in range(4):
+                    out[i, c] += weight * color[c]
 
 
 @kernel(void(_SAMPLED, _HOW, types.UniTuple(int64, 3), float64[:, ::1]))
@@ -373,6 +373,7 @@ class _Sampling:
         self.reference = np.empty(0) if reference is None else np.clip(reference, 0.0, 1.0)
         wraps = sampler.wrap_s, _NO_ROWS if one_dimensional else sampler.wrap_t, sampler.wrap_r
         reader = np.zeros(_READER) if read is None else read
+        self.plain = read is None and not {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}.intersection(wraps)
         self.how = np.array(wraps, np.int64), np.array(border, np.float64), reader
 
     def _sampled(self, level):
@@ -391,6 +392,8 @@ class _Sampling:
         if not linear:
             slip, bias = np.ascontiguousarray(where.slip), np.ascontiguousarray(where.bias)
             _nearest(sampled, chosen, number, last, self.how, slip, bias, out)
+        elif not self.plain:
+            _linear_read(sampled, chosen, number, last, self.how, out)
         elif where.position.shape[1] == 3:
             _linear_in_volume(sampled, chosen, number, last, self.how, out)
         else:

@@ -117,14 +117,16 @@ def _before_filtering(state, textures, plan, primary, secondary, distances, texe
     return planes[0] + (planes[1] - planes[0]) * fractions[2][:, None]
 
 
-def plan_for(state, textures):
+def plan_for(state, textures, plans):
     """The Plan of what a state combines colours by: its program, or that of its texture environments; None:
-    color sum and fog alone.
+    color sum and fog alone. ``plans``: those made so far, by their programs' ids, which they keep alive.
     """
     program = state.register_combiners
     if program is None:
         program = environment_program(state, textures, IDEAL, has_color_sum(state))
-    return None if program is None else plan_of(program)
+    if program is not None and id(program) not in plans:
+        plans[id(program)] = plan_of(program)
+    return None if program is None else plans[id(program)]
 
 
 def _reads_secondary(state, plan):

@@ -33,10 +33,13 @@ def copied_texture(command, buffers, statistics):
     return None if copied is None else replace(copied, target=command.target)
 
 
-def replaced_texture(command, texture, buffers, statistics):
-    """The texture with what a CopyTexSubImage copies into it; None where a sink took the image."""
+def replaced_texture(command, texture, buffers, statistics, own=False):
+    """The texture with what a CopyTexSubImage copies into it; None where a sink took the image.
+
+    ``own``: nobody else has the level's image, so that it is written where it is.
+    """
     copied = _copied(command, texture, False, buffers, statistics)
-    return None if copied is None else _patched(command, texture, copied)
+    return None if copied is None else _patched(command, texture, copied, own)
 
 
 def _copied(command, known, mipmaps, buffers, statistics):
@@ -50,11 +53,14 @@ def _copied(command, known, mipmaps, buffers, statistics):
     return None if region is None else texture_2d(region, internal_format, mipmaps=mipmaps)
 
 
-def _patched(command, texture, patch):
+def _patched(command, texture, patch, own):
     """A texture with one rectangle of one level replaced by another's only level."""
     levels, ideal = list(texture.levels), list(texture.ideal)
     for images, new in ((levels, patch.levels[0]), (ideal, patch.ideal[0])):
-        image = images[command.level].copy()
+        image = images[command.level]
+        if not own:
+            image = image.copy()
+        image.setflags(write=True)
         rows = slice(command.y_offset, command.y_offset + new.shape[1])
         image[command.face, rows, command.x_offset : command.x_offset + new.shape[2]] = new[0]
         image.setflags(write=False)
