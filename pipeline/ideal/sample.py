@@ -455,16 +455,14 @@ def _sum_along(texture, unit, coordinates, reference, edge, taps):
     side[:, 0] = edge / size[0]
     total = np.zeros((len(edge), 4))
     one = replace(unit, sampler=replace(unit.sampler, max_probes=1, max_anisotropy=1.0))
+    coordinates = replace(coordinates, dx=side, dy=np.zeros_like(side))
     for distance, weight in taps:
         used = weight != 0.0
-        moved = replace(
-            coordinates,
-            position=coordinates.position + distance[:, None] * step,
-            dx=side,
-            dy=np.zeros_like(side),
-        )
+        used = slice(None) if used.all() else np.flatnonzero(used)
+        moved = _select(coordinates, used)
+        moved = replace(moved, position=moved.position + distance[used, None] * step[used])
         part = None if reference is None else reference[used]
-        total[used] += sample(texture, one, _select(moved, used), part) * weight[used, None]
+        total[used] += sample(texture, one, moved, part) * weight[used, None]
     return total
 
 

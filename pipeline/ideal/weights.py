@@ -12,12 +12,11 @@ import numpy as np
 from numba import float64, int32, int64, types, uint8, uint64, void
 
 from fixedpipe.pipeline.enums import FrontFace
-from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.raster.fixed import truncate_24
 from fixedpipe.raster.kernel import kernel, separate_loop
 
-_STEP = 1 << IDEAL.arithmetic.subpixel_bits
-_PIXEL = float(_STEP)  # in subpixels
+# Subpixels in a pixel, of all compiled kernels. Not the profile's: kernels do not notice where that changes.
+PIXEL = 1 << 4
 
 # A Draw's arrays are read only, a chunk's columns are not.
 _INTS, _REALS = (types.Array(kind, 1, "C", readonly=True) for kind in (int32, float64))
@@ -49,8 +48,8 @@ def _edges(mesh, t, px, py):
     v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
     x0, y0 = int64(x[v0]), int64(y[v0])
     x10, y10, x20, y20 = int64(x[v1]) - x0, int64(y[v1]) - y0, int64(x[v2]) - x0, int64(y[v2]) - y0
-    dx = _STEP * int64(px) + (_STEP >> 1) - x0
-    dy = _STEP * int64(py) + (_STEP >> 1) - y0
+    dx = PIXEL * int64(px) + (PIXEL >> 1) - x0
+    dy = PIXEL * int64(py) + (PIXEL >> 1) - y0
     area = x10 * y20 - x20 * y10
     n1, n2 = dx * y20 - x20 * dy, x10 * dy - dx * y10
     if area < 0:
@@ -79,7 +78,7 @@ def _weigh(mesh, where, counterclockwise, perspective, front):
 def _change(steps, weights, inverse_w, total):
     """How the perspective weights of vertices 0 and 2 change where the edge functions change by ``steps``."""
     (s0, s1, s2), (p0, p2), (w0, w1, w2) = steps, weights, inverse_w
-    d0, d1, d2 = _PIXEL * s0 * w0, _PIXEL * s1 * w1, _PIXEL * s2 * w2
+    d0, d1, d2 = float64(PIXEL) * s0 * w0, float64(PIXEL) * s1 * w1, float64(PIXEL) * s2 * w2
     change = (d0 + d1) + d2
     return (d0 - p0 * change) / total, (d2 - p2 * change) / total
 
@@ -139,8 +138,8 @@ def _depths(mesh, where, z, moved, units, factor, out):
         depth = ((z0 - z1) * (n0 / whole) + z1) + (z2 - z1) * (n2 / whole)
         if moved:
             z10, z20 = z1 - z0, z2 - z0
-            slope_x = abs((z10 * float64(y20) - z20 * float64(y10)) * _PIXEL / float64(area))
-            slope_y = abs((z20 * float64(x10) - z10 * float64(x20)) * _PIXEL / float64(area))
+            slope_x = abs((z10 * float64(y20) - z20 * float64(y10)) * float64(PIXEL) / float64(area))
+            slope_y = abs((z20 * float64(x10) - z10 * float64(x20)) * float64(PIXEL) / float64(area))
             slope = slope_x if slope_x >= slope_y or np.isnan(slope_x) else slope_y
             depth = (depth + units) + factor * slope
         out[i] = 0.0 if depth < 0.0 else (1.0 if depth > 1.0 else depth)

@@ -18,6 +18,7 @@ from fixedpipe.pipeline.enums import (
     WrapMode,
 )
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.ideal.weights import PIXEL
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.state import (
@@ -334,6 +335,11 @@ def drawn(textures, draw):
             if writes:
                 colors[y, x, c] = color[c]
     return colors, depths, len(record.triangle)
+
+
+def test_the_ideals_subpixels_are_those_of_the_kernels():
+    subpixels = 1 << IDEAL.arithmetic.subpixel_bits
+    assert subpixels == PIXEL
 
 
 @pytest.mark.parametrize("seed", range(24))
