@@ -37,6 +37,7 @@ from fixedpipe.raster.vector.lanes import (
 
 _FIXED = 8  # fraction bits of a texel coordinate
 _DOUBT = 2.0**-20  # units: closer to an integer, a floor is in doubt
+_TAU_BELOW = 256.0 * (TAU - 0.5)  # exact
 _LARGEST_STEPS = 2.0**30  # a difference in last bits: its products are int32
 
 
@@ -195,10 +196,11 @@ def fixed_from_quotients(s, t, r, q, f_s, f_t, words, width, height, scale, maxi
     operation errs by up to 2**-53 of its result. 1/q, the product with it and the quotient that it stands
     for, the products with the size, TAU's sum: together less than 8 * 2**-53 of the result apart, which is
     2**24 at most where no limit is met, and so less than 2**-26. Subtracting 0.5 from a texel coordinate and
-    multiplying by 256 is exact. So a floor is the quotient's own where the value lies _DOUBT = 2**-20 or
-    more from an integer. Limits half a unit beyond 0 and the last integer leave what they limit in no doubt,
-    and the floor is limited again. Exact ties of texels have TAU = 2**-16 of 1/256 texel between them and
-    their floor. Sixteen fragments of which one is in doubt are divided.
+    multiplying by 256 is exact, and one product and sum in their place err no more. So a floor is the
+    quotient's own where the value lies _DOUBT = 2**-20 or more from an integer. Limits half a unit beyond 0
+    and the last integer leave what they limit in no doubt, and the floor is limited again. Exact ties of
+    texels have TAU = 2**-16 of 1/256 texel between them and their floor. Sixteen fragments of which one is
+    in doubt are divided.
     """
     separate_loop()
     last_s, last_t, last = 256.0 * (width - 1.0), 256.0 * (height - 1.0), float64(maximum_word)
@@ -206,8 +208,8 @@ def fixed_from_quotients(s, t, r, q, f_s, f_t, words, width, height, scale, maxi
         divisor = _nonzero(load_f64x16(q, at))
         x, y, z = load_f64x16(s, at), load_f64x16(t, at), load_f64x16(r, at)
         inverse = 1.0 / divisor
-        of_s = _limited((((x * inverse) * width + TAU) - 0.5) * 256.0, last_s)
-        of_t = _limited((((y * inverse) * height + TAU) - 0.5) * 256.0, last_t)
+        of_s = _limited((x * inverse) * (256.0 * width) + _TAU_BELOW, last_s)
+        of_t = _limited((y * inverse) * (256.0 * height) + _TAU_BELOW, last_t)
         of_r = _limited((z * inverse) * scale, last)
         if any_lane(_in_doubt(of_s) | _in_doubt(of_t) | _in_doubt(of_r)):
             of_s = _limited((((x / divisor) * width + TAU) - 0.5) * 256.0, last_s)
