@@ -94,6 +94,13 @@ class LazyGroup(click.Group):
             return None
         return getattr(importlib.import_module(f"fixedpipe.effects.cli.{cmd_name}"), cmd_name)
 
+    def resolve_command(self, ctx, args):
+        """The subcommand that is asked for; for a name that is none, the one that may have been meant."""
+        from fixedpipe.effects.refusal import choose
+
+        choose("command", args[0], dict.fromkeys(_COMMANDS))
+        return super().resolve_command(ctx, args)
+
     def make_context(self, *arguments, **settings):
         """The group's context; what it cannot read of the command line is said as Refusals are."""
         with said():

@@ -82,7 +82,8 @@ def figures(figure_ids, list_only, check, out, png, profile, size, again, jobs, 
         for name in changes[figure.id]:
             known = figure.parameter(name, figure.method(machines[figure.id][0]))
             own = f"{figure.id}'s own is {name}={known.kind.show(known.default)}"
-            click.echo(f"{own}. {known.does}", err=True)
+            said = own if known.default is not None else f"{figure.id} has no {name} of its own"
+            click.echo(f"{said}. {known.does}", err=True)
     from fixedpipe.effects.reports.figure_files import files_of, set_aside, tidy, unchanged, write_page
     from fixedpipe.effects.reports.figure_inputs import inputs_of
     from fixedpipe.effects.reports.figure_pool import Order, draw_all

@@ -108,7 +108,7 @@ def test_an_unknown_subcommand_ends_with_status_2():
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("render",), "fixedpipe: No such command 'render'."),
+        (("parametres",), "fixedpipe: There is no command 'parametres'. Did you mean parameters?"),
         (("--fast",), "fixedpipe: No such option '--fast'."),
         (("bump",), "fixedpipe: Missing argument 'PHOTO'."),
         (("bump", "a.png", "--size", "0", "--out", "b.png"), "fixedpipe: Invalid value for '--size'"),
