@@ -9,6 +9,7 @@ import hashlib
 import inspect
 import os
 import tempfile
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import numba
@@ -17,6 +18,11 @@ from numba import types
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.runtime import rtsys
 from numba.extending import intrinsic
+
+try:
+    import fcntl
+except ImportError:  # where files are locked in another way
+    fcntl = None
 
 _SOURCES = Path(__file__).parent
 # NumPy, which no kernel calls: an edit of it makes no kernel stale.
@@ -77,13 +83,42 @@ def kernel(signature=None, *, allocates=False):
     """
     options = {"cache": True, "fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
     if inspect.isfunction(signature):
-        return numba.njit(signature, **options)
+        return _compiled_by_one_process(numba.njit(signature, **options))
 
     def decorate(function):
-        dispatcher = numba.njit(function, **options)
+        dispatcher = _compiled_by_one_process(numba.njit(function, **options))
         return dispatcher if signature is None else _compiled_when_called(dispatcher, signature)
 
     return decorate
+
+
+def _compiled_by_one_process(dispatcher):
+    """A kernel that no two processes compile at once: one of them does, the others wait and then read it from
+    the cache.
+
+    None waits forever. A process that compiles a kernel waits only for kernels that this one calls, and no
+    kernel calls itself, by whatever way; a process that ends, however it does, holds none.
+    """
+    compile_it, function = dispatcher.compile, dispatcher.py_func
+    lock = CACHE_FOLDER / f"{function.__module__}.{function.__qualname__}.lock"
+
+    def compile_alone(signature):
+        """As ``Dispatcher.compile``, which looks into the cache first: under the lock."""
+        with global_compiler_lock, _locked(lock):
+            return compile_it(signature)
+
+    dispatcher.compile = compile_alone
+    return dispatcher
+
+
+@contextmanager
+def _locked(path):
+    """One process at a time is inside, for each path; where files cannot be locked, as many as come."""
+    with ExitStack() as held:
+        with suppress(OSError):  # a file system without locks, or a file of another user
+            if fcntl is not None:
+                fcntl.flock(held.enter_context(path.open("w")), fcntl.LOCK_EX)
+        yield
 
 
 def _compiled_when_called(dispatcher, signature):

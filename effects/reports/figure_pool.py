@@ -14,6 +14,8 @@ import fixedpipe.effects.figures as figures
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_record
 from fixedpipe.effects.reports.figure_files import write_figure
+from fixedpipe.pipeline import GEFORCE_256, Draw, Mesh, PassState, execute
+from fixedpipe.pipeline.golden.provenance import kernels_are_cold
 from fixedpipe.pipeline.native.compiling import watch_compiling
 from fixedpipe.pipeline.native.threads import limit_threads
 
@@ -46,7 +48,8 @@ class Order:
 
 
 def draw_all(orders, jobs, threads, step, compiling):
-    """Draw Orders, as they come, in ``jobs`` processes: yields (Order, its record) as each is done.
+    """Draw Orders, one or more, as they come, in ``jobs`` processes: yields (Order, its record) as each is
+    done.
 
     threads    that each process has
     step       called with a line of text at the beginning of each step
@@ -59,7 +62,11 @@ def draw_all(orders, jobs, threads, step, compiling):
     said = context.SimpleQueue()
     pool = ProcessPoolExecutor(jobs, context, _begin, (said, threads))
     try:
-        waiting = {pool.submit(_draw, order): order for order in orders}
+        first, *rest = orders
+        waiting = {pool.submit(_draw, first): first}
+        if kernels_are_cold():
+            waiting |= {pool.submit(compile_vectors): None for _ in range(jobs - 1)}
+        waiting |= {pool.submit(_draw, order): order for order in rest}
         while waiting:
             done, _ = wait(waiting, _SECONDS, FIRST_COMPLETED)
             _tell(said, step, compiling)
@@ -68,12 +75,13 @@ def draw_all(orders, jobs, threads, step, compiling):
                 try:
                     record = future.result()
                 except BrokenProcessPool:
-                    left = ", ".join([order.id, *(other.id for other in waiting.values())][:jobs])
+                    left = ", ".join([one.id for one in (order, *waiting.values()) if one][:jobs])
                     raise Refusal(
                         f"A process ended by itself, with {left} to be drawn: is there memory for {jobs} at "
                         "once? Give --jobs 1."
                     ) from None
-                yield order, record
+                if order:
+                    yield order, record
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         ours = [process for process in multiprocessing.active_children() if process not in others]
@@ -104,6 +112,17 @@ def _begin(said, threads):
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
     limit_threads(threads)
     watch_compiling(lambda kernel, *_: said.put(("compiling", kernel)), lambda: None)
+
+
+def compile_vectors():
+    """Compile the vector engine, where the cache has it not, by drawing a triangle.
+
+    A figure is drawn by the portable engine first, which tells its ideal which fragments there are, and
+    checked by the vector engine. While one process compiles the first for the first figure, another compiles
+    the second for it.
+    """
+    triangle = Mesh([[-1, -1], [3, -1], [-1, 3]], colors=[[1, 1, 1]] * 3)
+    execute((Draw(label="a triangle", mesh=triangle, state=PassState()),), GEFORCE_256, 16, 16, threads=1)
 
 
 def _draw(order):

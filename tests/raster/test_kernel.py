@@ -3,6 +3,9 @@ kernel takes a long list of arguments.
 """
 
 import ast
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -57,3 +60,48 @@ def test_what_belongs_together_is_one_argument(path):
     ]
     long = [f.name for f in functions if len(f.args.args) + len(f.args.kwonlyargs) > MOST_ARGUMENTS]
     assert not long, f"{path}: {', '.join(long)}: take named tuples (raster/arrays.py)"
+
+
+KERNELS = """
+from fixedpipe.raster.kernel import kernel
+
+@kernel
+def called(x):
+    return 2.0 * x
+
+@kernel("f8(f8)")
+def calling(x):
+    return called(x) + 1.0
+"""
+CALLS = """
+import sys
+import kernels
+from numba.core import event
+
+class Listener(event.Listener):
+    def on_start(self, event):
+        print(event.data["dispatcher"].py_func.__name__)
+
+    def on_end(self, event):
+        pass
+
+event.register("numba:compile", Listener())
+print("ready", flush=True)
+sys.stdin.readline()
+print(kernels.calling(3.0))
+"""
+
+
+def test_two_processes_do_not_compile_the_same_kernel(tmp_path):
+    """Both are asked at once: one of them compiles each, and the other one reads it."""
+    (tmp_path / "kernels.py").write_text(KERNELS)
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
+    piped = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}
+    both = [subprocess.Popen([sys.executable, "-c", CALLS], **piped) for _ in range(2)]
+    assert [process.stdout.readline() for process in both] == ["ready\n", "ready\n"]
+    for process in both:
+        process.stdin.write("\n")
+        process.stdin.flush()
+    said = [process.communicate()[0].split() for process in both]
+    assert [lines[-1] for lines in said] == ["7.0", "7.0"]
+    assert sorted(said[0][:-1] + said[1][:-1]) == ["called", "calling"]

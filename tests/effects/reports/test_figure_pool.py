@@ -14,6 +14,7 @@ from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.figures.costs import SECONDS, longest_after_the_first
 from fixedpipe.effects.reports import figure_inputs, figure_pool
+from fixedpipe.pipeline.native import queue
 
 SMALL = "--profile", "GEFORCE_256", "--size", "8"
 
@@ -151,6 +152,33 @@ def test_two_processes_write_what_one_writes(drawn, tmp_path):
         "K12: writing",
     }
     assert contents(tmp_path / "both") == contents(folder)
+
+
+def test_another_process_compiles_the_vector_engine_for_the_first_figure(tmp_path, monkeypatch):
+    monkeypatch.setattr(figure_pool, "kernels_are_cold", lambda: True)
+    given = []
+
+    class Pool(figure_pool.ProcessPoolExecutor):
+        def submit(self, function, *arguments):
+            given.append((function.__name__, *(order.id for order in arguments)))
+            return super().submit(function, *arguments)
+
+    monkeypatch.setattr(figure_pool, "ProcessPoolExecutor", Pool)
+    run("figures", "K02", "K12", *SMALL, "--jobs", 2, "--out", tmp_path)
+    assert given == [("_draw", "K02"), ("compile_vectors",), ("_draw", "K12")]
+
+
+def test_the_vector_engine_is_compiled_by_a_triangle(monkeypatch):
+    """It draws it, and not the portable engine."""
+    draw, jobs = queue.draw_frame, []
+
+    def draw_frame(*given):
+        jobs.append(given[1])
+        return draw(*given)
+
+    monkeypatch.setattr(queue, "draw_frame", draw_frame)
+    figure_pool.compile_vectors()
+    assert jobs == [1]
 
 
 def test_what_a_process_refuses_names_its_figure(tmp_path):
