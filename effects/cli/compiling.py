@@ -15,6 +15,21 @@ _MORE = "Compiling kernels that nothing needed before."
 _SECONDS = 5.0  # between lines, where there is no terminal
 
 
+def said_now_and_then():
+    """A function that is called with the name of each kernel that is compiled, and says some of them: lines,
+    where there is no terminal.
+    """
+    line_at = -_SECONDS
+
+    def say(kernel):
+        nonlocal line_at
+        if (now := time.monotonic()) - line_at >= _SECONDS:
+            line_at = now
+            click.echo(f"compiling {kernel}", err=True)
+
+    return say
+
+
 class _Shown:
     """What is being compiled: a bar on a terminal, lines elsewhere. ``said``: a sentence stands above it."""
 

@@ -173,12 +173,14 @@ def _progress(steps):
     """Two functions that say what is being done, as steps begin and as kernels are compiled by other
     processes: a progress bar on a terminal, else a line per step.
     """
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from fixedpipe.effects.cli.compiling import said_now_and_then
 
     console = error_console()
     if not console.is_terminal:
-        yield lambda text: click.echo(text, err=True), lambda kernel: None
+        yield lambda text: click.echo(text, err=True), said_now_and_then()
         return
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("", total=steps)
