@@ -64,7 +64,7 @@ def draw_all(orders, jobs, threads, step, compiling):
     try:
         first, *rest = orders
         waiting = {pool.submit(_draw, first): first}
-        if kernels_are_cold():
+        if first.with_checks and kernels_are_cold():
             waiting |= {pool.submit(compile_vectors): None for _ in range(jobs - 1)}
         waiting |= {pool.submit(_draw, order): order for order in rest}
         while waiting:

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import Future
 from pathlib import Path
 
 import pytest
@@ -154,18 +155,35 @@ def test_two_processes_write_what_one_writes(drawn, tmp_path):
     assert contents(tmp_path / "both") == contents(folder)
 
 
-def test_another_process_compiles_the_vector_engine_for_the_first_figure(tmp_path, monkeypatch):
-    monkeypatch.setattr(figure_pool, "kernels_are_cold", lambda: True)
+@pytest.mark.parametrize(
+    ("cold", "checked", "compiled"), [(True, True, 2), (True, False, 0), (False, True, 0)]
+)
+def test_other_processes_compile_what_the_first_figures_checks_need(
+    tmp_path, monkeypatch, cold, checked, compiled
+):
     given = []
 
-    class Pool(figure_pool.ProcessPoolExecutor):
-        def submit(self, function, *arguments):
-            given.append((function.__name__, *(order.id for order in arguments)))
-            return super().submit(function, *arguments)
+    class Pool:
+        def __init__(self, *_):
+            pass
 
+        def submit(self, function, *orders):
+            given.append((function, *(order.id for order in orders)))
+            done = Future()
+            done.set_result({"id": given[-1][-1]})
+            return done
+
+        def shutdown(self, **_):
+            pass
+
+    monkeypatch.setattr(figure_pool, "kernels_are_cold", lambda: cold)
     monkeypatch.setattr(figure_pool, "ProcessPoolExecutor", Pool)
-    run("figures", "K02", "K12", *SMALL, "--jobs", 2, "--out", tmp_path)
-    assert given == [("_draw", "K02"), ("compile_vectors",), ("_draw", "K12")]
+    orders = [figure_pool.Order(i, (), 8, 1, checked, tmp_path, None, None) for i in ("K02", "K12")]
+    drawn = list(figure_pool.draw_all(orders, 3, 1, print, print))
+    assert sorted((order.id, record["id"]) for order, record in drawn) == [("K02", "K02"), ("K12", "K12")]
+    first, *others, last = given
+    assert (first[1], last[1]) == ("K02", "K12")
+    assert others == [(figure_pool.compile_vectors,)] * compiled
 
 
 def test_the_vector_engine_is_compiled_by_a_triangle(monkeypatch):
