@@ -4,6 +4,7 @@ from fixedpipe.pipeline.enums import ColorBuffer, LineRasterization, PolygonMode
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
+from fixedpipe.pipeline.validation.equal_states import first_equal
 from fixedpipe.pipeline.validation.meshes import checked_meshes, mesh_problem
 
 
@@ -22,7 +23,7 @@ def draw(walk, command):
         walk.refuse(f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all.")
     if state.draw_buffer is ColorBuffer.BACK:
         names = tuple(u.texture for u in state.texture_units if u is not None and u.texture is not None)
-        walk.taken.states.add(state, finding=walk.beside(mesh, names))
+        walk.taken.states.add(first_equal(state), finding=walk.beside(mesh, names))
 
 
 def pass_state(walk, state, mesh):

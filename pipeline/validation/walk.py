@@ -11,7 +11,9 @@ from fixedpipe.pipeline.commands import Clear, Command, Draw, Mesh
 from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.sentences import depth_words
+from fixedpipe.pipeline.state import PassState
 from fixedpipe.pipeline.textures.images import Texture
+from fixedpipe.pipeline.validation.equal_states import first_equal
 from fixedpipe.pipeline.validation.meshes import checked_meshes
 from fixedpipe.pipeline.validation.remembered import Remembered
 
@@ -176,7 +178,9 @@ class Walk:
             return id(command) in self.taken.states
         if type(command) is not Draw or type(command.label) is not str or not command.label.strip():
             return False
-        found = self.taken.states.get(id(command.state))
+        if type(command.state) is not PassState:
+            return False
+        found = self.taken.states.get(id(first_equal(command.state)))
         return found is not None and found[1] == self.beside(command.mesh, found[1].names)
 
     def beside(self, mesh: Mesh, names: tuple[str, ...]) -> _Beside | None:
