@@ -145,7 +145,7 @@ PACKAGES = {
         "effects": "refusal passes",
     },
     "effects/reports": {
-        "pipeline": "commands profiles framebuffers native execution ideal golden",
+        "pipeline": "state commands profiles framebuffers native execution ideal golden",
         "effects": "refusal technique bibliography acceptance figures conformance",
     },
     "effects/presentation": {

@@ -14,10 +14,13 @@ import fixedpipe.effects.figures as figures
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_record
 from fixedpipe.effects.reports.figure_files import write_figure
-from fixedpipe.pipeline import GEFORCE_256, Draw, Mesh, PassState, execute
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.golden.provenance import kernels_are_cold
 from fixedpipe.pipeline.native.compiling import watch_compiling
 from fixedpipe.pipeline.native.threads import limit_threads
+from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.state import PassState
 
 _SECONDS = 0.1  # between two looks at what the processes say
 
