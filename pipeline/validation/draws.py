@@ -17,13 +17,16 @@ def draw(walk, command):
         checked_meshes.add(mesh)
         if walk.takes(command):  # another mesh in a state that was checked beside one of its kind
             return
+    walk.warned = False
     pass_state(walk, state, mesh)
     _points_and_lines(walk, state, mesh)
     if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
         walk.refuse(f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all.")
     if state.draw_buffer is ColorBuffer.BACK:
         names = tuple(u.texture for u in state.texture_units if u is not None and u.texture is not None)
-        walk.taken.states.add(first_equal(state), finding=walk.beside(mesh, names))
+        # Who makes a state anew that was warned of is warned anew.
+        kept = state if walk.warned else first_equal(state)
+        walk.taken.states.add(kept, finding=walk.beside(mesh, names))
 
 
 def pass_state(walk, state, mesh):

@@ -15,8 +15,8 @@ from fixedpipe.pipeline.state import PassState
 
 _MOST = 1 << 14  # values that are held: then all are forgotten
 _lock = threading.Lock()
-# By identity, which stays a value's own since it is held: the value, its first equal, and the key of both.
-_seen: dict[int, tuple[Any, Any, Any]] = {}
+# By identity, which stays a value's own since it is held: the value, and its first equal.
+_seen: dict[int, tuple[Any, Any]] = {}
 _firsts: dict[Any, Any] = {}  # by keys
 
 
@@ -31,68 +31,51 @@ def first_equal(state: PassState) -> PassState:
         if len(_seen) >= _MOST:
             _seen.clear()
             _firsts.clear()
-        return _first(state)[0]
+        return _first(state)
 
 
 def _first(value):
-    """The first equal of a dataclass or tuple, and its key; of anything else itself."""
-    kind = value.__class__
-    if kind is float:
-        return value, value or (0.0, math.copysign(1.0, value))
-    if kind in _LEAVES:
-        return value, (kind, value)
-    found = _seen.get(id(value))
-    if found is not None:
-        return found[1:]
-    return _PARTS[kind](value)
-
-
-def _tuple(value):
-    return _of_parts(value, value, tuple)
-
-
-def _dataclass(kind):
-    names = tuple([field.name for field in fields(kind)])
-
-    def first(value):
-        return _of_parts(value, [getattr(value, name) for name in names], lambda parts: kind(*parts))
-
+    """The first equal of a dataclass or tuple."""
+    parts = _PARTS_OF[value.__class__](value)
+    key, firsts, own = [value.__class__], [], True
+    # A key begins a part with its class, and so no two sequences of parts have one; but a float is its own.
+    for part in parts:
+        kind = part.__class__
+        if kind is float:
+            key.append(part or (0.0, math.copysign(1.0, part)))
+        elif kind in _LEAVES:
+            key += kind, part
+        elif kind in _PARTS_OF:
+            found = _seen.get(id(part))
+            first = _first(part) if found is None else found[1]
+            own = own and first is part
+            key += kind, id(first)  # its own for as long as it is held
+            firsts.append(first)
+            continue
+        elif is_dataclass(kind):
+            _PARTS_OF[kind] = _fields_of(kind)
+            return _first(value)
+        else:  # an enum's member, which is one, and what no state has
+            key += kind, id(part)
+        firsts.append(part)
+    key = tuple(key)
+    first = _firsts.get(key)
+    if first is None:
+        made = tuple if value.__class__ is tuple else lambda parts: value.__class__(*parts)
+        first = _firsts[key] = value if own else made(firsts)
+        _seen[id(first)] = first, first
+    _seen[id(value)] = value, first
     return first
 
 
-def _of_parts(value, parts, made):
-    """The first equal of a value with these parts, and its key; ``made``: of a list of parts, such a value.
-
-    A part's key is a number that stands for its first equal, as long as that is held.
-    """
-    given = [_first(part) for part in parts]
-    key = (value.__class__, *[key for _, key in given])
-    first = _firsts.get(key)
-    if first is None:
-        firsts = [part for part, _ in given]
-        own = all(map(operator.is_, parts, firsts))
-        first = _firsts[key] = value if own else made(firsts)
-        _seen[id(first)] = first, first, _held(first)
-    _seen[id(value)] = value, first, _held(first)
-    return first, _held(first)
-
-
-def _held(value):
-    return "held", id(value)
-
-
-def _by_itself(value):
-    """Of an enum's member, which is one, and of what no state has."""
-    return value, _held(value)
-
-
-class _Parts(dict):
-    """For each class the function that finds the first equal of its values, made when it is asked for."""
-
-    def __missing__(self, kind):
-        found = self[kind] = _dataclass(kind) if is_dataclass(kind) else _by_itself
-        return found
+def _fields_of(kind):
+    """A function of such a dataclass that gives its fields' values."""
+    names = [field.name for field in fields(kind)]
+    if len(names) == 1:
+        return lambda value: (getattr(value, names[0]),)
+    return operator.attrgetter(*names) if names else lambda value: ()
 
 
 _LEAVES = frozenset({int, bool, str, bytes, type(None)})
-_PARTS = _Parts({tuple: _tuple})
+# By class, what a value of it is made of.
+_PARTS_OF = {tuple: lambda value: value, PassState: _fields_of(PassState)}

@@ -114,6 +114,7 @@ class Walk:
     width, height, depth_bits  of what is drawn to: the window, or a pbuffer where ``in_window`` is False
     surfaces    name to KnownSurface
     textures    name to KnownTexture
+    warned      whether it was warned of something since this was last made False
     read        names that ReadPixels gave; ``given``: those of them whose pixels no histogram's sink took
     histograms, minmaxes  names of those that count
     """
@@ -133,7 +134,7 @@ class Walk:
         self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
         self.taken = taken_by(profile)
         self.window = width, height, depth_bits
-        self.in_window = True
+        self.in_window, self.warned = True, False
         self.surfaces = {
             name: KnownSurface(f.width, f.height, f.color_format, f.depth_format)
             for name, f in surfaces.items()
@@ -155,6 +156,7 @@ class Walk:
 
     def warn(self, sentence: str) -> None:
         """Warn that the command at hand reads a DisabledTexture, at the line that called the project."""
+        self.warned = True
         frame: FrameType | None = sys._getframe(1)
         level = 2
         while frame is not None and frame.f_globals.get("__name__", "").startswith("fixedpipe."):
@@ -178,9 +180,10 @@ class Walk:
             return id(command) in self.taken.states
         if type(command) is not Draw or type(command.label) is not str or not command.label.strip():
             return False
-        if type(command.state) is not PassState:
+        if type(command.state) is not PassState or type(command.mesh) is not Mesh:
             return False
-        found = self.taken.states.get(id(first_equal(command.state)))
+        states = self.taken.states
+        found = states.get(id(first_equal(command.state))) or states.get(id(command.state))
         return found is not None and found[1] == self.beside(command.mesh, found[1].names)
 
     def beside(self, mesh: Mesh, names: tuple[str, ...]) -> _Beside | None:

@@ -109,6 +109,7 @@ def test_the_command_line_says_it_once_and_as_a_sentence(monkeypatch):
         for _ in range(2):
             execute(frame(READS_TEXTURE3), GEFORCE_3, 4, 4)
 
+    monkeypatch.setattr("fixedpipe.effects.cli._COMMANDS", ("draws-black",))
     monkeypatch.setattr(type(main), "get_command", lambda *_: draws_black)
     with warnings.catch_warnings():
         warnings.simplefilter("always")
