@@ -55,7 +55,6 @@ from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS, Profile
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.textures.words import stored_texture
-from fixedpipe.pipeline.validation.equal_states import first_equal
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices import stage
@@ -261,7 +260,7 @@ class Machine:
     # Every command's method takes the command and the _Frame that it is of.
 
     def _draw(self, command, frame):
-        state = first_equal(command.state)
+        state = command.state
         for surface, position in self._targets(state.draw_buffer):
             target = surface.buffer(state.draw_buffer)
             draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'

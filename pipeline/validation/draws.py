@@ -4,7 +4,6 @@ from fixedpipe.pipeline.enums import ColorBuffer, LineRasterization, PolygonMode
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
-from fixedpipe.pipeline.validation.equal_states import first_equal
 from fixedpipe.pipeline.validation.meshes import checked_meshes, mesh_problem
 
 
@@ -17,16 +16,13 @@ def draw(walk, command):
         checked_meshes.add(mesh)
         if walk.takes(command):  # another mesh in a state that was checked beside one of its kind
             return
-    walk.warned = False
     pass_state(walk, state, mesh)
     _points_and_lines(walk, state, mesh)
     if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
         walk.refuse(f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all.")
     if state.draw_buffer is ColorBuffer.BACK:
         names = tuple(u.texture for u in state.texture_units if u is not None and u.texture is not None)
-        # Who makes a state anew that was warned of is warned anew.
-        kept = state if walk.warned else first_equal(state)
-        walk.taken.states.add(kept, finding=walk.beside(mesh, names))
+        walk.taken.states.add(state, finding=walk.beside(mesh, names))
 
 
 def pass_state(walk, state, mesh):

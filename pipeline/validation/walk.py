@@ -11,9 +11,7 @@ from fixedpipe.pipeline.commands import Clear, Command, Draw, Mesh
 from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.sentences import depth_words
-from fixedpipe.pipeline.state import PassState
 from fixedpipe.pipeline.textures.images import Texture
-from fixedpipe.pipeline.validation.equal_states import first_equal
 from fixedpipe.pipeline.validation.meshes import checked_meshes
 from fixedpipe.pipeline.validation.remembered import Remembered
 
@@ -114,7 +112,6 @@ class Walk:
     width, height, depth_bits  of what is drawn to: the window, or a pbuffer where ``in_window`` is False
     surfaces    name to KnownSurface
     textures    name to KnownTexture
-    warned      whether it was warned of something since this was last made False
     read        names that ReadPixels gave; ``given``: those of them whose pixels no histogram's sink took
     histograms, minmaxes  names of those that count
     """
@@ -134,7 +131,7 @@ class Walk:
         self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
         self.taken = taken_by(profile)
         self.window = width, height, depth_bits
-        self.in_window, self.warned = True, False
+        self.in_window = True
         self.surfaces = {
             name: KnownSurface(f.width, f.height, f.color_format, f.depth_format)
             for name, f in surfaces.items()
@@ -156,7 +153,6 @@ class Walk:
 
     def warn(self, sentence: str) -> None:
         """Warn that the command at hand reads a DisabledTexture, at the line that called the project."""
-        self.warned = True
         frame: FrameType | None = sys._getframe(1)
         level = 2
         while frame is not None and frame.f_globals.get("__name__", "").startswith("fixedpipe."):
@@ -180,10 +176,7 @@ class Walk:
             return id(command) in self.taken.states
         if type(command) is not Draw or type(command.label) is not str or not command.label.strip():
             return False
-        if type(command.state) is not PassState or type(command.mesh) is not Mesh:
-            return False
-        states = self.taken.states
-        found = states.get(id(first_equal(command.state))) or states.get(id(command.state))
+        found = self.taken.states.get(id(command.state))
         return found is not None and found[1] == self.beside(command.mesh, found[1].names)
 
     def beside(self, mesh: Mesh, names: tuple[str, ...]) -> _Beside | None:
