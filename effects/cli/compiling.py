@@ -9,7 +9,7 @@ from fixedpipe.effects.cli.progress import error_console
 
 _COLD = (
     "Compiling the kernels for this machine. This happens once, and after a change of them. The first "
-    "picture then took 34 seconds on an AMD EPYC (Zen 5), and 77 on an Intel Xeon at 2.1 GHz."
+    "picture then took 57 seconds on an AMD EPYC (Zen 5) that others used."
 )
 _MORE = "Compiling kernels that nothing needed before."
 _SECONDS = 5.0  # between lines, where there is no terminal
