@@ -6,6 +6,7 @@ from fixedpipe.pipeline.enums import Clamp, ComponentUsage, Mapping, MuxSelect, 
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.raster.columns import combine as arithmetic
 from fixedpipe.raster.columns import future, numbers
+from fixedpipe.raster.columns.witness import nobody
 
 
 def arithmetic_of(profile, bits, environments=False):
@@ -73,20 +74,20 @@ def _read(registers, variable, alpha):
     return register[2:3] if variable.usage == ComponentUsage.BLUE else register[3:4]
 
 
-def _portion(portion, registers, alpha, select, a):
+def _portion(portion, registers, alpha, select, a, saw):
     """(register, value [3 or 1, k]) for each output of a portion that is kept."""
     outputs = portion.ab_output, portion.cd_output, portion.sum_output
     if all(output == Register.DISCARD for output in outputs):
         return []
-    mapped = [
-        arithmetic.map_input(_read(registers, v, alpha), v.mapping, a)
-        for v in (portion.a, portion.b, portion.c, portion.d)
-    ]
+    variables = portion.a, portion.b, portion.c, portion.d
+    read = [_read(registers, v, alpha) for v in variables]
+    mapped = [arithmetic.map_input(x, v.mapping, a) for x, v in zip(read, variables, strict=True)]
     shape = 1 if alpha else 3, mapped[0].shape[1]
     ab, cd = ([np.broadcast_to(mapped[i] * mapped[i + 1], shape)] for i in (0, 2))
     if not alpha:
         ab = arithmetic.sum_of_three(ab) if portion.ab_dot_product else ab
         cd = arithmetic.sum_of_three(cd) if portion.cd_dot_product else cd
+    saw("portion", alpha=alpha, portion=portion, read=read, mapped=mapped, ab=ab, cd=cd, arithmetic=a)
     biased = bool(portion.bias)
     values = []
     for output, products in zip(outputs[:2], (ab, cd), strict=True):
@@ -99,29 +100,32 @@ def _portion(portion, registers, alpha, select, a):
             total = arithmetic.function_output(made, portion.scale, biased, a)
         elif portion.mux_sum:
             chosen = arithmetic.takes_cd(registers[Register.SPARE0][3], select == MuxSelect.LSB, a)
+            saw("mux", takes_cd=chosen, spare0=registers[Register.SPARE0][3])
             pair = [arithmetic.output(products, portion.scale, biased, a) for products in (ab, cd)]
             total = np.where(chosen, pair[1], pair[0])
         else:
             total = arithmetic.output([*ab, *cd], portion.scale, biased, a)
         values.append((outputs[2], total))
+    saw("outputs", alpha=alpha, values=values)
     return values
 
 
-def combine(program, registers, count, a):
-    """Fragments' colours, int64 [4, count], from a combiner program (section 8)."""
+def combine(program, registers, count, a, saw=nobody):
+    """Fragments' colours, int64 [4, count], from a combiner program (section 8). ``saw``: who watches."""
 
     def constants(pair):
         return {r: filled(numbers.fixed(c, a.one), count) for r, c in zip(_CONSTANTS, pair, strict=True)}
 
     program_constants = constants((program.constant_color0, program.constant_color1))
     registers[Register.ZERO] = filled((0, 0, 0, 0), count)
-    for stage in program.general:
+    for number, stage in enumerate(program.general):
         registers.update(program_constants)
         for register, color in zip(_CONSTANTS, (stage.constant_color0, stage.constant_color1), strict=True):
             if color is not None:
                 registers[register] = filled(numbers.fixed(color, a.one), count)
-        rgb = _portion(stage.rgb, registers, False, program.mux_select, a)
-        alpha = _portion(stage.alpha, registers, True, program.mux_select, a)
+        saw("general combiner", number=number, stage=stage, registers=registers)
+        rgb = _portion(stage.rgb, registers, False, program.mux_select, a, saw)
+        alpha = _portion(stage.alpha, registers, True, program.mux_select, a, saw)
         for to, value in rgb:
             registers[to] = np.concatenate([value, registers[to][3:]])
         for to, value in alpha:
@@ -134,14 +138,15 @@ def combine(program, registers, count, a):
                 registers[to] = registers[to][[0, 1, 2, 2]]
         if stage.lookup is not None:
             registers.look_up(stage.lookup)
+        saw("combined", number=number, registers=registers)
     registers.update(program_constants)
-    return _final(program, registers, count, a)
+    return _final(program, registers, count, a, saw)
 
 
 _CONSTANTS = (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
 
 
-def _final(program, registers, count, a):
+def _final(program, registers, count, a, saw):
     final, nothing = program.final, np.zeros((1, count), np.int64)
 
     def value(variable, alpha=False):
@@ -151,27 +156,37 @@ def _final(program, registers, count, a):
     used = {v.register for v in (final.a, final.b, final.c, final.d, final.g)}
     if Register.E_TIMES_F in used:
         product = numbers.quotient(value(final.e) * value(final.f), a.one)
+        saw("E times F", read=[_read(registers, v, False) for v in (final.e, final.f)], product=product)
         registers[Register.E_TIMES_F] = np.concatenate([np.broadcast_to(product, (3, count)), nothing])
     if Register.SPARE0_PLUS_SECONDARY_COLOR in used:
         terms = ((Register.SPARE0, program.invert_spare0),)
         terms += ((Register.SECONDARY_COLOR, program.invert_secondary_color),)
         total = sum(arithmetic.map_final(registers[r][:3], invert, a) for r, invert in terms)
+        whole = total
         if program.color_sum_clamp and a.clamps_sum:
             total = np.minimum(total, a.one)
+        saw("color sum", whole=whole, total=total)
         registers[Register.SPARE0_PLUS_SECONDARY_COLOR] = np.concatenate([total, nothing])
     inputs = [np.broadcast_to(value(v), (3, count)) for v in (final.a, final.b, final.c, final.d)]
-    return arithmetic.final_color(*inputs, value(final.g, alpha=True), a)
+    alpha = value(final.g, alpha=True)
+    color = arithmetic.final_color(*inputs, alpha, a)
+    saw(
+        "final combiner", final=final, registers=registers, mapped=[*inputs, alpha], color=color, arithmetic=a
+    )
+    return color
 
 
-def without_combiners(state, registers, count, a):
+def without_combiners(state, registers, count, a, saw=nobody):
     """Color sum and fog of the primary colour (sections 3.9, 3.10): int64 [4, count]."""
     primary = registers[Register.PRIMARY_COLOR]
     rgb = primary[:3]
     if has_color_sum(state):
-        rgb = rgb + registers[Register.SECONDARY_COLOR][:3]
-        rgb = np.minimum(rgb, a.one) if a.clamps_sum else rgb
+        whole = rgb + registers[Register.SECONDARY_COLOR][:3]
+        rgb = np.minimum(whole, a.one) if a.clamps_sum else whole
+        saw("color sum", whole=whole, total=rgb)
     if state.fog is not None:
         fog = registers[Register.FOG]
-        rgb = numbers.with_fog(rgb, fog[:3], fog[3], a.one)
+        before, rgb = rgb, numbers.with_fog(rgb, fog[:3], fog[3], a.one)
+        saw("fog", before=before, fog=fog, color=rgb)
     color = np.concatenate([rgb, primary[3:]])
     return np.clip(color, 0, a.one) if a.clamps_final else color

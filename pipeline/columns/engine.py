@@ -19,6 +19,7 @@ from fixedpipe.pipeline.columns.textures import unit_samplers
 from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS
 from fixedpipe.raster.columns import numbers
+from fixedpipe.raster.columns.witness import nobody
 
 # Fragments shaded at a time: bounds the columns' memory, and changes no value.
 _CHUNK = 1 << 15
@@ -84,37 +85,40 @@ def is_native(profile):
 # ------------------------------------------------------------------------------ per-fragment operations
 
 
-def shade_and_write(fragments, state, profile, framebuffer, textures):
-    """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests."""
+def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody):
+    """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests.
+    ``saw``: who watches.
+    """
     bits = fragment_bits(profile, framebuffer)
-    samplers = unit_samplers(state, textures, profile)
+    samplers = unit_samplers(state, textures, profile, saw)
     color, depth = np.empty((len(fragments.x), 4), np.int64), fragments.depth
     if state.texture_shader is not None:
         depth = np.empty(len(color), np.int64)
     for start in range(0, len(color), _CHUNK):
         part, registers = slice(start, start + _CHUNK), {}
         some = fragments.part(part)
+        saw("shaded", part=part, fragments=some, bits=bits)
         with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
             if state.texture_shader is not None:
-                registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits)
-            shaded = shade(some, state, profile, bits, textures, samplers, registers)
+                registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits, saw)
+            shaded = shade(some, state, profile, bits, textures, samplers, registers, saw)
         color[part] = numbers.convert(shaded, numbers.one_of(bits), numbers.one_of(framebuffer.color_bits))
-    return write(replace(fragments, depth=depth), color, state, profile, framebuffer)
+    return write(replace(fragments, depth=depth), color, state, profile, framebuffer, saw)
 
 
 # --------------------------------------------------------------------------------------------- Draws
 
 
-def column_draw(primitives, covered, state, profile, framebuffer, textures):
+def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=nobody):
     """Draw the fragments ``covered`` (triangle, x, y, int [k] each) of window primitives with float colours:
-    bool [k], which passed all tests.
+    bool [k], which passed all tests. ``saw``: who watches.
     """
     bits = fragment_bits(profile, framebuffer)
-    draw = IteratedPrimitives(primitives, state, profile, framebuffer, textures, bits)
+    draw = IteratedPrimitives(primitives, state, profile, framebuffer, textures, bits, saw)
     passed = np.zeros(len(covered.x), bool)
     for start in range(0, len(passed), _CHUNK):
         part = slice(start, start + _CHUNK)
         with np.errstate(all="ignore"):
             fragments = draw.fragments(covered.triangle[part], covered.x[part], covered.y[part])
-        passed[part] = shade_and_write(fragments, state, profile, framebuffer, textures)
+        passed[part] = shade_and_write(fragments, state, profile, framebuffer, textures, saw)
     return passed

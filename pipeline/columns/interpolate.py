@@ -20,13 +20,15 @@ from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows
 from fixedpipe.raster.columns import future, interpolate, numbers
+from fixedpipe.raster.columns.witness import nobody
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 
 class IteratedPrimitives:
-    """Primitives with what iteration needs of their state."""
+    """Primitives with what iteration needs of their state. ``saw``: who watches."""
 
-    def __init__(self, primitives, state, profile, framebuffer, textures, bits):
+    def __init__(self, primitives, state, profile, framebuffer, textures, bits, saw=nobody):
+        self._saw = saw
         self.primitives, self.state, self.profile = primitives, state, profile
         self.framebuffer, self.bits = framebuffer, bits
         self.colors = fragment_colors(primitives.colors, state, profile, bits)
@@ -64,6 +66,11 @@ class IteratedPrimitives:
         def edges(px, py):
             return self._edges(x, y, kinds, px, py)
 
+        self._saw(
+            "iteration", triangle=triangle, vertices=vertices, provoking=provoking, x=x, y=y, area=area,
+            edges=n, inverse_w=inverse_w, weights=(q0, (1.0 - q0) - q2, q2),
+            full_weights=(b0, (1.0 - b0) - b2, b2), back=back, primary=primary, secondary=secondary, fog=fog,
+        )  # fmt: skip
         coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, (q0, q2, b0, b2), px, py)
         sides = self._sides(vertices, edges, inverse_w, px, py)
         depth = self._depth(triangle, vertices, kinds, n, inverse_w, x, y, area)
@@ -150,6 +157,7 @@ class IteratedPrimitives:
             else:
                 found = interpolate.level_of_detail(steps, missing, target)
             lod[:, k] = found / 256.0
+            self._saw("level of detail", unit=k, steps=plain, sizes=sizes, missing=missing, lod=lod[:, k])
         return coordinates, lod, footprints
 
     def _sides(self, vertices, edges, inverse_w, px, py):
@@ -178,7 +186,10 @@ class IteratedPrimitives:
         w = inverse_w if state.w_buffering else None
         z = interpolate.iterate_depth(n, w, self.depths[vertices])
         offset, slope = self._offset(triangle, vertices, kinds, x, y, area)
-        return fragment_depths(z + (offset + slope * (z * z)), state, self.framebuffer)
+        total = z + (offset + slope * (z * z))
+        words = fragment_depths(total, state, self.framebuffer)
+        self._saw("depth", iterated=z, offset=offset, total=total, words=words)
+        return words
 
     def _offset(self, triangle, vertices, kinds, x, y, area):
         """What is added to every depth, and what times its square: of the polygon that a fragment is of."""

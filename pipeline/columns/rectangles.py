@@ -38,6 +38,7 @@ from fixedpipe.pipeline.framebuffers.transfer import (
 from fixedpipe.pipeline.pixel_transfer import changes_nothing
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 from fixedpipe.raster.columns import numbers
+from fixedpipe.raster.columns.witness import nobody
 from fixedpipe.raster.pixels import rectangles as arithmetic
 
 
@@ -53,12 +54,13 @@ class Drawn(NamedTuple):
     undefined: int = 0
 
 
-def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics):
+def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics, saw=nobody):
     """Draw a DrawPixels, CopyPixels or Bitmap: a Drawn for each of ``surfaces``, or none where the raster
     position is not valid or a sink took the image.
 
     ``framebuffer``: what CopyPixels reads; ``surfaces``: the framebuffers that are written, of its size and
-    formats, itself or the samples of its pixels. ``statistics``: the machine's PixelStatistics.
+    formats, itself or the samples of its pixels. ``statistics``: the machine's PixelStatistics;
+    ``saw``: who watches.
     """
     state = without_footprints(command.state)
     where = raster_vertex(command.position, state, profile, framebuffer.width, framebuffer.height)
@@ -90,7 +92,7 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
     for surface in surfaces:
         target, passed = surface.buffer(state.draw_buffer), np.zeros(len(at.x), np.bool_)
         for chosen, part, held in draws or ((slice(None), fragments, textures),):
-            passed[chosen] = shade_and_write(part, state, profile, target, held)
+            passed[chosen] = shade_and_write(part, state, profile, target, held, saw)
         drawn.append(Drawn(at.numbers, at.x, at.y, passed, undefined))
     return drawn
 

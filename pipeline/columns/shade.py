@@ -11,6 +11,7 @@ from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.pipeline.vertices.fog import table
 from fixedpipe.raster.columns import numbers
+from fixedpipe.raster.columns.witness import nobody
 
 
 def _fog_register(fog, coordinates, profile, count, one):
@@ -28,17 +29,17 @@ def _fog_register(fog, coordinates, profile, count, one):
     return np.concatenate([filled(color, count), factor[None]])
 
 
-def shade(fragments, state, profile, bits, textures, samplers, made):
+def shade(fragments, state, profile, bits, textures, samplers, made, saw=nobody):
     """Colours of fragments, int64 [k, 4] in units of ``bits``: texture units, combiners, color sum, fog.
 
-    ``made``: registers of texture units by number that a texture shader made.
+    ``made``: registers of texture units by number that a texture shader made; ``saw``: who watches.
     """
     if state.evaluate_before_filtering:
-        return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made)
-    return _shade(fragments, state, profile, bits, textures, samplers, made, None)
+        return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, saw)
+    return _shade(fragments, state, profile, bits, textures, samplers, made, None, saw)
 
 
-def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made):
+def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, saw):
     """Colours at each texel that unit 0's filter reads, and then filtered (section 20)."""
     along, first = units_along(state, textures), samplers[0]
     columns = (0, 1) if first.linear else (0,)
@@ -50,7 +51,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
 
     def color(*tap):
         taps = dict.fromkeys(along, tap)
-        return _shade(fragments, state, profile, bits, textures, samplers, made, taps)
+        return _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw)
 
     levels, width = [], profile.arithmetic.filter_fraction_bits
     for level in (0, 1) if first.between_levels else (0,):
@@ -63,7 +64,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
     return mixed(levels, between, LAMBDA_BITS)
 
 
-def _shade(fragments, state, profile, bits, textures, samplers, made, taps):
+def _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw):
     count, one = len(fragments.x), numbers.one_of(bits)
     registers = Registers(samplers, fragments, bits, taps)
     registers.update({Register.TEXTURE0 + unit: register for unit, register in made.items()})
@@ -74,9 +75,10 @@ def _shade(fragments, state, profile, bits, textures, samplers, made, taps):
     if environments:
         program = environment_program(state, textures, profile, has_color_sum(state))
     a = arithmetic_of(profile, bits, environments)
+    saw("program", program=program, environments=environments)
     if program is None:
-        return without_combiners(state, registers, count, a).T
+        return without_combiners(state, registers, count, a, saw).T
     registers[Register.SPARE1] = filled((0, 0, 0, 0), count)
     nothing = np.zeros((3, count), np.int64)
     registers[Register.SPARE0] = np.concatenate([nothing, registers[Register.TEXTURE0][3:]])
-    return combine(program, registers, count, a).T
+    return combine(program, registers, count, a, saw).T

@@ -8,13 +8,14 @@ from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, shade
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, texture_shader
+from fixedpipe.raster.columns.witness import nobody
 
 
-def run_stages(fragments, state, profile, framebuffer, samplers, bits):
+def run_stages(fragments, state, profile, framebuffer, samplers, bits, saw=nobody):
     """Every unit's register, by its number, int64 [4, k] in units of ``bits``, and the fragments' depths,
     below 0 where a stage discarded them (docs/numbers.md, section 12).
     """
-    run = _StageRun(fragments, state, profile, framebuffer, samplers, bits)
+    run = _StageRun(fragments, state, profile, framebuffer, samplers, bits, saw)
     for i in range(len(run.stages)):
         run.stage(i)
     return run.registers, np.where(run.alive, run.depth, -1)
@@ -23,7 +24,8 @@ def run_stages(fragments, state, profile, framebuffer, samplers, bits):
 class _StageRun:
     """What stages have left so far: ``texels`` of each, 0..one of its ``widths``."""
 
-    def __init__(self, fragments, state, profile, framebuffer, samplers, bits):
+    def __init__(self, fragments, state, profile, framebuffer, samplers, bits, saw):
+        self._saw = saw
         self.fragments, self.samplers, self.bits = fragments, samplers, bits
         self.stages, self.real_bits = shader_stages(state), profile.arithmetic.texture_bits
         self.largest = DEPTH_WORDS[framebuffer.depth_format].largest
@@ -59,6 +61,10 @@ class _StageRun:
                 factors = stage.offset_texture_scale, stage.offset_texture_bias
                 texel = texture_shader.scaled(texel, width, *magnitude, *factors)
                 register = numbers.convert(texel, sampler.one, numbers.one_of(self.bits))
+        self._saw(
+            "texture shader", unit=i, stage=self.stages[i], coordinates=own, texel=texel, width=width,
+            register=register.T, depth=self.depth, alive=self.alive.copy(),
+        )  # fmt: skip
         self.registers[i] = np.ascontiguousarray(register.T)
         self.texels.append(texel)
         self.widths.append(width)
@@ -70,6 +76,7 @@ class _StageRun:
         cube_map = target == TextureTarget.TEXTURE_CUBE_MAP
         if operation not in CONVENTIONAL:
             strq = self._made(i)
+            self._saw("made coordinates", unit=i, strq=strq)
         elif operation == Operation.TEXTURE_CUBE_MAP and not cube_map:
             strq = own[:, :3]
         else:
@@ -129,6 +136,7 @@ class _StageRun:
         """Unit i's dot product, float64 [k]."""
         previous, mapping = self.stages[i].previous_texture_input, self.stages[i].dot_product_mapping
         own = self.fragments.coordinates[:, i].T
-        return texture_shader.dot(
-            own, texture_shader.vector(self.texels[previous], mapping, self.widths[previous])
-        )
+        vector = texture_shader.vector(self.texels[previous], mapping, self.widths[previous])
+        found = texture_shader.dot(own, vector)
+        self._saw("dot product", unit=i, of=previous, own=own, vector=vector, product=found)
+        return found

@@ -18,17 +18,18 @@ from fixedpipe.pipeline.textures.images import (
 )
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
+from fixedpipe.raster.columns.witness import nobody
 from fixedpipe.raster.pixels.transfer import texture_color_table
 
 LAMBDA_BITS = 8
 
 
-def unit_samplers(state, textures, profile):
-    """A UnitSampler for each texture unit, None where it reads no texture."""
+def unit_samplers(state, textures, profile, saw=nobody):
+    """A UnitSampler for each texture unit, None where it reads no texture. ``saw``: who watches them."""
     return [
         None
         if unit is None or unit.texture is None
-        else UnitSampler(number, unit, textures[unit.texture], profile)
+        else UnitSampler(number, unit, textures[unit.texture], profile, saw)
         for number, unit in enumerate(state.texture_units)
     ]
 
@@ -41,7 +42,8 @@ class UnitSampler:
     needs_lambda       whether filters differ from level to level, or from magnification to minification
     """
 
-    def __init__(self, number, unit, texture, profile):
+    def __init__(self, number, unit, texture, profile, saw=nobody):
+        self._saw = saw
         self.number, self.unit, self.texture, self.sampler = number, unit, texture, unit.sampler
         self.fraction_bits = profile.arithmetic.filter_fraction_bits
         self.bits, self.one = texture.bits, numbers.one_of(texture.bits)
@@ -160,7 +162,9 @@ class UnitSampler:
             texel = texture_color_table(texel, self.one, *self.table)
         if self.signed is not None:  # Measured: 732800 of 732800 pixels (Texture_signed_component_tests)
             texel = np.where(self.signed, 2 * texel, texel)
-        return numbers.convert(texel, self.one, numbers.one_of(bits)).T
+        register = numbers.convert(texel, self.one, numbers.one_of(bits)).T
+        self._saw("texture", unit=self.number, texel=texel, one=self.one, register=register)
+        return register
 
     def filtered(self, fragments, tap=None):
         """A texel of each fragment, int64 [k, 4] in the texture's units; of a ``tap`` with its fractions."""
@@ -181,6 +185,7 @@ class UnitSampler:
         lod = np.zeros(len(strq), np.int64)
         if (self.needs_lambda or self.anisotropic or self.probes) and fragments.lod is not None:
             lod = self._limited(np.floor(fragments.lod[:, self.number] * 256.0).astype(np.int64))
+            self._saw("lambda", unit=self.number, lod=fragments.lod[:, self.number], limited=lod)
         elif self.needs_lambda:
             lod = np.full(len(strq), -1)  # magnified
         if fragments.footprints is None or not (self.anisotropic or self.probes):
@@ -223,6 +228,7 @@ class UnitSampler:
 
         def level(number, linear, chosen):
             reference = None if compared is None else compared[chosen]
+            self._saw("chosen", unit=self.number, chosen=chosen)
             return self._level(number, linear, strq[chosen], divided, reference, lifted, tap and tap[1:])
 
         every = slice(None)
@@ -257,6 +263,7 @@ class UnitSampler:
             out[minified] = pair[0 if nearest else tap[0], minified]
             return out
         blended = pair[0] if nearest else numbers.lerp(pair[0], pair[1], fraction, LAMBDA_BITS)
+        self._saw("levels", unit=self.number, lower=lower, upper=upper, fraction=fraction, blended=minified)
         out[minified] = blended[minified]
         return out
 
@@ -267,13 +274,17 @@ class UnitSampler:
         modes = s.wrap_s, s.wrap_t, s.wrap_r
         if target == TextureTarget.TEXTURE_CUBE_MAP:
             modes = (C.WRAP_CLAMP_TO_EDGE,) * 3
+        self._saw(
+            "level", unit=self.number, level=number, linear=linear, strq=strq, divided=divided, size=size,
+            places=places, face=face, reference=reference,
+        )  # fmt: skip
         read = None if self.signed is None else self._as_signed
         if reference is not None:
             read = sample.comparison(reference, s.compare_function, *self.compared)
         elif self.hilo:
             return self._hilo(image, places, face, modes, linear, target)
         return sample.filter_level(
-            image, places, face, modes, linear, target, self.border, self.fraction_bits, read, tap
+            image, places, face, modes, linear, target, self.border, self.fraction_bits, read, tap, self._saw
         )
 
     def _hilo(self, image, places, face, modes, linear, target):
@@ -288,7 +299,7 @@ class UnitSampler:
 
         border = words(self.border[None])[0]
         found = sample.filter_level(
-            image, places, face, modes, linear, target, border, self.fraction_bits, words
+            image, places, face, modes, linear, target, border, self.fraction_bits, words, saw=self._saw
         )
         bytes_ = np.stack([found[:, 0], found[:, 1] >> 8, found[:, 1], found[:, 0] >> 8], axis=1) & 255
         return self._as_signed(bytes_)

@@ -237,6 +237,11 @@ class Machine:
             dict(self.statistics.minmaxes),
         )
 
+    def drawn(self) -> Framebuffer:
+        """The framebuffer that commands draw to now, with everything drawn: the window, or a pbuffer."""
+        self._flush()
+        return self._current
+
     def _snapshot(self, command):
         """The Snapshot of what a command that has just run draws to."""
         self._flush()

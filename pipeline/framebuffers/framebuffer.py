@@ -137,6 +137,17 @@ class Framebuffer:
             self._auxiliary[which] = replace(self, color=np.zeros_like(self.color), _auxiliary={})
         return self._auxiliary[which]
 
+    def copy(self) -> "Framebuffer":
+        """A framebuffer that holds the same, auxiliary buffers as well, and keeps it."""
+        depth, stencil = self.depth.copy(), self.stencil.copy()
+        held = {
+            which: replace(other, color=other.color.copy(), depth=depth, stencil=stencil, _auxiliary={})
+            for which, other in self._auxiliary.items()
+        }
+        accumulation = None if self.accumulation is None else self.accumulation.copy()
+        planes = {"color": self.color.copy(), "depth": depth, "stencil": stencil, "_auxiliary": held}
+        return replace(self, accumulation=accumulation, **planes)
+
     def image(self) -> NDArray[np.uint8]:
         """A copy of the colours for saving: uint8 [h, w, 4], top row first, clamped and to nearest."""
         return self.as_bytes(self.color).copy()

@@ -10,6 +10,7 @@ from fixedpipe.raster import float_depths
 from fixedpipe.raster.columns.interpolate import major_axis, on_face
 from fixedpipe.raster.columns.numbers import lerp
 from fixedpipe.raster.columns.per_fragment import compare
+from fixedpipe.raster.columns.witness import nobody
 from fixedpipe.raster.floats import TAU
 
 
@@ -79,13 +80,16 @@ def positions(coordinates, target, divided, computed, size, flat=False):
     return tuple(c * float(n) + bias for c, n in zip(str_, size, strict=True)), None
 
 
-def filter_level(level, places, face, modes, linear, target, border, fraction_bits, read, tap=None):
+def filter_level(
+    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, saw=nobody
+):
     """One filtered texel of each fragment, int64 [k, c].
 
     ``places``: of ``positions``; ``modes``: of s, t and r; ``border`` int64 [c]; ``read``: None, or what is
     made of texels int64 [k, c] before they are filtered. ``tap``: None, or which of the filter's texels is
     wanted, 0 or 1 of layers, rows and columns: then int64 [k, c + 4], the texel, and the fractions
-    between columns, rows and layers, and 0.
+    between columns, rows and layers, and 0. ``saw``: is told where each axis reads, the fractions, and each
+    texel, by (layer, row, column) of the filter.
     """
     layers, height, width = level.shape[:3]
     columns, across = along(places[0], modes[0], width, linear, fraction_bits)
@@ -98,12 +102,15 @@ def filter_level(level, places, face, modes, linear, target, border, fraction_bi
     else:
         planes, deep = [(0 if face is None else face, None)], None
 
+    saw("filter", columns=columns, rows=rows, layers=planes, fractions=(across, up, deep), bits=fraction_bits)
+
     def texel(plane, row, column):
-        found = level[plane[0], row[0], column[0]].astype(np.int64)
+        stored = found = level[plane[0], row[0], column[0]].astype(np.int64)
         found = found if read is None else read(found)
         for outside in (plane[1], row[1], column[1]):
             if outside is not None:
                 found[outside] = border
+        saw("texel", layer=plane[0], row=row[0], column=column[0], stored=stored, texel=found)
         return found
 
     if tap is not None:

@@ -1,0 +1,275 @@
+"""One pixel of a recorded frame, drawn once more by the column engine while a witness watches."""
+
+from collections.abc import Callable, Iterator
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.lib.stride_tricks import as_strided
+from numpy.typing import NDArray
+
+from fixedpipe.pipeline.columns.engine import column_draw
+from fixedpipe.pipeline.columns.interpolate import Covered, covered_triangles
+from fixedpipe.pipeline.columns.rectangles import draw_rectangle
+from fixedpipe.pipeline.commands import (
+    Accum,
+    Bitmap,
+    Clear,
+    CopyPixels,
+    Draw,
+    DrawPixels,
+    Saturate,
+)
+from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
+from fixedpipe.pipeline.framebuffers.accumulation import accumulate, clear_accumulation
+from fixedpipe.pipeline.framebuffers.boxes import scissored
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, mean
+from fixedpipe.pipeline.inspection.recording import RecordedFrame, Step
+from fixedpipe.pipeline.native.coverage import covered_pixels
+from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
+from fixedpipe.pipeline.state import Scissor
+from fixedpipe.pipeline.vertices import stage
+
+Witness = Callable[..., None]
+
+
+@dataclass(frozen=True)
+class PixelValue:
+    """What a pixel holds: ``color`` RGBA codes in units of 2**bits - 1, the word of its depth, its stencil
+    value.
+    """
+
+    color: tuple[int, int, int, int]
+    depth: int
+    stencil: int
+
+
+class PixelBuffers:
+    """A window, or a pbuffer, or one of the window's samples, of which one pixel exists, empty at first.
+
+    ``one``         a framebuffer of 1 x 1 pixels
+    ``everywhere``  the same memory as a framebuffer of full size, of which every pixel is this one
+    """
+
+    def __init__(self, like: Framebuffer, accumulation: NDArray[np.int32]):
+        new = np.zeros((1, 1, 4), like.color.dtype)
+        depth, stencil = np.full((1, 1), 2**like.depth_bits - 1, np.uint32), np.zeros((1, 1), np.uint8)
+        colors = {which: new.copy() for which in ColorBuffer}
+
+        def seen(plane):
+            return as_strided(plane, (like.height, like.width, *plane.shape[2:]), (0, 0, *plane.strides[2:]))
+
+        self.one = self._framebuffer(like, colors, depth, stencil, accumulation)
+        wide = {which: seen(color) for which, color in colors.items()}
+        self.everywhere = self._framebuffer(like, wide, seen(depth), seen(stencil), accumulation)
+
+    @staticmethod
+    def _framebuffer(like, colors, depth, stencil, accumulation):
+        planes = {"depth": depth, "stencil": stencil, "accumulation": accumulation}
+        auxiliary = {
+            which: replace(like, color=color, _auxiliary={}, **planes) for which, color in colors.items()
+        }
+        back = colors[ColorBuffer.BACK]
+        return replace(like, color=back, _auxiliary=auxiliary, **planes)
+
+    def value(self, which: ColorBuffer = ColorBuffer.BACK) -> PixelValue:
+        """What the pixel holds."""
+        held = self.one.buffer(which)
+        color = held.color[0, 0].tolist()
+        return PixelValue(tuple(color), int(held.depth[0, 0]), int(held.stencil[0, 0]))
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """A command that touched the pixel.
+
+    step           the Step
+    sample         which of the window's samples; 0 where there is one
+    before, after  PixelValues of the buffer that it draws to
+    fragments      whatever the witness of each fragment's making gave (``ReplayedPixel.run``)
+    """
+
+    step: Step
+    sample: int
+    before: PixelValue
+    after: PixelValue
+    fragments: tuple[Any, ...]
+
+
+class ReplayedPixel:
+    """Pixel (x, y) of a RecordedFrame's window or pbuffer, x to the right and y downwards from the top left.
+
+    Raises ValueError for a pixel outside, and for a pbuffer that is not there.
+    """
+
+    def __init__(self, frame: RecordedFrame, x: int, y: int, surface: str | None = None):
+        shown = frame.shown(surface)
+        if not (0 <= x < shown.width and 0 <= y < shown.height):
+            raise ValueError(
+                f"Pixel ({x}, {y}) lies outside: this framebuffer is {shown.width}x{shown.height} pixels, "
+                f"(0, 0) to ({shown.width - 1}, {shown.height - 1}), counted from the top left."
+            )
+        self.frame, self.x, self.y, self.surface, self._shown = frame, x, y, surface, shown
+        positions = SAMPLE_POSITIONS[frame.samples if surface is None else 1]
+        accumulation = np.zeros((1, 1, 4), np.int32)
+        self._targets = [(PixelBuffers(shown, accumulation), position) for position in positions]
+        one = len(positions) == 1
+        self._window = self._targets[0][0] if one else PixelBuffers(shown, accumulation)
+
+    def run(self, witness: Callable[[], Witness]) -> Iterator[Touch]:
+        """A Touch for every command, and sample, that touched the pixel, in order.
+
+        ``witness``: makes the witness of a fragment before it is drawn; the Touch names it.
+        """
+        for step in self.frame.steps:
+            draw = _DRAWING.get(type(step.command))
+            if draw is None or step.surface != self.surface:
+                continue
+            yield from draw(self, step, step.command, witness)
+
+    def check(self) -> None:
+        """Raise AssertionError where the pixel is not what the frame left in it."""
+        where, first = (self.y, self.x), self._targets[0][0].one
+        for which in ColorBuffer:
+            self._agrees(
+                which.name, self._window.one.buffer(which).color, self._shown.buffer(which).color[where]
+            )
+        self._agrees("depth", first.depth, self._shown.depth[where])
+        self._agrees("stencil", first.stencil, self._shown.stencil[where])
+
+    def _agrees(self, plane, drawn, shown):
+        assert (drawn[0, 0] == shown).all(), (
+            f"Pixel ({self.x}, {self.y}), {plane}: {drawn[0, 0]} when drawn again, {shown} in the frame."
+        )
+
+    def value(self) -> PixelValue:
+        """What the pixel holds now: of several samples the colours' mean, and the first's depth."""
+        first = self._targets[0][0].value()
+        return replace(first, color=self._window.value().color)
+
+    # Each takes the Step, its command and ``run``'s witness.
+
+    def _inside(self, box):
+        x0, y0, x1, y1 = scissored(box, self._shown.width, self._shown.height)
+        return x0 <= self.x < x1 and y0 <= self.y < y1
+
+    def _alone(self, state):
+        """The same state with the pixel alone inside the scissor box."""
+        return replace(state, scissor=Scissor(self.x, self._shown.height - 1 - self.y, 1, 1))
+
+    def _resolve(self, which):
+        """The window's colours after its samples'."""
+        if len(self._targets) > 1:
+            colors = [buffers.one.buffer(which).color for buffers, _ in self._targets]
+            self._window.one.buffer(which).color[...] = mean(colors)
+
+    def _on_each(self, step, which, change):
+        """A Touch of each sample that ``change(buffers, position)`` changes: it returns the fragments'
+        witnesses, None where there is no fragment.
+        """
+        for sample, (buffers, position) in enumerate(self._targets):
+            before = buffers.value(which)
+            fragments = change(buffers, position)
+            if fragments is not None:
+                yield Touch(step, sample, before, buffers.value(which), tuple(fragments))
+        self._resolve(which)
+
+    def _clear(self, step, command, witness):
+        if not self._inside(command.scissor):
+            return
+        whole = replace(command, scissor=None)
+
+        def change(buffers, position):
+            buffers.one.buffer(command.draw_buffer).clear(whole)
+            return ()
+
+        if command.accumulation is not None:
+            clear_accumulation(self._window.one, whole, self.frame.profile)
+        yield from self._on_each(step, command.draw_buffer, change)
+
+    def _draw(self, step, command, witness):
+        profile, state = self.frame.profile, command.state
+        if not self._inside(state.scissor):
+            return
+        alone, size = self._alone(state), (self._shown.width, self._shown.height)
+
+        def change(buffers, position):
+            primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
+            target = buffers.everywhere.buffer(state.draw_buffer)
+            if profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS:
+                covered, _ = covered_pixels(primitives, alone, profile, *size)
+            else:
+                covered = covered_triangles(primitives, alone, profile, target)
+            if not len(covered.triangle):
+                return None
+            seen = []
+
+            def saw(stage, /, **columns):
+                seen[-1](stage, **columns)
+
+            for k in range(len(covered.triangle)):
+                seen.append(witness())
+                saw("primitives", primitives=primitives)
+                one = Covered(covered.triangle[k : k + 1], covered.x[k : k + 1], covered.y[k : k + 1])
+                column_draw(primitives, one, state, profile, target, step.textures, saw)
+            return seen
+
+        yield from self._on_each(step, state.draw_buffer, change)
+
+    def _rectangle(self, step, command, witness):
+        state = command.state
+        if not self._inside(state.scissor):
+            return
+        alone = replace(command, state=self._alone(state))
+        read = self._shown if step.source is None else step.source
+
+        def change(buffers, position):
+            saw, statistics = witness(), deepcopy(step.statistics)
+            given = step.textures, statistics, saw
+            drawn = draw_rectangle(alone, self.frame.profile, read, [buffers.everywhere], *given)
+            return [saw] if any(len(some.x) for some in drawn) else None
+
+        yield from self._on_each(step, state.draw_buffer, change)
+
+    def _saturate(self, step, command, witness):
+        if not self._inside(command.scissor):
+            return
+        whole = replace(command, scissor=None)
+
+        def change(buffers, position):
+            target = buffers.one.buffer(command.draw_buffer)
+            if target.is_bytes:
+                return None
+            target.saturate(whole)
+            return ()
+
+        yield from self._on_each(step, command.draw_buffer, change)
+
+    def _accum(self, step, command, witness):
+        if not self._inside(command.scissor):
+            return
+        whole, profile = replace(command, scissor=None), self.frame.profile
+        if command.operation != AccumOperation.RETURN:
+            value = self._window.value(command.read_buffer)
+            accumulate(self._window.one, whole, profile)
+            yield Touch(step, 0, value, value, ())
+            return
+
+        def change(buffers, position):
+            accumulate(buffers.one, whole, profile)
+            return ()
+
+        yield from self._on_each(step, command.draw_buffer, change)
+
+
+_DRAWING = {
+    Clear: ReplayedPixel._clear,
+    Draw: ReplayedPixel._draw,
+    DrawPixels: ReplayedPixel._rectangle,
+    CopyPixels: ReplayedPixel._rectangle,
+    Bitmap: ReplayedPixel._rectangle,
+    Saturate: ReplayedPixel._saturate,
+    Accum: ReplayedPixel._accum,
+}
