@@ -164,7 +164,8 @@ def _scaled(expression, portion):
     return f"{_SCALE_WORDS[portion.scale]} * {_grouped(expression)}"
 
 
-def _portion_line(title, portion, suffix, selector):
+def portion_line(title, portion, suffix, selector):
+    """A portion as a line of equations, of its outputs that are kept; none where all are discarded."""
     a, b, c, d = (
         _term(given, Mapping.SIGNED_IDENTITY) for given in (portion.a, portion.b, portion.c, portion.d)
     )
@@ -199,7 +200,8 @@ def _blue_to_alpha_line(title, portion):
     return [f"{title}: {'; '.join(written)}"] if written else []
 
 
-def _final_lines(final):
+def final_lines(final):
+    """The final combiner as equations: of E times F where it is read, of RGB, of alpha."""
     a, b, c, d, e, f, g = (
         _term(getattr(final, variable), Mapping.UNSIGNED_IDENTITY) for variable in "abcdefg"
     )
@@ -228,9 +230,9 @@ def combiner_lines(combiners):
             if getattr(stage, name) is not None
         ]
         written = [
-            *_portion_line(f"  GC{number}.rgb", stage.rgb, "", selector),
+            *portion_line(f"  GC{number}.rgb", stage.rgb, "", selector),
             *_blue_to_alpha_line(f"  GC{number}.rgb", stage.rgb),
-            *_portion_line(f"  GC{number}.alpha", stage.alpha, ".a", selector),
+            *portion_line(f"  GC{number}.alpha", stage.alpha, ".a", selector),
         ]
         if stage.lookup is not None:
             read = REGISTER_NAMES[stage.lookup.register]
@@ -243,7 +245,7 @@ def combiner_lines(combiners):
     for field, name in (("invert_spare0", "spare0"), ("invert_secondary_color", "col1")):
         if getattr(combiners, field):
             lines.append(f"  color_sum takes 1 - {name}")
-    return lines + [f"  {line}" for line in _final_lines(combiners.final)]
+    return lines + [f"  {line}" for line in final_lines(combiners.final)]
 
 
 def _constant(field):

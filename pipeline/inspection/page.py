@@ -1,0 +1,93 @@
+"""A pixel's history as an HTML page: one file, no script, nothing fetched."""
+
+from html import escape
+
+from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage, Touched
+from fixedpipe.pipeline.inspection.text import cells, held
+
+_STYLE = """
+body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 68rem; padding: 0 1rem;
+  color: #1a1a1a; background: #fff; }
+h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; margin: 1.6rem 0 .3rem; }
+table { border-collapse: collapse; margin: .3rem 0 .9rem; }
+td, th { padding: .1rem .8rem .1rem 0; text-align: left; vertical-align: top; }
+td.n { text-align: right; font-variant-numeric: tabular-nums; font-family: ui-monospace, monospace; }
+tr.stage td { font-weight: 600; padding-top: .6rem; } tr.made td:first-child::before { content: "= "; }
+tr.clamped td { color: #a34700; } .says { font-weight: 400; font-style: italic; color: #444; }
+.failed { color: #b00020; } .passed { color: #0b6b2f; } summary { cursor: pointer; }
+.chip { display: inline-block; width: 1em; height: 1em; border: 1px solid #777; vertical-align: -.15em; }
+@media (prefers-color-scheme: dark) { body { color: #e8e8e8; background: #161616; } .says { color: #bbb; }
+  tr.clamped td { color: #ffb070; } .failed { color: #ff8a8a; } .passed { color: #7fd69a; } }
+"""
+
+
+def history_page(history: PixelHistory, title: str) -> str:
+    """The page, a whole HTML document."""
+    return (
+        "<!doctype html><html lang=en><head><meta charset=utf-8>"
+        '<meta name=viewport content="width=device-width">'
+        f"<title>{escape(title)}</title><style>{_STYLE}</style></head><body>"
+        f"<h1>{escape(title)}</h1>{history_html(history)}</body></html>\n"
+    )
+
+
+def history_html(history: PixelHistory) -> str:
+    """The history without a page around it, as a notebook shows it."""
+    surface = "" if history.surface is None else f", pbuffer {history.surface}"
+    where = (
+        f"Pixel ({history.x}, {history.y}) of {history.width}x{history.height}{surface}, counted from "
+        f"the top left; window y is {history.window_y}. {history.profile}."
+    )
+    final = (
+        f"{len(history.touched)} of {history.commands} commands touched it; in the end {held(history.final)}."
+    )
+    parts = "".join(_touched(touched, history.one) for touched in history.touched)
+    return f"<p>{escape(where)}<br>{_chip(history.final.color, history.one)} {escape(final)}</p>{parts}"
+
+
+def _chip(color, one):
+    """A square in a colour."""
+    red, green, blue = (min(max(round(255 * code / one), 0), 255) for code in color[:3])
+    return f'<span class=chip style="background:rgb({red},{green},{blue})"></span>'
+
+
+def _touched(touched: Touched, one: int) -> str:
+    sample = f", sample {touched.sample}" if touched.sample else ""
+    head = f"command {touched.number}, {touched.kind}{sample}: {touched.label}"
+    change = "unchanged"
+    if touched.before != touched.after:
+        pair = (touched.before, touched.after)
+        change = "<br>".join(f"{_chip(value.color, one)} {escape(held(value))}" for value in pair)
+    parts = "".join(
+        _fragment(number, len(touched.fragments), fragment)
+        for number, fragment in enumerate(touched.fragments)
+    )
+    return f"<h2>{escape(head)}</h2><p>{change}</p>{parts}"
+
+
+def _fragment(number: int, count: int, fragment: Fragment) -> str:
+    name = f"fragment {number + 1} of {count}" if count > 1 else "fragment"
+    rows = "".join(_stage(stage) for stage in fragment.stages)
+    head = "<tr><th></th><th>code</th><th>value</th><th>ideal</th></tr>"
+    opened = " open" if fragment.fate == "written" else ""
+    summary = f"<summary>{name}: {escape(fragment.fate)}</summary>"
+    return f"<details{opened}>{summary}<table>{head}{rows}</table></details>"
+
+
+def _stage(stage: Stage) -> str:
+    says = f" <span class=says>{escape(stage.says)}</span>" if stage.says else ""
+    if stage.verdict is not None:
+        word = "passed" if stage.verdict else "failed"
+        says += f" <span class={word}>{word}</span>"
+    rows = [f"<tr class=stage><td colspan=4>{escape(stage.title)}{says}</td></tr>"]
+    for quantities, kind in ((stage.read, "read"), (stage.made, "made")):
+        for quantity in quantities:
+            numbers = "".join(f"<td class=n>{escape(cell)}</td>" for cell in cells(quantity))
+            rows.append(f"<tr class={kind}><td>{escape(quantity.name)}</td>{numbers}</tr>")
+    for clamped in stage.clamped:
+        change = f"{clamped.before:.4g} to {clamped.after:.4g}"
+        rows.append(
+            f"<tr class=clamped><td>clamped: {escape(clamped.name)}</td><td></td>"
+            f"<td class=n>{change}</td><td></td></tr>"
+        )
+    return "".join(rows)
