@@ -25,8 +25,8 @@ except ImportError:  # where files are locked in another way
     fcntl = None
 
 _SOURCES = Path(__file__).parent
-# NumPy, which no kernel calls: an edit of it makes no kernel stale.
-_WITHOUT_KERNELS = {"columns", "pixels"}
+# NumPy, which no kernel calls, and who watches it: an edit of these makes no kernel stale.
+_WITHOUT_KERNELS = {"columns", "pixels", "witness.py"}
 
 
 def kernel_sources(folder):

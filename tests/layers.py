@@ -18,12 +18,13 @@ PACKAGES = {
     "raster/float_depths": {"raster": "codes floats"},
     "raster/rows": {"raster": "codes"},
     "raster/kernel": {},
+    "raster/witness": {},
     "raster/arrays": {},
     "raster/fixed": {"raster": "codes floats float_depths kernel"},
     "raster/primitives": {"raster": "codes floats rows kernel"},
     "raster/portable": {"raster": "codes floats rows kernel arrays fixed primitives"},
     "raster/vector": {"raster": "codes floats rows kernel arrays fixed primitives portable"},
-    "raster/columns": {"raster": "codes floats float_depths"},
+    "raster/columns": {"raster": "codes floats float_depths witness"},
     "raster/pixels": {"raster": "codes"},
     "pipeline/enums": {"raster": "codes"},
     "pipeline/sentences": {"pipeline": "enums"},
@@ -48,7 +49,7 @@ PACKAGES = {
         "pipeline": "enums state textures commands programs vertices framebuffers",
     },
     "pipeline/columns": {
-        "raster": "codes floats rows primitives columns pixels",
+        "raster": "codes floats rows witness primitives columns pixels",
         "pipeline": "enums pixel_transfer textures commands profiles programs vertices framebuffers",
     },
     "pipeline/execution": {
@@ -56,10 +57,17 @@ PACKAGES = {
         "pipeline": "enums textures commands profiles vertices framebuffers validation native columns",
     },
     "pipeline/ideal": {
-        "raster": "codes floats kernel fixed",
+        "raster": "codes floats kernel witness fixed",
         "pipeline": (
             "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
             "native"
+        ),
+    },
+    "pipeline/inspection": {
+        "raster": "codes columns",
+        "pipeline": (
+            "enums state textures commands profiles notations description vertices framebuffers validation "
+            "native columns execution ideal"
         ),
     },
     "pipeline/golden": {"raster": "kernel"},
@@ -153,7 +161,9 @@ PACKAGES = {
         "effects": "refusal bibliography acceptance figures",
     },
     "effects/cli": {
-        "pipeline": "enums sentences profiles notations description framebuffers validation native golden",
+        "pipeline": (
+            "enums sentences profiles notations description framebuffers validation native inspection golden"
+        ),
         "effects": (
             "refusal technique geometry bump_mapping volumes scattering acceptance figures studies "
             "conformance user_pictures reports presentation"

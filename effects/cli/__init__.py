@@ -13,6 +13,7 @@ _COMMANDS = (
     "passes",
     "parameters",
     "print",
+    "inspect",
     "animate",
     "bump",
     "roughness",
@@ -36,6 +37,8 @@ What to do next:
   fixedpipe figures             render every figure into ./out, with a gallery: out/index.html
   fixedpipe figures --list      which figures there are
   fixedpipe passes F004-4       how one is made, pass by pass
+  fixedpipe inspect F004-4 --pixel 300,200
+                                what happened to a pixel: every register, and where it parts from the ideal
   fixedpipe parameters F004-4   what may be changed of it; fixedpipe figures F004-4 --set alpha_x=0.15
   fixedpipe print F003-21       for a page: machine, ideal, reference, difference, with labels and caption
   fixedpipe animate F004-4      a figure that moves: its light, its camera, its bits, as a lossless animation

@@ -6,7 +6,7 @@ from fixedpipe.pipeline.enums import Clamp, ComponentUsage, Mapping, MuxSelect, 
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.raster.columns import combine as arithmetic
 from fixedpipe.raster.columns import future, numbers
-from fixedpipe.raster.columns.witness import nobody
+from fixedpipe.raster.witness import nobody
 
 
 def arithmetic_of(profile, bits, environments=False):
@@ -66,7 +66,7 @@ def filled(values, count):
     return np.repeat(np.asarray(values, np.int64)[:, None], count, axis=1)
 
 
-def _read(registers, variable, alpha):
+def read_components(registers, variable, alpha):
     """A variable's register components: [3, k] in an RGB portion, [1, k] in an alpha portion."""
     register = registers[variable.register]
     if variable.usage == ComponentUsage.RGB and not alpha:
@@ -80,7 +80,7 @@ def _portion(portion, registers, alpha, select, a, saw):
     if all(output == Register.DISCARD for output in outputs):
         return []
     variables = portion.a, portion.b, portion.c, portion.d
-    read = [_read(registers, v, alpha) for v in variables]
+    read = [read_components(registers, v, alpha) for v in variables]
     mapped = [arithmetic.map_input(x, v.mapping, a) for x, v in zip(read, variables, strict=True)]
     shape = 1 if alpha else 3, mapped[0].shape[1]
     ab, cd = ([np.broadcast_to(mapped[i] * mapped[i + 1], shape)] for i in (0, 2))
@@ -150,13 +150,17 @@ def _final(program, registers, count, a, saw):
     final, nothing = program.final, np.zeros((1, count), np.int64)
 
     def value(variable, alpha=False):
-        read = _read(registers, variable, alpha)
+        read = read_components(registers, variable, alpha)
         return arithmetic.map_final(read, variable.mapping == Mapping.UNSIGNED_INVERT, a)
 
     used = {v.register for v in (final.a, final.b, final.c, final.d, final.g)}
     if Register.E_TIMES_F in used:
         product = numbers.quotient(value(final.e) * value(final.f), a.one)
-        saw("E times F", read=[_read(registers, v, False) for v in (final.e, final.f)], product=product)
+        saw(
+            "E times F",
+            read=[read_components(registers, v, False) for v in (final.e, final.f)],
+            product=product,
+        )
         registers[Register.E_TIMES_F] = np.concatenate([np.broadcast_to(product, (3, count)), nothing])
     if Register.SPARE0_PLUS_SECONDARY_COLOR in used:
         terms = ((Register.SPARE0, program.invert_spare0),)

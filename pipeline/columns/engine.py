@@ -19,7 +19,7 @@ from fixedpipe.pipeline.columns.textures import unit_samplers
 from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS
 from fixedpipe.raster.columns import numbers
-from fixedpipe.raster.columns.witness import nobody
+from fixedpipe.raster.witness import nobody
 
 # Fragments shaded at a time: bounds the columns' memory, and changes no value.
 _CHUNK = 1 << 15

@@ -20,8 +20,8 @@ from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows
 from fixedpipe.raster.columns import future, interpolate, numbers
-from fixedpipe.raster.columns.witness import nobody
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
+from fixedpipe.raster.witness import nobody
 
 
 class IteratedPrimitives:
@@ -69,7 +69,8 @@ class IteratedPrimitives:
         self._saw(
             "iteration", triangle=triangle, vertices=vertices, provoking=provoking, x=x, y=y, area=area,
             edges=n, inverse_w=inverse_w, weights=(q0, (1.0 - q0) - q2, q2),
-            full_weights=(b0, (1.0 - b0) - b2, b2), back=back, primary=primary, secondary=secondary, fog=fog,
+            full_weights=(b0, (1.0 - b0) - b2, b2), back=back, primary=primary,
+            corners=self.colors[vertices, back[:, None]], secondary=secondary, fog=fog,
         )  # fmt: skip
         coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, (q0, q2, b0, b2), px, py)
         sides = self._sides(vertices, edges, inverse_w, px, py)

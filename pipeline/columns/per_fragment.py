@@ -6,7 +6,7 @@ from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, per_fragment
-from fixedpipe.raster.columns.witness import nobody
+from fixedpipe.raster.witness import nobody
 
 
 class _Surface:

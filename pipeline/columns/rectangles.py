@@ -38,8 +38,8 @@ from fixedpipe.pipeline.framebuffers.transfer import (
 from fixedpipe.pipeline.pixel_transfer import changes_nothing
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 from fixedpipe.raster.columns import numbers
-from fixedpipe.raster.columns.witness import nobody
 from fixedpipe.raster.pixels import rectangles as arithmetic
+from fixedpipe.raster.witness import nobody
 
 
 class Drawn(NamedTuple):

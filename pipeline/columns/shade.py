@@ -11,7 +11,7 @@ from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.pipeline.vertices.fog import table
 from fixedpipe.raster.columns import numbers
-from fixedpipe.raster.columns.witness import nobody
+from fixedpipe.raster.witness import nobody
 
 
 def _fog_register(fog, coordinates, profile, count, one):

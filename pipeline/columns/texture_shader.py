@@ -8,7 +8,7 @@ from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, shade
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, texture_shader
-from fixedpipe.raster.columns.witness import nobody
+from fixedpipe.raster.witness import nobody
 
 
 def run_stages(fragments, state, profile, framebuffer, samplers, bits, saw=nobody):

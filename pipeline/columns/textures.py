@@ -1,5 +1,7 @@
 """How the column engine samples a texture unit: its state read once, texels of any width."""
 
+from copy import copy
+
 import numpy as np
 
 from fixedpipe.pipeline.enums import (
@@ -18,10 +20,11 @@ from fixedpipe.pipeline.textures.images import (
 )
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
-from fixedpipe.raster.columns.witness import nobody
 from fixedpipe.raster.pixels.transfer import texture_color_table
+from fixedpipe.raster.witness import nobody
 
 LAMBDA_BITS = 8
+EXACT_BITS = 12  # more, and rounding does not show
 
 
 def unit_samplers(state, textures, profile, saw=nobody):
@@ -80,6 +83,25 @@ class UnitSampler:
         base = BASE_FORMAT[texture.internal_format]
         self.border = self._as_signed(register_components(border[list(KEPT[base])], base, self.one))
 
+    def exactly(self, fraction_bits, levels=None):
+        """The same unit with EXACT_BITS more bits in a texel and ``fraction_bits`` of a filter's fraction:
+        nobody watches it. ``levels``: real texels for the texture's own. None where bytes mean something else
+        than a number: signed components, depths, HILO, color tables.
+        """
+        if self.signed is not None or self.hilo or self.compares or self.table is not None:
+            return None
+        unit, one = copy(self), self.one << EXACT_BITS
+        if levels is None:
+            unit.levels = tuple(level.astype(np.int64) << EXACT_BITS for level in self.levels)
+        else:
+            unit.levels = tuple(
+                np.floor(np.clip(level, 0.0, 1.0) * one + 0.5).astype(np.int64)
+                for level in levels[: len(self.levels)]
+            )
+        unit.one, unit.border, unit.fraction_bits = one, self.border << EXACT_BITS, fraction_bits
+        unit._saw = nobody
+        return unit
+
     def _signed(self):
         flags = self.sampler.signed_components
         flags = [flags.red, flags.green, flags.blue, flags.alpha]
@@ -97,6 +119,7 @@ class UnitSampler:
         """The unit's register, int64 [4, k] in units of ``bits``. ``tap``: of one texel of its filter,
         (level, layer, row, column), 0 or 1 each.
         """
+        self._saw("sampled", sampler=self, fragments=fragments, bits=bits)
         return self.as_register(self.filtered(fragments, tap)[:, :4], fragments, bits)
 
     def looked_up(self, strq, fragments, bits):

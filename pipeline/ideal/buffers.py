@@ -38,6 +38,15 @@ class IdealBuffers:
             self._auxiliary[which].color = np.zeros_like(self.color)
         return self._auxiliary[which]
 
+    def copy(self):
+        """Buffers that hold the same, and keep it."""
+        held, depth = IdealBuffers(*self.depth.shape[::-1]), self.depth.copy()
+        for which in (ColorBuffer.BACK, *self._auxiliary):
+            held.buffer(which).color = self.buffer(which).color.copy()
+            held.buffer(which).depth, held.buffer(which).stencil = depth, self.stencil.copy()
+        held.accumulation = self.accumulation.copy()
+        return held
+
     def drawn_to(self, command):
         """The buffer that a command draws to; the back buffer where it draws to none."""
         written = getattr(command, "state", command)

@@ -20,6 +20,7 @@ from fixedpipe.pipeline.enums import (
 from fixedpipe.pipeline.state import CombinerInput, RegisterCombiners
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.kernel import kernel, separate_loop
+from fixedpipe.raster.witness import nobody
 
 _SCALE = {
     CombinerScale.NONE: 1.0,
@@ -318,7 +319,7 @@ def constant_color(color):
     return np.array([color], np.float64)
 
 
-def combine(plan, registers, look_up=None):
+def combine(plan, registers, look_up=None, saw=nobody):
     """General combiners and final combiner: float64 [k, 4], clamped to [0, 1] at the very end.
 
     ``registers``: Register to float64 [k, 4], or [1, 4] for all fragments: those of ``plan.read`` that no
@@ -326,6 +327,7 @@ def combine(plan, registers, look_up=None):
     environment's dot product asks for it; users' flags are the NV2A's. Nothing is clamped between the stages;
     the final combiner's A, being the weight of a blend, stays in [0, 1].
     ``look_up(lookup, rgb)``: the texel of a stage's CombinerLookup at its register's colours, float64 [k, 3].
+    ``saw``: who watches: of each stage the file and what its portions computed, of a few fragments.
     """
     count, stages = len(registers[Register.PRIMARY_COLOR]), plan.combiners.general
     whole = any(_functions(stage) for stage in stages)
@@ -352,7 +354,9 @@ def combine(plan, registers, look_up=None):
         if stage.lookup is not None:
             found = look_up(stage.lookup, np.ascontiguousarray(file[stage.lookup.register, :3].T))
             file[Register.TEXTURE0 + stage.lookup.unit] = found.T
+        saw("combined", file=file, computed=computed)
     _finish(file, plan.rows[-1], plan.reals[-1], computed, out)
+    saw("final combiner", file=file, computed=computed, color=out)
     return out
 
 

@@ -308,3 +308,19 @@ def execute_ideal(
     if guide is not None:
         _check_guide(guide, commands, width, height)
     return evaluation.run()
+
+
+def evaluate_watched(commands, width, height, guide, depth_bits, watch):
+    """Run ``commands`` guided, as ``execute_ideal`` does; ``watch(command, textures, buffers)`` is called
+    after every one: the textures by name, each of which stays as it is, and the IdealBuffers, which do not.
+    """
+    commands = frame_of(commands)
+    _check_guide(guide, commands, width, height)
+
+    def seen(command, colors):
+        evaluation.patched.clear()  # the next CopyTexSubImage copies what it changes
+        watch(command, evaluation.textures, evaluation.buffers)
+
+    shared = Threads(default_threads())
+    evaluation = _Evaluation(commands, width, height, guide, depth_bits, shared, seen)
+    return evaluation.run()

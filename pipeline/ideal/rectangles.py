@@ -30,6 +30,7 @@ from fixedpipe.pipeline.ideal.sample import sample
 from fixedpipe.pipeline.ideal.shade import plan_for, shade_colors
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
+from fixedpipe.raster.witness import nobody
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,10 +178,10 @@ def _chosen(q, texture):
 
 def draw_rectangle(command, buffers, textures, plans, statistics, record):
     """DrawPixels, CopyPixels and Bitmap: the machine's pixels, real colours. ``record``: a guide's."""
-    state = without_footprints(command.state)
     found = rectangle(command, buffers, statistics)
     if found is None:
         return
+    state = without_footprints(command.state)
     if found.stencil is not None:
         if record is None:
             stored, test = buffers.stencil.reshape(-1), state.stencil_test
@@ -189,6 +190,16 @@ def draw_rectangle(command, buffers, textures, plans, statistics, record):
         return
     if record is not None:
         found = found.part(np.asarray(record.passed, bool))
+    color = shade_rectangle(found, state, textures, plans)
+    written = buffers.buffer(state.draw_buffer)
+    if record is None:
+        write_tested(state, written, found.pixel, color, found.depth)
+    else:
+        write(state, written, found.pixel, color, found.depth)
+
+
+def shade_rectangle(found, state, textures, plans, saw=nobody):
+    """Colours of a Rectangle's fragments, float64 [k, 4]. ``saw``: who watches."""
 
     def texel(i, unit, texture):
         parts = np.empty((len(found.pixel), 4))
@@ -202,9 +213,4 @@ def draw_rectangle(command, buffers, textures, plans, statistics, record):
         return parts
 
     plan = plan_for(state, textures, plans)
-    color = shade_colors(state, textures, plan, found.primary, found.secondary, found.distances, texel)
-    written = buffers.buffer(state.draw_buffer)
-    if record is None:
-        write_tested(state, written, found.pixel, color, found.depth)
-    else:
-        write(state, written, found.pixel, color, found.depth)
+    return shade_colors(state, textures, plan, found.primary, found.secondary, found.distances, texel, saw)

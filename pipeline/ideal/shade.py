@@ -16,16 +16,17 @@ from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.raster.kernel import kernel, separate_loop
+from fixedpipe.raster.witness import nobody
 
 _COLORS = types.Array(float64, 2, "C", readonly=True)
 
 
-def shade(state, textures, primitives, plan, weights):
+def shade(state, textures, primitives, plan, weights, saw=nobody):
     """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1], and the Outcome of a
     texture shader, or None.
 
     ``textures``: name to Texture with ideal levels. ``primitives``: as the vertex stage makes them; ``plan``:
-    of ``plan_for``; ``weights``: those of ``weigh``.
+    of ``plan_for``; ``weights``: those of ``weigh``; ``saw``: who watches.
     """
     rows = fixed(primitives.colors).reshape(-1, 16)
     back = 8 if primitives.two_side else 0
@@ -75,13 +76,16 @@ def shade(state, textures, primitives, plan, weights):
             reference = reference_of(weights.iterate(units, 4 * i))
         return sample(texture, unit, where, reference, tap)
 
+    if saw is not nobody:
+        own_coordinates = {i: own(i) for i, unit in enumerate(state.texture_units) if unit is not None}
+        saw("fragment", weights=weights.perspective, colors=colors, fog=distances, own=own_coordinates)
     given = state, textures, plan, *colors, distances
     if state.texture_shader is not None:
         outcome = run_stages(state, textures, len(weights), own, texel, _sample_made, as_register, change)
-        return shade_colors(*given, lambda i, unit, texture: outcome.registers[i]), outcome
+        return shade_colors(*given, lambda i, unit, texture: outcome.registers[i], saw), outcome
     if state.evaluate_before_filtering:
         return _before_filtering(*given, texel), None
-    return shade_colors(*given, texel), None
+    return shade_colors(*given, texel, saw), None
 
 
 def _turned(primitives, weights, first):
@@ -133,10 +137,10 @@ def _reads_secondary(state, plan):
     return has_color_sum(state) if plan is None else Register.SECONDARY_COLOR in plan.read
 
 
-def shade_colors(state, textures, plan, primary, secondary, distances, texel):
+def shade_colors(state, textures, plan, primary, secondary, distances, texel, saw=nobody):
     """``shade`` from iterated values: colours float64 [k, 4], fog coordinates [k] (None: no fog), and
     ``texel(number, unit, texture)``, an enabled texture unit's texel: with a texture shader, its register.
-    ``plan``: of ``plan_for``. ``secondary`` may be None where nothing reads it.
+    ``plan``: of ``plan_for``. ``secondary`` may be None where nothing reads it. ``saw``: who watches.
     """
     factor = None if state.fog is None else fog_factor(state.fog, distances)
     if plan is None:
@@ -173,7 +177,8 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel):
         )
         return as_register(made, unit)
 
-    return combine(plan, registers, look_up)
+    saw("registers", registers=registers)
+    return combine(plan, registers, look_up, saw)
 
 
 def _sample_made(i, unit, texture, str_, r, lifted, axes):

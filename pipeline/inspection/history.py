@@ -3,8 +3,8 @@
 Everything is plain data, in the order of the computation: ``to_json`` writes it as it stands.
 """
 
+import math
 from dataclasses import dataclass, fields, is_dataclass
-from enum import Enum
 from typing import Any
 
 from fixedpipe.pipeline.inspection.pixel import PixelValue
@@ -19,6 +19,7 @@ class Quantity:
     codes   the whole numbers that the machine holds; empty where it holds a float
     one     the code of 1.0; None: codes are what they are, an address, a word of the depth buffer
     ideal   what the ideal has here; empty where it has nothing of the kind
+    error   where it departs from the ideal, and since when; None where that is not known
     """
 
     name: str
@@ -26,6 +27,24 @@ class Quantity:
     codes: tuple[int, ...] = ()
     one: int | None = None
     ideal: tuple[float, ...] = ()
+    error: "Error | None" = None
+
+
+@dataclass(frozen=True)
+class Error:
+    """Machine minus ideal of each component, in units of 1/255, and what it is the sum of.
+
+    total    machine - ideal
+    brought  what exact arithmetic, without a clamp, makes of the machine's inputs, minus ideal: errors of
+             earlier stages, and of a texture's coordinates
+    added    what this stage adds, by cause: "mapping", the machine's constants, EXPAND_NORMAL's 128/255 for
+             1/2; "texels", what a texture's texels were rounded to; "filter fraction"; "rounding", to the
+             machine's numbers, of weights as well; "clamp"
+    """
+
+    total: tuple[float, ...]
+    brought: tuple[float, ...]
+    added: dict[str, tuple[float, ...]]
 
 
 @dataclass(frozen=True)
@@ -48,6 +67,7 @@ class Stage:
     made     what it made
     clamped  what its clamps changed
     verdict  of a test: whether the fragment passed; None: it is no test
+    number   of the texture unit or general combiner
     """
 
     kind: str
@@ -57,20 +77,27 @@ class Stage:
     made: tuple[Quantity, ...] = ()
     clamped: tuple[Clamped, ...] = ()
     verdict: bool | None = None
+    number: int | None = None
 
 
 @dataclass(frozen=True)
 class Fragment:
-    """A fragment: its stages in order, and what became of it, "written" or what ended it."""
+    """A fragment: its stages in order, and what became of it, "written" or what ended it.
+
+    ``worst``: the place among the stages of the one that adds most to the error; ``first_clamped``: of the
+    first whose clamp changed something. None: there is none.
+    """
 
     stages: tuple[Stage, ...]
     fate: str
+    worst: int | None = None
+    first_clamped: int | None = None
 
 
 @dataclass(frozen=True)
 class Touched:
     """A command that touched the pixel: its number among those that ran, label and type, the sample of the
-    pixel, what the pixel held before and after, the fragments that it made there.
+    pixel, what the pixel held before and after, the fragments that it made there, the ideal's colour after.
     """
 
     number: int
@@ -80,7 +107,7 @@ class Touched:
     before: PixelValue
     after: PixelValue
     fragments: tuple[Fragment, ...]
-    note: str = ""
+    ideal: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -95,6 +122,7 @@ class PixelHistory:
     commands       how many ran in all
     touched        those that touched the pixel
     final          what the pixel holds in the end, as the framebuffer has it
+    ideal          the colour that the guided ideal has there; empty where there is no ideal
     """
 
     profile: str
@@ -108,6 +136,7 @@ class PixelHistory:
     commands: int
     touched: tuple[Touched, ...]
     final: PixelValue
+    ideal: tuple[float, ...] = ()
 
     def _repr_html_(self) -> str:
         """As a notebook shows it."""
@@ -121,12 +150,16 @@ def to_json(value: Any) -> Any:
 
     A number that JSON has no word for, an infinity or no number, becomes a string.
     """
-    if is_dataclass(value) and not isinstance(value, type):
+    for kind, written in _WRITTEN:
+        if isinstance(value, kind):
+            return written(value)
+    if is_dataclass(value):
         return {field.name: to_json(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, (tuple, list)):
-        return [to_json(item) for item in value]
-    if isinstance(value, Enum):
-        return value.name
-    if isinstance(value, float) and not -1.8e308 < value < 1.8e308:
-        return repr(value)
     return value
+
+
+_WRITTEN = (
+    (dict, lambda value: {name: to_json(item) for name, item in value.items()}),
+    ((tuple, list), lambda value: [to_json(item) for item in value]),
+    (float, lambda value: value if math.isfinite(value) else repr(value)),
+)

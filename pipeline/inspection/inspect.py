@@ -3,6 +3,7 @@
 from typing import Any
 
 from fixedpipe.pipeline.inspection.history import PixelHistory, Touched
+from fixedpipe.pipeline.inspection.ideal import IdealPixel, RecordedIdeal, record_ideal
 from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
 from fixedpipe.pipeline.inspection.recording import RecordedFrame, record
 from fixedpipe.pipeline.inspection.stages import FragmentWitness, fragment_of
@@ -17,6 +18,7 @@ def inspect(
     pixel: tuple[int, int],
     *,
     surface: str | None = None,
+    ideal: Any = None,
     **machine: Any,
 ) -> PixelHistory:
     """Run ``commands`` and tell everything that happened to a pixel. Returns a PixelHistory.
@@ -29,6 +31,8 @@ def inspect(
         (x, y), counted from the top left as in a picture, y downwards.
     surface : str or None
         A pbuffer; None: the window.
+    ideal : tuple of commands or None
+        What the ideal evaluates beside the machine; None: the same commands.
 
     Raises
     ------
@@ -37,19 +41,36 @@ def inspect(
     AssertionError
         If the pixel, drawn again, were another than the frame's: a fault of this project.
 
-    To ask for several pixels of a frame: ``record`` it once, then ``history``.
+    To ask for several pixels of a frame: ``record`` and ``record_ideal`` it once, then ``history`` for each.
     """
-    return history(record(commands, profile, width, height, **machine), pixel, surface)
+    commands = tuple(commands)
+    frame = record(commands, profile, width, height, **machine)
+    beside = None
+    if surface is None:
+        beside = record_ideal(commands if ideal is None else ideal, frame, commands)
+    return history(frame, pixel, surface, beside)
 
 
-def history(frame: RecordedFrame, pixel: tuple[int, int], surface: str | None = None) -> PixelHistory:
-    """The PixelHistory of a pixel of a frame that has run. See ``inspect``."""
+def history(
+    frame: RecordedFrame,
+    pixel: tuple[int, int],
+    surface: str | None = None,
+    ideal: RecordedIdeal | None = None,
+) -> PixelHistory:
+    """The PixelHistory of a pixel of a frame that has run, beside its ``ideal``. See ``inspect``."""
     x, y = pixel
     replayed, touched = ReplayedPixel(frame, x, y, surface), []
+    beside = None if ideal is None else IdealPixel(ideal, x, y)
     shown = frame.shown(surface)
     for touch in replayed.run(FragmentWitness):
-        command = touch.step.command
-        fragments = tuple(fragment_of(seen, command.state, shown.color_bits) for seen in touch.fragments)
+        command, ideals = touch.step.command, [None] * len(touch.fragments)
+        if beside is not None:
+            ideals = beside.follow(touch, touch.passed, FragmentWitness) or ideals
+        fragments = tuple(
+            fragment_of(seen, command.state, shown.color_bits, found)
+            for seen, found in zip(touch.fragments, ideals, strict=True)
+        )
+        buffer = getattr(getattr(command, "state", command), "draw_buffer", 0)
         touched.append(
             Touched(
                 touch.step.number,
@@ -59,6 +80,7 @@ def history(frame: RecordedFrame, pixel: tuple[int, int], surface: str | None = 
                 touch.before,
                 touch.after,
                 fragments,
+                () if beside is None else beside.color(buffer),
             )
         )
     replayed.check()
@@ -74,4 +96,5 @@ def history(frame: RecordedFrame, pixel: tuple[int, int], surface: str | None = 
         len(frame.steps),
         tuple(touched),
         replayed.value(),
+        () if beside is None else beside.color(),
     )

@@ -3,7 +3,7 @@
 from html import escape
 
 from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage, Touched
-from fixedpipe.pipeline.inspection.text import cells, held
+from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, marks_of
 
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 68rem; padding: 0 1rem;
@@ -13,11 +13,15 @@ table { border-collapse: collapse; margin: .3rem 0 .9rem; }
 td, th { padding: .1rem .8rem .1rem 0; text-align: left; vertical-align: top; }
 td.n { text-align: right; font-variant-numeric: tabular-nums; font-family: ui-monospace, monospace; }
 tr.stage td { font-weight: 600; padding-top: .6rem; } tr.made td:first-child::before { content: "= "; }
-tr.clamped td { color: #a34700; } .says { font-weight: 400; font-style: italic; color: #444; }
+
+tr.clamped td, .mark { color: #a34700; } tr.cause td { color: #666; }
+tr.cause td:first-child { padding-left: 2rem; }
+ .says { font-weight: 400; font-style: italic; color: #444; }
 .failed { color: #b00020; } .passed { color: #0b6b2f; } summary { cursor: pointer; }
 .chip { display: inline-block; width: 1em; height: 1em; border: 1px solid #777; vertical-align: -.15em; }
 @media (prefers-color-scheme: dark) { body { color: #e8e8e8; background: #161616; } .says { color: #bbb; }
-  tr.clamped td { color: #ffb070; } .failed { color: #ff8a8a; } .passed { color: #7fd69a; } }
+  tr.clamped td, .mark { color: #ffb070; } tr.cause td { color: #999; }
+  .failed { color: #ff8a8a; } .passed { color: #7fd69a; } }
 """
 
 
@@ -67,27 +71,31 @@ def _touched(touched: Touched, one: int) -> str:
 
 def _fragment(number: int, count: int, fragment: Fragment) -> str:
     name = f"fragment {number + 1} of {count}" if count > 1 else "fragment"
-    rows = "".join(_stage(stage) for stage in fragment.stages)
-    head = "<tr><th></th><th>code</th><th>value</th><th>ideal</th></tr>"
+    rows = "".join(_stage(stage, marks_of(fragment, place)) for place, stage in enumerate(fragment.stages))
+    head = "<tr>" + "".join(f"<th>{heading}</th>" for heading in HEADINGS) + "</tr>"
     opened = " open" if fragment.fate == "written" else ""
     summary = f"<summary>{name}: {escape(fragment.fate)}</summary>"
     return f"<details{opened}>{summary}<table>{head}{rows}</table></details>"
 
 
-def _stage(stage: Stage) -> str:
+def _stage(stage: Stage, marks: str) -> str:
     says = f" <span class=says>{escape(stage.says)}</span>" if stage.says else ""
     if stage.verdict is not None:
         word = "passed" if stage.verdict else "failed"
         says += f" <span class={word}>{word}</span>"
-    rows = [f"<tr class=stage><td colspan=4>{escape(stage.title)}{says}</td></tr>"]
+    if marks:
+        says += f" <span class=mark>{escape(marks)}</span>"
+    rows = [f"<tr class=stage><td colspan={len(HEADINGS)}>{escape(stage.title)}{says}</td></tr>"]
     for quantities, kind in ((stage.read, "read"), (stage.made, "made")):
         for quantity in quantities:
             numbers = "".join(f"<td class=n>{escape(cell)}</td>" for cell in cells(quantity))
             rows.append(f"<tr class={kind}><td>{escape(quantity.name)}</td>{numbers}</tr>")
+            for cause, error in causes(quantity):
+                rows.append(f"<tr class=cause><td>{cause}</td><td colspan=4 class=n>{error}</td></tr>")
     for clamped in stage.clamped:
         change = f"{clamped.before:.4g} to {clamped.after:.4g}"
         rows.append(
             f"<tr class=clamped><td>clamped: {escape(clamped.name)}</td><td></td>"
-            f"<td class=n>{change}</td><td></td></tr>"
+            f"<td class=n>{change}</td><td></td><td></td></tr>"
         )
     return "".join(rows)

@@ -29,7 +29,7 @@ from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, mean
 from fixedpipe.pipeline.inspection.recording import RecordedFrame, Step
 from fixedpipe.pipeline.native.coverage import covered_pixels
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
-from fixedpipe.pipeline.state import Scissor
+from fixedpipe.pipeline.state import PassState, Scissor
 from fixedpipe.pipeline.vertices import stage
 
 Witness = Callable[..., None]
@@ -88,7 +88,10 @@ class Touch:
     step           the Step
     sample         which of the window's samples; 0 where there is one
     before, after  PixelValues of the buffer that it draws to
-    fragments      whatever the witness of each fragment's making gave (``ReplayedPixel.run``)
+    fragments      the witness of each fragment's making (``ReplayedPixel.run``)
+    triangles      of a Draw, the primitive of each
+    passed         whether each passed all tests
+    alone          its state, with this pixel alone in the scissor box; None: it has no state
     """
 
     step: Step
@@ -96,6 +99,9 @@ class Touch:
     before: PixelValue
     after: PixelValue
     fragments: tuple[Any, ...]
+    triangles: tuple[int, ...] = ()
+    passed: tuple[bool, ...] = ()
+    alone: PassState | None = None
 
 
 class ReplayedPixel:
@@ -165,15 +171,17 @@ class ReplayedPixel:
             colors = [buffers.one.buffer(which).color for buffers, _ in self._targets]
             self._window.one.buffer(which).color[...] = mean(colors)
 
-    def _on_each(self, step, which, change):
+    def _on_each(self, step, which, change, alone=None):
         """A Touch of each sample that ``change(buffers, position)`` changes: it returns the fragments'
-        witnesses, None where there is no fragment.
+        witnesses and primitives, None where there is no fragment.
         """
         for sample, (buffers, position) in enumerate(self._targets):
             before = buffers.value(which)
-            fragments = change(buffers, position)
-            if fragments is not None:
-                yield Touch(step, sample, before, buffers.value(which), tuple(fragments))
+            made = change(buffers, position)
+            if made is not None:
+                fragments, triangles, passed = map(tuple, made)
+                after = buffers.value(which)
+                yield Touch(step, sample, before, after, fragments, triangles, passed, alone)
         self._resolve(which)
 
     def _clear(self, step, command, witness):
@@ -183,7 +191,7 @@ class ReplayedPixel:
 
         def change(buffers, position):
             buffers.one.buffer(command.draw_buffer).clear(whole)
-            return ()
+            return (), (), ()
 
         if command.accumulation is not None:
             clear_accumulation(self._window.one, whole, self.frame.profile)
@@ -204,7 +212,7 @@ class ReplayedPixel:
                 covered = covered_triangles(primitives, alone, profile, target)
             if not len(covered.triangle):
                 return None
-            seen = []
+            seen, passed = [], []
 
             def saw(stage, /, **columns):
                 seen[-1](stage, **columns)
@@ -213,10 +221,10 @@ class ReplayedPixel:
                 seen.append(witness())
                 saw("primitives", primitives=primitives)
                 one = Covered(covered.triangle[k : k + 1], covered.x[k : k + 1], covered.y[k : k + 1])
-                column_draw(primitives, one, state, profile, target, step.textures, saw)
-            return seen
+                passed += column_draw(primitives, one, state, profile, target, step.textures, saw).tolist()
+            return seen, covered.triangle.tolist(), passed
 
-        yield from self._on_each(step, state.draw_buffer, change)
+        yield from self._on_each(step, state.draw_buffer, change, alone)
 
     def _rectangle(self, step, command, witness):
         state = command.state
@@ -229,9 +237,10 @@ class ReplayedPixel:
             saw, statistics = witness(), deepcopy(step.statistics)
             given = step.textures, statistics, saw
             drawn = draw_rectangle(alone, self.frame.profile, read, [buffers.everywhere], *given)
-            return [saw] if any(len(some.x) for some in drawn) else None
+            passed = [bool(each) for some in drawn for each in some.passed]
+            return ([saw], (), passed) if passed else None
 
-        yield from self._on_each(step, state.draw_buffer, change)
+        yield from self._on_each(step, state.draw_buffer, change, alone.state)
 
     def _saturate(self, step, command, witness):
         if not self._inside(command.scissor):
@@ -243,7 +252,7 @@ class ReplayedPixel:
             if target.is_bytes:
                 return None
             target.saturate(whole)
-            return ()
+            return (), (), ()
 
         yield from self._on_each(step, command.draw_buffer, change)
 
@@ -259,7 +268,7 @@ class ReplayedPixel:
 
         def change(buffers, position):
             accumulate(buffers.one, whole, profile)
-            return ()
+            return (), (), ()
 
         yield from self._on_each(step, command.draw_buffer, change)
 

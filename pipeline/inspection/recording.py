@@ -95,9 +95,10 @@ def record(commands: Any, profile: Profile, width: int, height: int, **machine: 
     }
 
     def watch(command, snapshot):
-        if isinstance(command, MakeCurrent):
+        kind = type(command)
+        if kind is MakeCurrent:
             before["surface"] = command.surface
-        source = before["source"] if isinstance(command, CopyPixels) else None
+        source = before["source"] if kind is CopyPixels else None
         steps.append(
             Step(
                 len(steps),
@@ -108,7 +109,7 @@ def record(commands: Any, profile: Profile, width: int, height: int, **machine: 
                 before["statistics"],
             )
         )
-        if isinstance(command, _DEFINE_TEXTURES):
+        if kind in _DEFINE_TEXTURES:
             before["textures"] = dict(on.textures)
         if copies:
             before["source"] = on.drawn().copy()

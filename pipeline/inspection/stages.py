@@ -7,33 +7,58 @@ from typing import Any
 import numpy as np
 
 from fixedpipe.pipeline.description.equations import final_lines, portion_line, shader_stage_equation
-from fixedpipe.pipeline.enums import BlendEquation, BlendFactor, Mapping, MuxSelect
-from fixedpipe.pipeline.inspection.history import Clamped, Fragment, Quantity, Stage
+from fixedpipe.pipeline.enums import BlendEquation, BlendFactor, Mapping, MuxSelect, Register, ShadeModel
+from fixedpipe.pipeline.inspection import exact
+from fixedpipe.pipeline.inspection.history import Clamped, Error, Fragment, Quantity, Stage
+from fixedpipe.pipeline.inspection.ideal_numbers import ideal_numbers
 from fixedpipe.pipeline.notations.register_combiner_words import REGISTER_NAMES, format_input
 from fixedpipe.pipeline.state import PassState
 from fixedpipe.raster.columns import combine, numbers
 
-_RGBA, _STRQ = "rgba", "strq"
+_RGBA = "rgba"
+_WIDE = numbers.one_of(exact.WIDE_BITS)
 
 
 class FragmentWitness:
-    """A witness of the making of one fragment: what it was told, in order."""
+    """A witness of the making of one fragment, the machine's or the ideal's: what it was told, in order."""
 
     def __init__(self) -> None:
         self.told: list[tuple[str, dict[str, Any]]] = []
 
     def __call__(self, stage: str, /, **columns: Any) -> None:
-        """Be told. Dictionaries of registers change later: their arrays do not."""
+        """Be told. Dictionaries of registers change later: their arrays do not. An ideal's file does."""
         if "registers" in columns:
             columns["registers"] = dict(columns["registers"])
+        for name in ("file", "computed"):
+            if name in columns:
+                columns[name] = columns[name].copy()
         self.told.append((stage, columns))
 
 
-def fragment_of(witness: FragmentWitness, state: PassState, color_bits: int) -> Fragment:
-    """The Fragment that a witness saw; ``color_bits``: of the buffer that it was written to."""
-    reader = _Reader(state, color_bits)
+def fragment_of(
+    witness: FragmentWitness, state: PassState, color_bits: int, ideal: FragmentWitness | None = None
+) -> Fragment:
+    """The Fragment that a witness saw; ``color_bits``: of the buffer that it was written to; ``ideal``: the
+    witness of the same fragment of the ideal.
+    """
+    reader = _Reader(state, color_bits, {} if ideal is None else ideal_numbers(ideal.told))
     stages = tuple(stage for told in witness.told for stage in reader.stages(*told))
-    return Fragment(stages, reader.fate)
+    added = [max((_added(q) for q in stage.made), default=0.0) for stage in stages]
+    worst = max(range(len(stages)), key=added.__getitem__, default=None)
+    clamped = [place for place, stage in enumerate(stages) if stage.clamped]
+    return Fragment(
+        stages,
+        reader.fate,
+        worst if worst is not None and added[worst] > 0.0 else None,
+        clamped[0] if clamped else None,
+    )
+
+
+def _added(quantity):
+    """How much of error a stage adds to what it made: the largest component."""
+    if quantity.error is None or not quantity.error.added:
+        return 0.0
+    return max(abs(sum(parts)) for parts in zip(*quantity.error.added.values(), strict=True))
 
 
 def _floats(column):
@@ -56,17 +81,36 @@ def _word(name, column):
     return Quantity(name, tuple(map(float, codes)), codes)
 
 
-def _real(name, column):
-    return Quantity(name, _floats(column))
+def _real(name, column, ideal=()):
+    return Quantity(name, _floats(column), ideal=ideal)
+
+
+def _beside(quantity, ideal, exact=None, **steps):
+    """A Quantity beside what the ideal has: with its Error where ``exact`` arithmetic on the machine's inputs
+    is known. ``steps``: by the names of causes, values on the way from there to the machine's, each with one
+    cause more; the last cause, whose value is the machine's, has None.
+    """
+    if not ideal or len(ideal) != len(quantity.values):
+        return quantity
+    error = None
+    if exact is not None:
+        machine, ideals, added = np.array(quantity.values), np.array(ideal), {}
+        first = before = np.broadcast_to(np.ravel(exact), machine.shape)
+        for cause, value in steps.items():
+            after = machine if value is None else np.broadcast_to(np.ravel(value), machine.shape)
+            added[cause], before = _floats(255.0 * (after - before)), after
+        error = Error(_floats(255.0 * (machine - ideals)), _floats(255.0 * (first - ideals)), added)
+    return replace(quantity, ideal=ideal, error=error)
 
 
 class _Reader:
     """Turns what was told into Stages; remembers what later ones need."""
 
-    def __init__(self, state, color_bits):
-        self.state, self.buffer_one = state, numbers.one_of(color_bits)
+    def __init__(self, state, color_bits, ideal):
+        self.state, self.color_bits, self.ideal = state, color_bits, ideal
+        self.buffer_one = state = numbers.one_of(color_bits)
         self.one, self.fate = self.buffer_one, "ended: outside the depth buffer's limits"
-        self.texels, self.filters, self.levels, self.general = [], [], [], -1
+        self.texels, self.general, self.iterated, self.sampler = [], -1, None, None
 
     def stages(self, name, columns) -> Iterator[Stage]:
         """The Stages that one thing told makes: none, or one."""
@@ -76,19 +120,18 @@ class _Reader:
 
     # ------------------------------------------------------------------------------------ iteration
 
-    def iteration(
-        self, triangle, vertices, provoking, x, y, area, edges, inverse_w, weights, full_weights, back,
-        primary, secondary, fog,
-    ):  # fmt: skip
+    def iteration(self, *, triangle, vertices, provoking, x, y, area, edges, inverse_w, **made_of):
         """The primitive, and the fragment's place in it."""
+        smooth = self.state.polygon.shade_model == ShadeModel.SMOOTH
+        self.iterated = (
+            np.tensordot(np.ravel(made_of["full_weights"]), made_of["corners"][0], 1) if smooth else None
+        )
         made = [
-            _real("weights (24 significant bits)", weights),
-            _real("weights", full_weights),
-            _word("primary color", primary),
-            _word("secondary color", secondary),
+            _real("weights (24 significant bits)", made_of["weights"]),
+            _real("weights", made_of["full_weights"], self.ideal.get("weights", ())),
         ]
-        if fog is not None:
-            made.append(_real("fog coordinate", fog))
+        if made_of["fog"] is not None:
+            made.append(_real("fog coordinate", made_of["fog"]))
         read = (
             _word("triangle", triangle),
             _word("vertices", vertices),
@@ -98,7 +141,7 @@ class _Reader:
             _word("area, signed", area),
             _word("edge functions", edges),
             _real("1/w", inverse_w),
-            _word("back face", back),
+            _word("back face", made_of["back"]),
         )
         return Stage("iteration", "primitive and weights", "", read, tuple(made))
 
@@ -110,16 +153,18 @@ class _Reader:
     def shaded(self, part, fragments, bits):
         """The fragment as texture units and combiners see it."""
         self.one = numbers.one_of(bits)
-        made = [
-            _coded("primary color", fragments.primary, self.one),
-            _coded("secondary color", fragments.secondary, self.one),
-            _word("depth word", fragments.depth),
-        ]
+        made, iterated = [], self.iterated
+        for k, name in enumerate(("primary color", "secondary color")):
+            quantity = _coded(name, (fragments.primary, fragments.secondary)[k], self.one)
+            full = quantity.values if iterated is None else iterated[4 * k : 4 * k + 4] / self.one
+            made.append(_beside(quantity, self.ideal.get(name, ()), full, rounding=None))
+        made.append(_word("depth word", fragments.depth))
         if fragments.fog is not None:
             made.append(_real("fog coordinate", fragments.fog))
         for unit, given in enumerate(self.state.texture_units):
             if given is not None:
-                made.append(_real(f"texture coordinates {unit} (s, t, r, q)", fragments.coordinates[:, unit]))
+                name, strq = f"texture coordinates {unit}", fragments.coordinates[:, unit]
+                made.append(_real(f"{name} (s, t, r, q)", strq, self.ideal.get(name, ())))
         return Stage("fragment", "fragment", "", (), tuple(made))
 
     # ------------------------------------------------------------------------------------- textures
@@ -134,9 +179,8 @@ class _Reader:
         made = (Quantity("lambda, biased and limited", (limited[0] / 256.0,), _ints(limited), 256),)
         return Stage("lambda", f"texture unit {unit}, lambda", "", (_real("lambda", lod),), made)
 
-    def level(self, unit, level, linear, strq, divided, size, places, face, reference):
+    def level(self, *, unit, level, linear, strq, divided, size, places, face, reference):
         """A level that is about to be filtered."""
-        self.levels.append(level)
         read = [_real("coordinates (s, t, r, q)", strq)]
         made = [_real("texels (s, t, r)", [p for p in places if p is not None])]
         if face is not None:
@@ -175,20 +219,35 @@ class _Reader:
     def texture(self, unit, texel, one, register):
         """What a unit's register receives."""
         read, self.texels = (*self.texels, _coded("filtered", texel, one)), []
-        made = (_coded(f"tex{unit}", register, self.one),)
-        return Stage("texture", f"texture unit {unit}", "", read, made)
+        quantity, parts = _coded(f"tex{unit}", register, self.one), None
+        if self.sampler is not None and self.sampler.number == unit and self.ideal:
+            real = self.sampler.texture.ideal
+            parts = exact.texture(self.sampler, self.sampled, real)
+        causes = {}
+        if parts is not None:
+            cut, whole, full = parts
+            causes = {"exact": full, "texels": whole, "filter fraction": cut, "rounding": None}
+        made = _beside(quantity, self._ideal_texture(unit), **causes)
+        return Stage("texture", f"texture unit {unit}", "", read, (made,), number=unit)
 
-    def texture_shader(self, unit, stage, coordinates, texel, width, register, depth, alive):
+    def _ideal_texture(self, unit):
+        return self.ideal.get(("register", Register.TEXTURE0 + unit), ())
+
+    def was_sampled(self, sampler, fragments, bits):
+        """A unit is about to be sampled at the fragment's own coordinates."""
+        self.sampler, self.sampled = sampler, fragments
+
+    def texture_shader(self, *, unit, stage, coordinates, texel, width, register, depth, alive):
         """A texture shader stage."""
         says = shader_stage_equation(unit, stage)
         read = (_real(f"texture coordinates {unit} (s, t, r, q)", coordinates),)
         made = (
             _coded(f"texel {unit}", texel, numbers.one_of(width)),
-            _coded(f"tex{unit}", register, self.one),
+            _beside(_coded(f"tex{unit}", register, self.one), self._ideal_texture(unit)),
         )
         if not alive.all():
             self.fate = f"ended: texture shader stage {unit}"
-        return Stage("texture shader", f"texture shader stage {unit}", says, read, made)
+        return Stage("texture shader", f"texture shader stage {unit}", says, read, made, number=unit)
 
     def dot_product(self, unit, of, own, vector, product):
         """A texture shader's dot product."""
@@ -226,24 +285,38 @@ class _Reader:
         """A portion's outputs."""
         alpha, portion, read, mapped, ab, cd, a = self.begun
         components, usage = ("a",) if alpha else _RGBA[:3], None
-        given = []
-        variables = portion.a, portion.b, portion.c, portion.d
+        given, made, clamped, key = [], [], [], (self.general, bool(alpha))
+        variables, used = (portion.a, portion.b, portion.c, portion.d), _used(portion, values)
         for name, variable, x, m in zip("ABCD", variables, read, mapped, strict=True):
+            if name not in used:
+                continue
             usage = type(portion)().a.usage
             text = format_input(variable, usage, Mapping.SIGNED_IDENTITY)
-            register = REGISTER_NAMES[variable.register]
-            given += [_coded(register, x, a.one), _coded(f"{name} = {text}", m, a.one)]
+            register, quantity = REGISTER_NAMES[variable.register], _coded(f"{name} = {text}", m, a.one)
+            if _ints(x) != quantity.codes:
+                given.append(_coded(register, x, a.one))
+            given.append(_beside(quantity, self.ideal.get((*key, name), ())))
         products = [
-            Quantity(name, tuple(n / a.one**2 for n in _ints(sum(p))), _ints(sum(p)), a.one**2)
+            _beside(
+                Quantity(name, tuple(n / a.one**2 for n in _ints(sum(p))), _ints(sum(p)), a.one**2),
+                self.ideal.get((*key, name), ()),
+            )
             for name, p in (("AB", ab), ("CD", cd))
+            if name[0] in used
         ]
-        made, clamped = [], []
         free = replace(a, low=-combine.FAR, high=combine.FAR)
         for register, value in values:
             name = REGISTER_NAMES[register] + (".a" if alpha else ".rgb")
-            made.append(_coded(name, value, a.one))
             whole = self._without_clamp(register, portion, ab, cd, free)
-            if whole is not None:
+            quantity, ideal = _coded(name, value, a.one), self.ideal.get((*key, register), ())
+            if whole is None:
+                made.append(_beside(quantity, ideal))
+            else:
+                full, mapped = (
+                    exact.portion_output(register, portion, read, alpha, a, each) for each in (True, False)
+                )
+                causes = {"mapping": mapped, "rounding": whole / a.one, "clamp": None}
+                made.append(_beside(quantity, ideal, full, **causes))
                 clamped += _clamps(REGISTER_NAMES[register], components, whole, value, a.one)
         title = f"general combiner {self.general}, {'alpha' if alpha else 'RGB'} portion"
         if self.environments:
@@ -252,7 +325,8 @@ class _Reader:
         line = portion_line("", portion, ".a" if alpha else "", selector)
         says = line[0].removeprefix(": ") if line else ""
         read = (*given, *products, *self.chosen)
-        return Stage("combiner", title, says, read, tuple(made), tuple(clamped))
+        kind = "alpha portion" if alpha else "RGB portion"
+        return Stage(kind, title, says, read, tuple(made), tuple(clamped), number=self.general)
 
     def _without_clamp(self, register, portion, ab, cd, free):
         """What an output would be if nothing clamped it; None where a mux or a function makes it."""
@@ -287,12 +361,13 @@ class _Reader:
                 given.append(register)
             given.append(_coded(f"{name} = {text}", m, arithmetic.one))
         says = "; ".join(line.partition(": ")[2] for line in final_lines(final))
-        made = (_coded("color", color, arithmetic.one),)
-        clamped = []
-        if arithmetic.clamps_final:
-            free = combine.final_color(*mapped, replace(arithmetic, clamps_final=False))
-            clamped = _clamps("color", _RGBA, free, color, arithmetic.one)
-        return Stage("final combiner", "final combiner", says, tuple(given), made, tuple(clamped))
+        free = combine.final_color(*mapped, replace(arithmetic, clamps_final=False))
+        clamped = _clamps("color", _RGBA, free, color, arithmetic.one)
+        full = exact.final_color(final, registers, arithmetic)
+        quantity = _coded("color", color, arithmetic.one)
+        causes = {"rounding": free / arithmetic.one, "clamp": None}
+        made = _beside(quantity, self.ideal.get("color", ()), full, **causes)
+        return Stage("final combiner", "final combiner", says, tuple(given), (made,), tuple(clamped))
 
     def fog(self, before, fog, color):
         """Fog."""
@@ -330,7 +405,9 @@ class _Reader:
         return Stage("test", "depth test", says, read, (), (), verdict)
 
     def blending(self, colors, result):
-        """Blending."""
+        """Blending, of a fragment that passed."""
+        if not len(result):
+            return None
         b, one = self.state.blending, self.buffer_one
         source, destination, constant = colors
         read = [_coded("source", source, one), _coded("destination", destination, one)]
@@ -342,21 +419,38 @@ class _Reader:
         says = f"{b.equation.name}" + (
             f" of source x {_factor(factors[0])}, destination x {_factor(factors[1])}" if uses else ""
         )
-        kept = np.clip(result, 0, one)
+        kept, ideal = np.clip(result, 0, one), self.ideal.get("blended", ())
         clamped = tuple(_clamps("blended", _RGBA, result, kept, one))
-        return Stage("blending", "blending", says, tuple(read), (_coded("blended", result, one),), clamped)
+        full = exact.blended(b, colors, self.color_bits) if _WIDE % one == 0 else None
+        made = _beside(_coded("blended", result, one), ideal, full, rounding=None)
+        return Stage("blending", "blending", says, tuple(read), (made,), clamped)
 
     def fragments(self, which):
         """The fragment lives to be tested."""
         self.fate = "passed"
 
     def write(self, which, source, stored, result, mask):
-        """What is written."""
+        """What is written, of a fragment that passed."""
+        if not len(which):
+            return None
         one, on = self.buffer_one, "".join(c for c, m in zip(_RGBA, mask, strict=True) if m)
-        made = (_coded("written", np.where(mask, result, stored), one),)
-        read = _coded("fragment", source, one), _coded("stored", stored, one)
+        made = _beside(_coded("written", np.where(mask, result, stored), one), self.ideal.get("written", ()))
+        fragment = _beside(_coded("fragment", source, one), self.ideal.get("source", ()))
+        read = fragment, _beside(_coded("stored", stored, one), self.ideal.get("stored", ()))
         self.fate = "written"
-        return Stage("write", "color buffer", f"color mask {on}", read, made)
+        return Stage("write", "color buffer", f"color mask {on}", read, (made,))
+
+
+def _used(portion, values):
+    """Which of a portion's variables some output asks for: AB's, CD's, or all."""
+    registers = [register for register, _ in values]
+    zero = Register.ZERO
+    sums = portion.sum_output in registers
+    ab = sums and (portion.a.register, portion.b.register) != (zero, zero)
+    cd = sums and (portion.c.register, portion.d.register) != (zero, zero)
+    return ("AB" if ab or portion.ab_output in registers else "") + (
+        "CD" if cd or portion.cd_output in registers else ""
+    )
 
 
 def _factor(factor):
@@ -383,6 +477,7 @@ _TELLERS = {
     "filter": _Reader.filter,
     "texel": _Reader.texel,
     "levels": _Reader.mipmaps,
+    "sampled": _Reader.was_sampled,
     "texture": _Reader.texture,
     "texture shader": _Reader.texture_shader,
     "dot product": _Reader.dot_product,

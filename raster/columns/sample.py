@@ -10,8 +10,8 @@ from fixedpipe.raster import float_depths
 from fixedpipe.raster.columns.interpolate import major_axis, on_face
 from fixedpipe.raster.columns.numbers import lerp
 from fixedpipe.raster.columns.per_fragment import compare
-from fixedpipe.raster.columns.witness import nobody
 from fixedpipe.raster.floats import TAU
+from fixedpipe.raster.witness import nobody
 
 
 def wrapped(texel, mode, size):

@@ -51,6 +51,7 @@ LAYERS = (
     "raster/pixels/",
     "pipeline/execution/",
     "pipeline/ideal/",
+    "pipeline/inspection/",
     "tests/reference/",
     "tests/support/",
 )

@@ -7,8 +7,8 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Quantity, Stage, Touched
-from fixedpipe.pipeline.inspection.pixel import PixelValue
+from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage, Touched
+from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, marks_of
 
 
 def history_text(history: PixelHistory) -> Group:
@@ -41,26 +41,22 @@ def _heading(touched: Touched) -> Text:
     return text
 
 
-def held(value: PixelValue) -> str:
-    """What a pixel holds, in words."""
-    color = " ".join(str(code) for code in value.color)
-    return f"color {color}, depth {value.depth}, stencil {value.stencil}"
-
-
 def _fragment(number: int, count: int, fragment: Fragment) -> Table:
     title = (
         f"fragment {number + 1} of {count}: {fragment.fate}" if count > 1 else f"fragment: {fragment.fate}"
     )
     table = Table(title=title, title_justify="left", box=None, pad_edge=False, show_header=True)
-    for heading, justify in (("", "left"), ("code", "right"), ("value", "right"), ("ideal", "right")):
-        table.add_column(heading, justify=justify, overflow="fold")
-    for stage in fragment.stages:
-        _stage(table, stage)
+    for heading in HEADINGS:
+        table.add_column(heading, justify="right" if heading else "left", overflow="fold")
+    for place, stage in enumerate(fragment.stages):
+        _stage(table, stage, marks_of(fragment, place))
     return table
 
 
-def _stage(table: Table, stage: Stage) -> None:
+def _stage(table: Table, stage: Stage, marks: str) -> None:
     title = Text(stage.title, style="bold")
+    if marks:
+        title.append(f"   <- {marks}", style="bold magenta")
     if stage.says:
         title.append(f"   {stage.says}", style="italic default")
     if stage.verdict is not None:
@@ -69,21 +65,11 @@ def _stage(table: Table, stage: Stage) -> None:
     for quantities, mark in ((stage.read, "  "), (stage.made, "= ")):
         for quantity in quantities:
             table.add_row(Text(f"{mark}{quantity.name}"), *cells(quantity))
+            for cause, numbers in causes(quantity):
+                table.add_row(Text(f"      {cause}", style="dim"), "", "", "", Text(numbers, style="dim"))
     for clamped in stage.clamped:
         table.add_row(
             Text(f"  clamped: {clamped.name}", style="yellow"),
             "",
             f"{clamped.before:.4g} to {clamped.after:.4g}",
         )
-
-
-def cells(quantity: Quantity) -> tuple[str, str, str]:
-    """A quantity's codes, values and ideal values as text; a value that is its code is not said twice."""
-    codes = " ".join(str(code) for code in quantity.codes)
-    plain = quantity.codes and quantity.one is None
-    values = "" if plain else " ".join(_number(value) for value in quantity.values)
-    return codes, values, " ".join(_number(value) for value in quantity.ideal)
-
-
-def _number(value: float) -> str:
-    return f"{value:.6g}"

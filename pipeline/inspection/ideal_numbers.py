@@ -1,0 +1,59 @@
+"""What the ideal's witness was told of a fragment, by what the machine calls the same number."""
+
+from typing import Any
+
+import numpy as np
+
+from fixedpipe.pipeline.enums import Register
+from fixedpipe.raster import codes as C
+
+# Places in what a stage of the ideal's combiners computes: of each portion A, B, C, D, AB, CD and their sum.
+_NAMES = ("A", "B", "C", "D", "AB", "CD")
+_PORTION = 7
+
+
+def ideal_numbers(told: list[tuple[str, dict[str, Any]]]) -> dict[Any, tuple[float, ...]]:
+    """The ideal's numbers: keys are names, ("register", Register) of what combiners first read, and of
+    general combiners (number, whether alpha, name of a variable or Register of an output).
+    """
+    found, general = {}, 0
+    for stage, columns in told:
+        if stage == "fragment":
+            found.update(_fragment(**columns))
+        elif stage == "registers":
+            found.update({("register", r): _numbers(c) for r, c in columns["registers"].items()})
+        elif stage == "combined":
+            found.update(_combined(general, columns["file"], columns["computed"]))
+            general += 1
+        elif stage == "final combiner":
+            found["color"] = _numbers(columns["color"])
+        elif stage == "source":
+            found["source"], found["stored"] = _numbers(columns["color"]), _numbers(columns["stored"])
+            found.setdefault("color", found["source"])
+        elif stage == "written":
+            found["written"] = found["blended"] = _numbers(columns["color"])
+    return found
+
+
+def _numbers(column):
+    return tuple(np.ravel(column).tolist())
+
+
+def _fragment(weights, colors, fog, own):
+    found = {"weights": _numbers(weights), "primary color": _numbers(colors[0])}
+    if colors[1] is not None:
+        found["secondary color"] = _numbers(colors[1])
+    for unit, strq in own.items():
+        found[f"texture coordinates {unit}"] = _numbers(strq)
+    return found
+
+
+def _combined(general, file, computed):
+    """A general combiner's variables, products and registers."""
+    found = {}
+    for alpha, part in ((False, slice(3)), (True, slice(3, 4))):
+        for place, name in enumerate(_NAMES):
+            found[general, alpha, name] = _numbers(computed[alpha * _PORTION + place, part, 0])
+        for register in range(C.REGISTER_DISCARD):
+            found[general, alpha, Register(register)] = _numbers(file[register, part, 0])
+    return found

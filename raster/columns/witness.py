@@ -1,9 +1,0 @@
-"""Who watches the column engine: a callable that each stage tells what it read and what it made.
-
-A stage says its name and its columns, as they are in the computation: a witness that keeps them copies none,
-and changes none. The same functions run watched and unwatched, so what is seen is what is drawn.
-"""
-
-
-def nobody(stage, /, **columns):
-    """The witness of a frame that nobody watches."""

@@ -1,0 +1,293 @@
+"""A pixel's history ends at the framebuffer's codes, on every engine, of every feature; beside it the guided
+ideal's; and what an error is said to be made of adds up to it.
+"""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from fixedpipe.pipeline.commands import Clear, Draw, HostStep, Mesh, TexImage
+from fixedpipe.pipeline.enums import (
+    BlendFactor,
+    CombinerScale,
+    ComponentUsage,
+    Mapping,
+    Register,
+    TextureFilter,
+)
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.inspection.history import to_json
+from fixedpipe.pipeline.inspection.ideal import record_ideal
+from fixedpipe.pipeline.inspection.inspect import history, inspect
+from fixedpipe.pipeline.inspection.page import history_page
+from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
+from fixedpipe.pipeline.inspection.recording import record
+from fixedpipe.pipeline.profiles import GEFORCE_256, INFINITE_REALITY, NV2A, PROFILES
+from fixedpipe.pipeline.state import (
+    Blending,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RegisterCombiners,
+    RGBPortion,
+    Sampler,
+    TextureUnit,
+)
+from fixedpipe.pipeline.textures.images import texture_2d
+from tests.support.features import FEATURES, SIZE
+from tests.support.strategies import frames
+
+WIDTH, HEIGHT = 48, 40
+MACHINES = [(name, p) for name, p in PROFILES.items() if not p.arithmetic.exact]
+PIXELS = st.lists(
+    st.tuples(st.integers(0, WIDTH - 1), st.integers(0, HEIGHT - 1)), min_size=4, max_size=4, unique=True
+)
+SOME = settings(max_examples=40, suppress_health_check=list(HealthCheck))
+
+
+def ends_at_the_frame(frame, pixel, ideal=None):
+    """The history of a pixel, once it was seen to end at what the frame holds there."""
+    found, (x, y), shown = history(frame, pixel, ideal=ideal), pixel, frame.result.framebuffer
+    assert found.final.color == tuple(shown.color[y, x].tolist())
+    assert (found.final.depth, found.final.stencil) == (shown.depth[y, x], shown.stencil[y, x])
+    for touched in found.touched:
+        for fragment in touched.fragments:
+            if fragment.fate == "written":
+                written = fragment.stages[-1].made[0]
+                assert written.name == "written"
+        if touched.fragments and touched.fragments[-1].fate == "written":
+            assert written.codes == touched.after.color
+    return found
+
+
+def errors_of(found):
+    """Every Error of a history."""
+    quantities = [
+        quantity
+        for touched in found.touched
+        for fragment in touched.fragments
+        for stage in fragment.stages
+        for quantity in stage.made
+    ]
+    return [quantity.error for quantity in quantities if quantity.error is not None]
+
+
+@SOME
+@given(frames(WIDTH, HEIGHT), st.sampled_from([None, "portable", "columns"]), PIXELS)
+@pytest.mark.filterwarnings("ignore")
+def test_histories_end_at_the_framebuffer(commands, engine, pixels):
+    frame = record(commands, GEFORCE_256, WIDTH, HEIGHT, engine=engine)
+    for pixel in pixels:
+        ends_at_the_frame(frame, pixel)
+
+
+@SOME
+@given(frames(32, 64, nv2a=True), PIXELS)
+@pytest.mark.filterwarnings("ignore")
+def test_histories_of_the_nv2a_end_at_the_framebuffer(commands, pixels):
+    frame = record(commands, NV2A, 32, 64)
+    for x, y in pixels:
+        ends_at_the_frame(frame, (x % 32, y))
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(("name", "profile"), MACHINES)
+def test_every_feature_of_a_machine_can_be_looked_into(name, profile):
+    for feature in FEATURES:
+        if not feature.has(profile):
+            continue
+        commands = feature.commands(profile) if callable(feature.commands) else feature.commands
+        frame = record(commands, profile, SIZE, SIZE, **feature.framebuffer)
+        for surface in (None, *frame.result.surfaces):
+            shown = frame.shown(surface)
+            for x, y in ((0, 0), (shown.width // 2, shown.height // 2), (shown.width - 1, shown.height - 1)):
+                found = history(frame, (x, y), surface)
+                assert found.final.color == tuple(shown.color[y, x].tolist()), feature.name
+
+
+def test_samples_are_each_told():
+    commands = (Clear(label="clear", color=(0.0, 0.0, 0.0, 1.0)), triangle())
+    frame = record(commands, INFINITE_REALITY, 16, 16, samples=4)
+    edge = [(x, y) for y in range(16) for x in range(16) if len(set(samples(frame, x, y))) > 1]
+    assert edge  # some pixel is half covered
+    for pixel in edge[:4]:
+        ends_at_the_frame(frame, pixel)
+
+
+def samples(frame, x, y):
+    """The samples of a pixel that a Draw touched."""
+    return [touched.sample for touched in history(frame, (x, y)).touched if touched.kind == "Draw"]
+
+
+def triangle(state=None, label="draw", colors=(1.0, 0.5, 0.25, 1.0)):
+    """A Draw of a triangle over most of the window."""
+    positions = np.array([[-0.9, -0.9, 0.0], [0.9, -0.8, 0.1], [-0.7, 0.9, 0.2]])
+    mesh = Mesh(positions, colors=np.array([colors] * 3), texture_coordinates=(positions[:, :2] * 0.7 + 0.5,))
+    return Draw(label=label, mesh=mesh, state=state or PassState())
+
+
+# ------------------------------------------------------------------------------------------ the ideal
+
+
+@SOME
+@given(frames(WIDTH, HEIGHT), PIXELS)
+@pytest.mark.filterwarnings("ignore")
+def test_beside_it_stands_the_guided_ideal(commands, pixels):
+    try:
+        guide = execute(commands, GEFORCE_256, WIDTH, HEIGHT, record=True)
+        ideal = execute_ideal(commands, WIDTH, HEIGHT, guide=guide)
+    except ValueError:  # of what only machines draw
+        return
+    frame = record(commands, GEFORCE_256, WIDTH, HEIGHT)
+    beside = record_ideal(commands, frame)
+    if beside is None:
+        assert frame.result.surfaces
+        return
+    for x, y in pixels:
+        found = ends_at_the_frame(frame, (x, y), beside)
+        np.testing.assert_array_equal(found.ideal, ideal.color[y, x])
+        for error in errors_of(found):
+            total = np.array(error.brought) + sum(map(np.array, error.added.values()))
+            # float64 sums of numbers up to some thousands
+            np.testing.assert_allclose(total, error.total, rtol=0, atol=1e-6)
+
+
+def combiner(**fields):
+    """A state whose one general combiner is this, of primary colour and constants, shown as it is."""
+    stage = GeneralCombiner(rgb=RGBPortion(**fields))
+    zero, one = (
+        CombinerInput(Register.ZERO),
+        CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA),
+    )
+    final = FinalCombiner(a=zero, b=zero, c=zero, d=CombinerInput(Register.SPARE0), g=one)
+    return PassState(register_combiners=RegisterCombiners(general=(stage,), final=final))
+
+
+def error_of(state, color):
+    """The Error of the general combiner's red, and its stage, of a triangle of one colour."""
+    found = inspect((triangle(state, colors=color),), GEFORCE_256, 16, 16, (5, 9))
+    (fragment,) = found.touched[0].fragments
+    (stage,) = [stage for stage in fragment.stages if stage.kind == "RGB portion"]
+    return stage.made[0].error, stage, fragment
+
+
+def test_a_single_rounding_is_the_roundings():
+    col0 = CombinerInput(Register.PRIMARY_COLOR, Mapping.SIGNED_IDENTITY)
+    # 51/255 times 51/255 is 10.2/255, and becomes 10/255.
+    error, _, _ = error_of(combiner(a=col0, b=col0, sum_output=Register.SPARE0), (0.2, 0.2, 0.2, 1.0))
+    assert error.added["rounding"] == pytest.approx((-0.2,) * 3, abs=1e-4)  # 24 bits of exact arithmetic
+    assert error.added["clamp"] == (0.0,) * 3
+    assert error.added["mapping"] == pytest.approx((0.0,) * 3, abs=1e-4)
+    assert error.brought == pytest.approx((0.0,) * 3, abs=1e-4)
+
+
+def test_a_single_clamp_is_the_clamps():
+    col0 = CombinerInput(Register.PRIMARY_COLOR, Mapping.SIGNED_IDENTITY)
+    one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
+    portion = {"a": col0, "b": one, "sum_output": Register.SPARE0, "scale": CombinerScale.SCALE_BY_TWO}
+    # 204/255 doubled is 408/255, and becomes 255/255.
+    error, stage, fragment = error_of(combiner(**portion), (0.8, 0.8, 0.8, 1.0))
+    assert error.added["clamp"] == pytest.approx((-153.0,) * 3)
+    assert error.added["rounding"] == error.brought == pytest.approx((0.0,) * 3, abs=1e-4)
+    assert [each.name for each in stage.clamped] == ["spare0.r", "spare0.g", "spare0.b"]
+    assert fragment.stages[fragment.first_clamped] is stage
+    assert fragment.stages[fragment.worst] is stage
+
+
+def test_a_mappings_constant_is_the_mappings():
+    expanded = CombinerInput(Register.PRIMARY_COLOR, Mapping.EXPAND_NORMAL)
+    one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
+    # 2 c - 256 where exact numbers take 255.
+    error, _, _ = error_of(combiner(a=expanded, b=one, sum_output=Register.SPARE0), (0.8, 0.8, 0.8, 1.0))
+    assert error.added["mapping"] == pytest.approx((-1.0,) * 3, abs=1e-4)
+    assert error.added["rounding"] == pytest.approx((0.0,) * 3, abs=1e-4)
+
+
+def test_a_filters_causes_add_up():
+    image = np.random.default_rng(3).integers(0, 256, (8, 8, 4)).astype(np.uint8)
+    texture = TexImage(label="texture", texture="t", image=texture_2d(image))
+    linear = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR)
+    draw = triangle(PassState(texture_units=(TextureUnit("t", sampler=linear),)))
+    found = inspect((texture, draw), GEFORCE_256, 64, 64, (20, 40))
+    (stage,) = [stage for stage in found.touched[0].fragments[0].stages if stage.kind == "texture"]
+    added = stage.made[0].error.added
+    assert set(added) == {"texels", "filter fraction", "rounding"}
+    assert not any(added["texels"])  # bytes are what they are
+    assert any(added["filter fraction"]) and any(added["rounding"])
+    # Three roundings of a half each, and one to the register.
+    assert max(map(abs, added["rounding"])) <= 2.0
+
+
+# ------------------------------------------------------------------------------------ what is written
+
+
+def blended_frame():
+    """A clear and two triangles, the second blended."""
+    add = PassState(blending=Blending(source=BlendFactor.ONE, destination=BlendFactor.ONE))
+    clear = Clear(label="a <clear>", color=(0.2, 0.2, 0.2, 1.0), depth=1.0)
+    return clear, triangle(label="first"), triangle(add, "second")
+
+
+def test_json_and_page_have_everything():
+    found = inspect(blended_frame(), GEFORCE_256, 16, 16, (5, 9))
+    text = json.dumps(to_json(found), allow_nan=False)
+    read = json.loads(text)
+    assert [touched["label"] for touched in read["touched"]] == ["a <clear>", "first", "second"]
+    assert read["touched"][2]["fragments"][0]["stages"][-1]["made"][0]["codes"] == list(found.final.color)
+    page = history_page(found, "A & B")
+    assert "A &amp; B" in page and "a &lt;clear&gt;" in page and "<script" not in page
+    assert "blending" in page and found._repr_html_() in page
+
+
+def test_a_blend_that_clamps_says_so():
+    found = inspect(blended_frame(), GEFORCE_256, 16, 16, (5, 9))
+    fragment = found.touched[2].fragments[0]
+    (stage,) = [stage for stage in fragment.stages if stage.kind == "blending"]
+    # 1.0 + 1.0 and 0.5 + 0.5 of bytes 255 and 128; alpha 1.0 + 1.0
+    assert [(each.name, each.before, each.after) for each in stage.clamped] == [
+        ("blended.r", 2.0, 1.0),
+        ("blended.g", 256 / 255, 1.0),
+        ("blended.a", 2.0, 1.0),
+    ]
+
+
+def test_what_a_host_issues_is_told():
+    def again(read):
+        return (triangle(label="issued"),)
+
+    commands = (triangle(label="first"), HostStep(label="host", reads=(), commands=again))
+    found = inspect(commands, GEFORCE_256, 16, 16, (5, 9))
+    assert [touched.label for touched in found.touched] == ["first", "issued"]
+
+
+@pytest.mark.parametrize("pixel", [(-1, 0), (16, 0), (0, 16)])
+def test_a_pixel_outside_is_refused(pixel):
+    with pytest.raises(ValueError, match=r"lies outside: this framebuffer is 16x16 pixels"):
+        inspect((triangle(),), GEFORCE_256, 16, 16, pixel)
+
+
+def test_an_unknown_pbuffer_is_refused():
+    with pytest.raises(ValueError, match="no pbuffer 'p'; there are: none"):
+        inspect((triangle(),), GEFORCE_256, 16, 16, (0, 0), surface="p")
+
+
+def test_another_pixel_than_the_frames_is_noticed():
+    frame = record(blended_frame(), GEFORCE_256, 16, 16)
+    frame.result.framebuffer.color[9, 5, 0] ^= 1
+    with pytest.raises(AssertionError, match=r"Pixel \(5, 9\), BACK"):
+        history(frame, (5, 9))
+
+
+def test_watching_changes_nothing():
+    frame = record(blended_frame(), GEFORCE_256, 16, 16)
+    watched, unwatched = (ReplayedPixel(frame, 5, 9) for _ in range(2))
+    told = []
+    list(watched.run(lambda: lambda stage, /, **columns: told.append(stage)))
+    list(unwatched.run(lambda: lambda stage, /, **columns: None))
+    assert watched.value() == unwatched.value()
+    assert "blending" in told
