@@ -25,6 +25,8 @@ from fixedpipe.pipeline.framebuffers.result import Fragments as Fragments
 from fixedpipe.pipeline.framebuffers.result import Result as Result
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal as execute_ideal
 from fixedpipe.pipeline.ideal.result import IdealResult as IdealResult
+from fixedpipe.pipeline.inspection.history import PixelHistory as PixelHistory
+from fixedpipe.pipeline.inspection.inspect import inspect as inspect
 from fixedpipe.pipeline.notations.programs import Program as Program
 from fixedpipe.pipeline.notations.programs import parse_program as parse_program
 from fixedpipe.pipeline.pixel_transfer import PixelImage as PixelImage

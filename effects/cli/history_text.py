@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 
 from rich.console import Group
-from rich.padding import Padding
-from rich.table import Table
 from rich.text import Text
 
 from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage, Touched
@@ -16,60 +14,72 @@ def history_text(history: PixelHistory) -> Group:
     return Group(*_lines(history))
 
 
-def _lines(history) -> Iterator:
-    where = (
-        f"pixel ({history.x}, {history.y}) of {history.width}x{history.height}, window y {history.window_y}"
-    )
-    surface = "" if history.surface is None else f", pbuffer {history.surface}"
-    yield Text(f"{where}{surface}, on {history.profile}", style="bold")
+def _lines(history: PixelHistory) -> Iterator[Text]:
+    size, surface = f"{history.width}x{history.height}", ""
+    if history.surface is not None:
+        surface = f" of pbuffer {history.surface}"
+    where = f"pixel ({history.x}, {history.y}){surface}, {size}, window y {history.window_y}"
+    yield Text(f"{where}, on {history.profile}", style="bold")
     yield Text(
-        f"{len(history.touched)} of {history.commands} commands touched it; in the end {held(history.final)}"
+        f"{len(history.touched)} of {history.commands} commands touched it. In the end: {held(history.final)}"
     )
     for touched in history.touched:
         yield Text()
-        yield _heading(touched)
+        yield from _heading(touched)
         for number, fragment in enumerate(touched.fragments):
-            yield Padding(_fragment(number, len(touched.fragments), fragment), (0, 0, 0, 2))
+            yield from _fragment(number, len(touched.fragments), fragment)
 
 
-def _heading(touched: Touched) -> Text:
+def _heading(touched: Touched) -> Iterator[Text]:
     sample = f", sample {touched.sample}" if touched.sample else ""
-    text = Text(f"command {touched.number}, {touched.kind}{sample}: ", style="bold cyan")
-    text.append(touched.label)
-    change = f"\n  {held(touched.before)}\n  {held(touched.after)}" if touched.before != touched.after else ""
-    text.append(change or "\n  unchanged", style="default")
-    return text
+    yield Text(f"command {touched.number}, {touched.kind}{sample}: {touched.label}", style="bold cyan")
+    if touched.before == touched.after:
+        yield Text("  unchanged")
+    else:
+        yield Text(f"  before  {held(touched.before)}")
+        yield Text(f"  after   {held(touched.after)}")
 
 
-def _fragment(number: int, count: int, fragment: Fragment) -> Table:
-    title = (
-        f"fragment {number + 1} of {count}: {fragment.fate}" if count > 1 else f"fragment: {fragment.fate}"
-    )
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False, show_header=True)
-    for heading in HEADINGS:
-        table.add_column(heading, justify="right" if heading else "left", overflow="fold")
+def _fragment(number: int, count: int, fragment: Fragment) -> Iterator[Text]:
+    name = f"fragment {number + 1} of {count}" if count > 1 else "fragment"
+    rows = [HEADINGS]
+    rows += [row for stage in fragment.stages for row in _rows(stage)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADINGS))]
+    yield Text(f"  {name}: {fragment.fate}", style="bold")
+    yield _row(HEADINGS, widths, "dim")
     for place, stage in enumerate(fragment.stages):
-        _stage(table, stage, marks_of(fragment, place))
-    return table
+        yield _title(stage, marks_of(fragment, place))
+        for row in _rows(stage):
+            yield _row(row, widths, "dim" if row[0].startswith(_CAUSE) else "")
+        for clamped in stage.clamped:
+            change = f"{clamped.before:.4g} to {clamped.after:.4g}"
+            yield Text(f"      clamped: {clamped.name}, {change}", style="yellow")
 
 
-def _stage(table: Table, stage: Stage, marks: str) -> None:
-    title = Text(stage.title, style="bold")
-    if marks:
-        title.append(f"   <- {marks}", style="bold magenta")
-    if stage.says:
-        title.append(f"   {stage.says}", style="italic default")
-    if stage.verdict is not None:
-        title.append("   passed" if stage.verdict else "   FAILED", style="green" if stage.verdict else "red")
-    table.add_row(title)
+_CAUSE = " " * 8
+
+
+def _rows(stage: Stage) -> Iterator[tuple[str, ...]]:
+    """A stage's quantities and the causes of their errors, as columns."""
     for quantities, mark in ((stage.read, "  "), (stage.made, "= ")):
         for quantity in quantities:
-            table.add_row(Text(f"{mark}{quantity.name}"), *cells(quantity))
+            yield (f"    {mark}{quantity.name}", *cells(quantity))
             for cause, numbers in causes(quantity):
-                table.add_row(Text(f"      {cause}", style="dim"), "", "", "", Text(numbers, style="dim"))
-    for clamped in stage.clamped:
-        table.add_row(
-            Text(f"  clamped: {clamped.name}", style="yellow"),
-            "",
-            f"{clamped.before:.4g} to {clamped.after:.4g}",
-        )
+                yield (f"{_CAUSE}{cause}", "", "", "", numbers)
+
+
+def _row(row: tuple[str, ...], widths: list[int], style: str) -> Text:
+    first, *others = (text.rjust(width) for text, width in zip(row, widths, strict=True))
+    return Text("  ".join([row[0].ljust(len(first)), *others]).rstrip(), style=style)
+
+
+def _title(stage: Stage, marks: str) -> Text:
+    title = Text(f"    {stage.title}", style="bold")
+    if stage.says:
+        title.append(f": {stage.says}", style="not bold italic")
+    if stage.verdict is not None:
+        word, style = ("passed", "green") if stage.verdict else ("FAILED", "red")
+        title.append(f"  {word}", style=style)
+    if marks:
+        title.append(f"  <- {marks}", style="bold magenta")
+    return title

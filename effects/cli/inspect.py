@@ -4,8 +4,6 @@ import click
 
 from fixedpipe.effects.cli.options import changes_of, set_option
 
-_WIDE = 160  # columns of what is no terminal
-
 
 @click.command(short_help="Everything that happened to a pixel, every number of it.")
 @click.argument("what", metavar="ID|SCRIPT.py")
@@ -58,10 +56,8 @@ def inspect(what, pixel, profile, size, number, surface, json_file, html_file, s
         _write(html_file, history_page(found, of.title))
     if not (json_file or html_file):
         console = Console(highlight=False)
-        if not console.is_terminal:
-            console = Console(highlight=False, width=_WIDE)
         console.print(of.title, style="bold", markup=False)
-        console.print(history_text(found))
+        console.print(history_text(found), soft_wrap=True)
     for file in filter(None, (json_file, html_file)):
         click.echo(f"wrote {file}", err=True)
     if not found.touched:

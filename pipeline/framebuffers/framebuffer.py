@@ -144,9 +144,14 @@ class Framebuffer:
             which: replace(other, color=other.color.copy(), depth=depth, stencil=stencil, _auxiliary={})
             for which, other in self._auxiliary.items()
         }
-        accumulation = None if self.accumulation is None else self.accumulation.copy()
-        planes = {"color": self.color.copy(), "depth": depth, "stencil": stencil, "_auxiliary": held}
-        return replace(self, accumulation=accumulation, **planes)
+        return replace(
+            self,
+            color=self.color.copy(),
+            depth=depth,
+            stencil=stencil,
+            accumulation=None if self.accumulation is None else self.accumulation.copy(),
+            _auxiliary=held,
+        )
 
     def image(self) -> NDArray[np.uint8]:
         """A copy of the colours for saving: uint8 [h, w, 4], top row first, clamped and to nearest."""

@@ -6,6 +6,7 @@ fragments are those of the snapped vertices.
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +43,6 @@ from fixedpipe.pipeline.ideal.weights import fragments_of, mesh_of, pixels_of, w
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
-from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices.stage import process
@@ -101,7 +101,7 @@ def _draw(command, written, textures, plans, size, depth_bits, record, threads):
     chunks = [slice(k, k + _CHUNK) for k in range(0, len(record.triangle), _CHUNK)]
     for first in range(0, len(chunks), _AT_ONCE * threads.count):
         parts = chunks[first : first + _AT_ONCE * threads.count]
-        done = [None] * len(parts)
+        done: list[Any] = [None] * len(parts)
         if len(parts) < threads.count:
             for number in range(len(parts)):  # waking the others costs more than a few hundred fragments
                 share(number)
@@ -154,7 +154,7 @@ class _Evaluation:
         self.width, self.height, self.depth_bits = width, height, depth_bits
         self.guide, self.drawn, self.threads = guide, 0, threads
         self.buffers, self.pixels = IdealBuffers(width, height), {}
-        self.textures: dict[str, Texture] = {}
+        self.textures: dict[str, Any] = {}  # Textures, whose real texels are there
         self.patched = {}  # the images of levels that were copied when a part was replaced first
         self.plans = {}  # by the program's id, which the plan keeps alive
         self.statistics = PixelStatistics()

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from fixedpipe.pipeline.enums import ColorBuffer
 from fixedpipe.pipeline.inspection.history import PixelHistory, Touched
 from fixedpipe.pipeline.inspection.ideal import IdealPixel, RecordedIdeal, record_ideal
 from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
@@ -63,14 +64,15 @@ def history(
     beside = None if ideal is None else IdealPixel(ideal, x, y)
     shown = frame.shown(surface)
     for touch in replayed.run(FragmentWitness):
-        command, ideals = touch.step.command, [None] * len(touch.fragments)
+        command, state = touch.step.command, touch.alone
+        ideals: list[Any] = [None] * len(touch.fragments)
         if beside is not None:
             ideals = beside.follow(touch, touch.passed, FragmentWitness) or ideals
         fragments = tuple(
-            fragment_of(seen, command.state, shown.color_bits, found)
+            fragment_of(seen, state, shown.color_bits, found)
             for seen, found in zip(touch.fragments, ideals, strict=True)
         )
-        buffer = getattr(getattr(command, "state", command), "draw_buffer", 0)
+        buffer = getattr(command if state is None else state, "draw_buffer", ColorBuffer.BACK)
         touched.append(
             Touched(
                 touch.step.number,

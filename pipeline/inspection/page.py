@@ -11,7 +11,8 @@ body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 68re
 h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; margin: 1.6rem 0 .3rem; }
 table { border-collapse: collapse; margin: .3rem 0 .9rem; }
 td, th { padding: .1rem .8rem .1rem 0; text-align: left; vertical-align: top; }
-td.n { text-align: right; font-variant-numeric: tabular-nums; font-family: ui-monospace, monospace; }
+td.n { text-align: right; white-space: nowrap;
+  font-variant-numeric: tabular-nums; font-family: ui-monospace, monospace; }
 tr.stage td { font-weight: 600; padding-top: .6rem; } tr.made td:first-child::before { content: "= "; }
 
 tr.clamped td, .mark { color: #a34700; } tr.cause td { color: #666; }

@@ -7,7 +7,15 @@ from typing import Any
 import numpy as np
 
 from fixedpipe.pipeline.description.equations import final_lines, portion_line, shader_stage_equation
-from fixedpipe.pipeline.enums import BlendEquation, BlendFactor, Mapping, MuxSelect, Register, ShadeModel
+from fixedpipe.pipeline.enums import (
+    BlendEquation,
+    BlendFactor,
+    ComponentUsage,
+    Mapping,
+    MuxSelect,
+    Register,
+    ShadeModel,
+)
 from fixedpipe.pipeline.inspection import exact
 from fixedpipe.pipeline.inspection.history import Clamped, Error, Fragment, Quantity, Stage
 from fixedpipe.pipeline.inspection.ideal_numbers import ideal_numbers
@@ -36,7 +44,7 @@ class FragmentWitness:
 
 
 def fragment_of(
-    witness: FragmentWitness, state: PassState, color_bits: int, ideal: FragmentWitness | None = None
+    witness: FragmentWitness, state: PassState | None, color_bits: int, ideal: FragmentWitness | None = None
 ) -> Fragment:
     """The Fragment that a witness saw; ``color_bits``: of the buffer that it was written to; ``ideal``: the
     witness of the same fragment of the ideal.
@@ -290,7 +298,7 @@ class _Reader:
         for name, variable, x, m in zip("ABCD", variables, read, mapped, strict=True):
             if name not in used:
                 continue
-            usage = type(portion)().a.usage
+            usage = ComponentUsage.ALPHA if alpha else ComponentUsage.RGB
             text = format_input(variable, usage, Mapping.SIGNED_IDENTITY)
             register, quantity = REGISTER_NAMES[variable.register], _coded(f"{name} = {text}", m, a.one)
             if _ints(x) != quantity.codes:
@@ -353,12 +361,9 @@ class _Reader:
         given = []
         for name, m in zip("ABCDG", mapped, strict=True):
             variable = getattr(final, name.lower())
-            text = format_input(variable, variable.usage, Mapping.UNSIGNED_IDENTITY)
-            if variable.register in registers:
-                register = _coded(
-                    REGISTER_NAMES[variable.register], registers[variable.register], arithmetic.one
-                )
-                given.append(register)
+            if variable.register == Register.ZERO and not m.any():
+                continue
+            text = format_input(variable, ComponentUsage.RGB, Mapping.UNSIGNED_IDENTITY)
             given.append(_coded(f"{name} = {text}", m, arithmetic.one))
         says = "; ".join(line.partition(": ")[2] for line in final_lines(final))
         free = combine.final_color(*mapped, replace(arithmetic, clamps_final=False))
@@ -416,7 +421,7 @@ class _Reader:
         if "CONSTANT" in given:
             read.append(_coded("constant", constant, one))
         uses = b.equation not in (BlendEquation.MIN, BlendEquation.MAX)
-        says = f"{b.equation.name}" + (
+        says = b.equation.name + (
             f" of source x {_factor(factors[0])}, destination x {_factor(factors[1])}" if uses else ""
         )
         kept, ideal = np.clip(result, 0, one), self.ideal.get("blended", ())

@@ -44,4 +44,4 @@ def cells(quantity: Quantity) -> tuple[str, str, str, str]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.6g}"
+    return f"{value:.5g}"

@@ -26,7 +26,9 @@ def test_the_readme_example_gives_what_it_says():
     assert results.failed == 0
 
 
-@pytest.mark.parametrize("page", ["precision", "machine-beside-ideal", "reading-guide", "pages-and-slides"])
+@pytest.mark.parametrize(
+    "page", ["precision", "machine-beside-ideal", "reading-guide", "pages-and-slides", "inspecting"]
+)
 def test_a_page_s_example_gives_what_it_says(page):
     results = doctest.testfile(str(ROOT / "docs" / f"{page}.md"), module_relative=False)
     assert results.attempted >= 5

@@ -1,0 +1,104 @@
+"""``fixedpipe inspect``: a figure's or a script's pixel in words, as JSON and as a page; what it refuses."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from fixedpipe.effects.cli import main
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
+from fixedpipe.pipeline.inspection.recording import record
+from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
+
+SCRIPT = """
+import numpy as np
+from fixedpipe.pipeline import Draw, Mesh, PassState
+corners = np.array([[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 3.0, 0.0]])
+commands = (Draw(label="all of it", mesh=Mesh(corners), state=PassState()),)
+profile, width, height = "GEFORCE_256", 8, 8
+"""
+
+
+def said(*arguments):
+    """(exit status, what it prints)."""
+    result = CliRunner().invoke(main, ["inspect", *arguments])
+    return result.exit_code, result.output
+
+
+def test_a_figure_s_pixel_is_told(tmp_path):
+    figure = FIGURES["F004-4"]
+    shown = execute(figure.commands(GEFORCE_256, 64), GEFORCE_256, *figure.dimensions(64)).framebuffer
+    files = {name: tmp_path / f"pixel.{name}" for name in ("json", "html")}
+    options = [option for name, file in files.items() for option in (f"--{name}", str(file))]
+    status, text = said("F004-4", "--size", "64", "--pixel", "40,34")
+    assert status == 0
+    assert "general combiner 0, RGB portion: spare0 = 4 * (expand(tex0) . expand(col0))" in text
+    assert "adds most to the error" in text and "added by mapping" in text
+    status, _ = said("F004-4", "--size", "64", "--pixel", "40,34", *options)
+    assert status == 0
+    read = json.loads(files["json"].read_text())
+    assert read["final"]["color"] == shown.color[34, 40].tolist()
+    assert "specular pass" in files["html"].read_text()
+
+
+def test_a_script_s_pixel_is_told(tmp_path):
+    script = tmp_path / "frame.py"
+    script.write_text(SCRIPT)
+    status, text = said(str(script), "--pixel", "3,3", "--profile", "NV2A")
+    assert status == 0
+    assert "command 0, Draw: all of it" in text and "on NV2A" in text
+
+
+@pytest.mark.parametrize(
+    ("source", "sentence"),
+    [
+        ("1 / 0", "raised ZeroDivisionError: division by zero"),
+        ("width = height = 8", "does not define commands"),
+        ("commands, width, height = (), 8, 8", "does not define profile"),
+        ("commands, width, height, profile = (), 8, 8, 'NONE'", "There is no profile 'NONE'"),
+        ("commands, width, height, profile = (1,), 8, 8, 'NV2A'", "is no command"),
+        (SCRIPT.replace("8, 8", "0, 8"), "0"),
+    ],
+)
+def test_what_is_wrong_with_a_script_is_said(tmp_path, source, sentence):
+    script = tmp_path / "frame.py"
+    script.write_text(source)
+    status, text = said(str(script), "--pixel", "3,3")
+    assert (status, sentence in text) == (2, True), text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("F004-4", "--pixel", "3"), "--pixel is '3'; give two whole numbers, as 120,48."),
+        (("F004-4", "--size", "32", "--pixel", "64,3"), "Pixel (64, 3) lies outside"),
+        (("F004-44", "--pixel", "3,3"), "There is no figure 'F004-44'. Did you mean F004-4?"),
+        (("F004-4", "--pixel", "3,3", "--profile", "IDEAL"), "IDEAL is no machine"),
+        (("F004-4", "--pixel", "3,3", "--profile", "G400"), "F004-4"),
+        (("F004-4", "--size", "32", "--pixel", "3,3", "--command", "99"), "There is no command 99"),
+        (("F004-4", "--size", "32", "--pixel", "3,3", "--command", "1"), "did not touch this pixel"),
+        (("F004-4", "--size", "32", "--pixel", "3,3", "--surface", "p"), "no pbuffer 'p'"),
+        (("none.py", "--pixel", "3,3"), "none.py cannot be read: No such file or directory."),
+        (("none.py", "--pixel", "3,3", "--size", "9"), "--size and --set are a figure's"),
+        (("F004-4", "--size", "32", "--pixel", "3,3", "--json", "/no/such/x.json"), "cannot be written"),
+    ],
+)
+def test_what_cannot_be_told_is_refused(arguments, sentence):
+    status, text = said(*arguments)
+    assert (status, sentence in text) == (2, True), text
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", FIGURES)
+def test_every_figure_can_be_looked_into(name):
+    figure = FIGURES[name]
+    for key in figure.machines:
+        profile, size = PROFILES[key], figure.dimensions(48)
+        frame = record(figure.commands(profile, 48), profile, *size)
+        for x, y in ((size[0] // 4, size[1] // 2), (size[0] // 2, size[1] // 3)):
+            replayed = ReplayedPixel(frame, x, y)
+            list(replayed.run(lambda: lambda stage, /, **columns: None))
+            replayed.check()
