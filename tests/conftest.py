@@ -1,8 +1,6 @@
 """Settings of the whole suite: reproducible Hypothesis runs, and tests that need the folder of captures."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -36,23 +34,6 @@ def shared():
 def captures():
     """The folder of captures, SUITE/CASE.png; a test that asks for it is marked `needs_shared`."""
     return CAPTURES
-
-
-def pytest_sessionstart(session):
-    """Compile the kernels in one process before several (pytest-xdist's) begin to want them: each would
-    compile every kernel itself, and two that add to one entry of Numba's cache at once can lose one of them.
-    """
-    config, root = session.config, Path(__file__).parents[1]
-    begins_workers = config.getoption("numprocesses", None) and not hasattr(config, "workerinput")
-    if not begins_workers or config.rootpath != root:
-        return
-    from fixedpipe.raster.kernel import is_cold  # not before: `pytest --help` needs no compiler
-
-    if is_cold():
-        print("compiling the kernels, once: about a minute", flush=True)
-        bits = [sys.executable, "-m", "tests.support.bits", "1", "1024"]
-        # Where that fails, the tests that need it will say so.
-        subprocess.run(bits, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
 
 
 def pytest_collection_modifyitems(items):

@@ -1,5 +1,6 @@
 """The executable specification on cases worked out by hand from docs/numbers.md."""
 
+import itertools
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -117,6 +118,16 @@ def test_samples_on_top_and_left_edges_are_inside_in_both_windings():
         pixels = [*coverage.fragments(coverage.make_triangle(a, b, c), range(8), range(8))]
         pixels += coverage.fragments(coverage.make_triangle(a, c, d), range(8), range(8))
         assert sorted(pixels) == [(0, 0), (0, 1), (1, 0), (1, 1)]
+
+
+def test_no_pixel_lies_outside_what_a_triangle_spans():
+    corners = [(x, y) for x in (-24, 7, 8, 9, 40) for y in (-9, 8, 24, 63)]
+    window = {(x, y) for x in range(4) for y in range(4)}
+    for a, b, c in itertools.combinations(corners, 3):
+        triangle = coverage.make_triangle(a, b, c)
+        columns, rows = coverage.spanned(triangle, range(4), range(4))
+        outside = window - set(itertools.product(columns, rows))
+        assert not any(coverage.covers(triangle, *pixel) for pixel in outside)
 
 
 def test_a_triangle_without_area_draws_nothing():

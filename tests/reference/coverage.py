@@ -97,12 +97,21 @@ def scissor_rows_and_columns(scissor, width, height):
     return range(left, max(left, right)), range(height - top, max(height - top, height - bottom))
 
 
+def spanned(triangle, columns, rows):
+    """(columns, rows) that hold some of the triangle: none of its pixels lies elsewhere.
+
+    Source: OpenGL 1.2.1 section 3.5.1 (a fragment's center lies inside the polygon).
+    """
+    return tuple(
+        range(max(along.start, min(ends) // SUBPIXELS), min(along.stop, max(ends) // SUBPIXELS + 1))
+        for along, ends in zip((columns, rows), zip(*triangle.vertices, strict=True), strict=True)
+    )
+
+
 def fragments(triangle, columns, rows):
     """The pixels that the triangle draws, row by row from the top. Source: OpenGL 1.2.1 section 3.5.1."""
-    xs, ys = zip(*triangle.vertices, strict=True)
-    for py in range(max(rows.start, min(ys) // SUBPIXELS), min(rows.stop, max(ys) // SUBPIXELS + 1)):
-        for px in range(
-            max(columns.start, min(xs) // SUBPIXELS), min(columns.stop, max(xs) // SUBPIXELS + 1)
-        ):
+    columns, rows = spanned(triangle, columns, rows)
+    for py in rows:
+        for px in columns:
             if covers(triangle, px, py):
                 yield px, py

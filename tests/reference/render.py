@@ -206,6 +206,8 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     depth_w = inverse_w if state.w_buffering else (1.0, 1.0, 1.0)
     offset, slope = offset_of(primitives, source, state, target.depth_bits, enabled and source[0] >= 0)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
+    if kind == TRIANGLE:
+        columns, rows = coverage.spanned(shape, columns, rows)
     for px, py in product(columns, rows):
         if not covers(px, py) or strokes.clipped_away(state.window_clip, px, py, target.height):
             continue

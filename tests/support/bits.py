@@ -1,8 +1,9 @@
 """Print digests of frames, tables and figures: run by test_same_bits under other processors, threads and
 batches.
 
-``python -m tests.support.bits THREADS BATCH`` prints one digest; with ``--assembly`` it also counts the fused
-multiply-adds in the kernels' machine code, which needs kernels that this process compiled itself.
+``python -m tests.support.bits THREADS:BATCH ...`` prints a digest for each choice; with ``--assembly`` it
+also counts the fused multiply-adds in the kernels' machine code, which needs kernels that this process
+compiled itself.
 """
 
 import hashlib
@@ -29,16 +30,19 @@ FIGURE_SIZE = 64
 FUSED = re.compile(r"\bv?fn?m(?:add|sub)", re.IGNORECASE)  # x86's vfmadd..., Arm's fmadd
 
 
-def digest(threads, batch):
-    """sha256 over the framebuffers of 60 random frames and every figure, and over the tables."""
-    total = hashlib.sha256()
+def digests(choices):
+    """sha256 over the framebuffers of 60 random frames and every figure, and over the tables, for each of
+    ``choices``, (threads, batch).
+    """
+    totals = [hashlib.sha256() for _ in choices]
 
     def add(commands, profile, width, height, depth_bits):
-        framebuffer = execute(
-            commands, profile, width, height, depth_bits=depth_bits, threads=threads, batch=batch
-        ).framebuffer
-        for buffer in (framebuffer.color, framebuffer.depth, framebuffer.stencil):
-            total.update(np.ascontiguousarray(buffer).tobytes())
+        for total, (threads, batch) in zip(totals, choices, strict=True):
+            framebuffer = execute(
+                commands, profile, width, height, depth_bits=depth_bits, threads=threads, batch=batch
+            ).framebuffer
+            for buffer in (framebuffer.color, framebuffer.depth, framebuffer.stencil):
+                total.update(np.ascontiguousarray(buffer).tobytes())
 
     @settings(
         max_examples=60, derandomize=True, database=None, deadline=None,
@@ -53,10 +57,11 @@ def digest(threads, batch):
         profile = PROFILES[figure.machines[0]]
         size = figure.dimensions(FIGURE_SIZE)
         add(figure.commands(profile, FIGURE_SIZE), profile, *size, profile.widest_depth)
-    total.update(POWERS_OF_TWO.tobytes())
-    for mode in FogMode:
-        total.update(fog_thresholds(Fog(mode, density=0.37, start=1.0, end=7.0)).tobytes())
-    return total.hexdigest()
+    for total in totals:
+        total.update(POWERS_OF_TWO.tobytes())
+        for mode in FogMode:
+            total.update(fog_thresholds(Fog(mode, density=0.37, start=1.0, end=7.0)).tobytes())
+    return [total.hexdigest() for total in totals]
 
 
 def fused_operations():
@@ -75,6 +80,7 @@ def fused_operations():
 
 
 if __name__ == "__main__":
-    print(digest(int(sys.argv[1]), int(sys.argv[2])))
+    asked = [argument for argument in sys.argv[1:] if argument != "--assembly"]
+    print(*digests([tuple(map(int, choice.split(":"))) for choice in asked]))
     if "--assembly" in sys.argv:
         print(*fused_operations())
