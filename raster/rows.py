@@ -288,6 +288,7 @@ JOB_ROW_RUNS = _job()  # 1: every row of a small triangle is a run (lambda needs
 JOB_USABLE = _job()  # 1: what the units read lies inside their row pairs
 JOB_PERSPECTIVE = _job()  # 1: some 1/w differ
 JOB_ONE_COLOR = _job()  # 1: no vertex has colours of its own
+JOB_OF_COLORS = _job()  # 1: weights are needed for colours alone, and not in perspective
 JOB_UNIT_PATH = _job(4)  # of each unit: codes.PATH_...
 JOB_LOG2_S = _job(4)
 JOB_LOG2_T = _job(4)

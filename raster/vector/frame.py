@@ -57,6 +57,7 @@ from fixedpipe.raster.vector.lanes import (
 )
 from fixedpipe.raster.vector.per_fragment import are_hidden, is_hidden, tests_early, write_fragments
 from fixedpipe.raster.vector.unit import plan_units, sample
+from fixedpipe.raster.vector.weights import run_color_weights, whole_weights
 
 SMALL = 32  # pixels: triangles whose box is not wider share segments
 # 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
@@ -110,6 +111,10 @@ def fill_draw(jobs, k, arrays, bands):
             perspective = True
             break
     job[R.JOB_PERSPECTIVE] = perspective
+    textured = False
+    for u in range(draw[R.UNITS]):
+        textured = textured or job[R.JOB_COMPONENTS + u] != 0
+    job[R.JOB_OF_COLORS] = draw[R.NEEDS_ITERATION_WEIGHTS] != 0 and not (textured or perspective)
     for edge in range(4):
         job[R.JOB_X0 + edge] = draw[R.X0 + edge]
     job[R.JOB_USABLE] = 1
@@ -202,18 +207,24 @@ def finish_batch(job, first, count, length, segments, runs, solid, buffers, scra
     lists[R.STARTS, segments], lists[R.RUN_STARTS, runs] = int32(count), int32(length)
     of_rows = Runs(lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs)
     flat, terms, varies = draw[R.FLAT], planes[R.COLOR_TERMS :], not job[R.JOB_ONE_COLOR]
+    whole = job[R.JOB_OF_COLORS]
     if draw[R.NEEDS_COLOR] and draw[R.DIRECT]:
         if varies:
-            iterate_packed(lists, segments, triangles, colors, flat, floats, terms, packed[R.SHADED])
+            out = packed[R.SHADED]
+            iterate_packed(lists, segments, triangles, colors, flat, floats, ints, whole, terms, out)
         else:
             packed[R.SHADED, : 1 if solid else count] = packed_color(colors[triangles[first, 3], 0])
     elif draw[R.NEEDS_COLOR]:
         if draw[R.NEEDS_PRIMARY] and varies:
             plane = C.REGISTER_PRIMARY_COLOR * 4
-            iterate_colors(lists, segments, triangles, colors, 0, flat, floats, terms, planes, plane)
+            iterate_colors(
+                lists, segments, triangles, colors, 0, flat, floats, ints, whole, terms, planes, plane
+            )
         if draw[R.NEEDS_SECONDARY] and varies:
             second, plane = terms[12:], C.REGISTER_SECONDARY_COLOR * 4
-            iterate_colors(lists, segments, triangles, colors, 4, flat, floats, second, planes, plane)
+            iterate_colors(
+                lists, segments, triangles, colors, 4, flat, floats, ints, whole, second, planes, plane
+            )
         for u in range(draw[R.UNITS]):
             sample(job, u, count, segments, of_rows, scratch)
         combine(planes, p.plan, count, scratch.products, packed[R.SHADED])
@@ -251,7 +262,7 @@ def draw_band(job, members, band, batch, buffers, scratch):
     needs_depth, has_offset = draw[R.NEEDS_DEPTH], draw[R.POLYGON_OFFSET]
     needs_weights, needs_color = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_COLOR]
     mixes, perspective = batch >= SMALL * BAND_HEIGHT, job[R.JOB_PERSPECTIVE]
-    row_runs = job[R.JOB_ROW_RUNS]
+    row_runs, of_colors = job[R.JOB_ROW_RUNS], job[R.JOB_OF_COLORS]
     varies = needs_color and (draw[R.DIRECT] or draw[R.NEEDS_PRIMARY] or draw[R.NEEDS_SECONDARY])
     if varies and job[R.JOB_ONE_COLOR]:
         varies = False
@@ -393,6 +404,8 @@ def draw_band(job, members, band, batch, buffers, scratch):
                 segments += 1
                 if needs_weights:
                     triangle_weights(floats, begin, n, (iw0, iw1, iw2), doubled)
+                    if of_colors:
+                        whole_weights(floats, ints, begin, n)
                 continue
             if mixed_from < 0:
                 mixed_from = begin
@@ -441,7 +454,9 @@ def draw_band(job, members, band, batch, buffers, scratch):
                         lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
                         lists[R.BACKS, segments] = back
                         segments += 1
-                    if needs_weights:
+                    if of_colors:
+                        run_color_weights(ints, position, n, here, (s0, s1, s2))
+                    elif needs_weights:
                         run_weights(floats, position, n, here, (s0, s1, s2), (iw0, iw1, iw2))
                 position += n
                 longest = max(longest, n)

@@ -39,6 +39,7 @@ from fixedpipe.raster.vector.lanes import (
     i16x16,
     load_f64x16,
     load_i16x16,
+    load_i32x16,
     maximum,
     minimum,
     narrow_i16,
@@ -306,6 +307,15 @@ def spread_depth(floats, position, count, depths, area, offset):
 
 
 @kernel
+def color_weights(whole, floats, ints, i):
+    """W0 and W2 of sixteen fragments of one triangle: there already where ``whole``, or from Q0 and Q2."""
+    if whole:
+        return narrow_i16(load_i32x16(ints[R.W0], i)), narrow_i16(load_i32x16(ints[R.W2], i))
+    w0 = narrow_i16(to_int32(load_f64x16(floats[R.Q0], i) * 256.0))
+    return w0, narrow_i16(to_int32(load_f64x16(floats[R.Q2], i) * 256.0))
+
+
+@kernel
 def channel(w0, w2, base, d0, d2):
     """256 c + 128 of one colour channel, modulo 2**16: below it, as 255 * 256 + 128 is."""
     return (w0 * d0 + w2 * d2) + base
@@ -318,12 +328,12 @@ def color_terms(colors, i0, i1, i2, side, c):
     return int16(c1 * int32(256) + int32(128)), int16(c0 - c1), int16(c2 - c1)
 
 
-@kernel("void(i4[:,::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,f8[:,::1],i2[:,::1],i2[:,::1],i8)")
-def iterate_colors(lists, segments, triangles, colors, first, flat, floats, terms, out, plane):
+@kernel("void(i4[:,::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,f8[:,::1],i4[:,::1],i8,i2[:,::1],i2[:,::1],i8)")
+def iterate_colors(lists, segments, triangles, colors, first, flat, floats, ints, whole, terms, out, plane):
     """Four colour channels from ``first`` on into four planes of ``out``: ``interpolate.iterate_color``.
 
     ``terms``: the planes from which mixed segments take base, and differences of vertices 0 and 2, of each
-    channel.
+    channel. ``whole``: whether W0 and W2 of the other segments are there.
     """
     separate_loop()
     starts, owners, backs = lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS]
@@ -357,16 +367,15 @@ def iterate_colors(lists, segments, triangles, colors, first, flat, floats, term
         b3, x3, y3 = color_terms(colors, i0, i1, i2, side, first + 3)
         into0, into1, into2, into3 = out[plane], out[plane + 1], out[plane + 2], out[plane + 3]
         for i in range(begin, end, 16):
-            w0 = narrow_i16(to_int32(load_f64x16(q0, i) * 256.0))
-            w2 = narrow_i16(to_int32(load_f64x16(q2, i) * 256.0))
+            w0, w2 = color_weights(whole, floats, ints, i)
             store(into0, i, shift_right(channel(w0, w2, b0, x0, y0), 8))
             store(into1, i, shift_right(channel(w0, w2, b1, x1, y1), 8))
             store(into2, i, shift_right(channel(w0, w2, b2, x2, y2), 8))
             store(into3, i, shift_right(channel(w0, w2, b3, x3, y3), 8))
 
 
-@kernel("void(i4[:,::1],i8,i4[:,::1],u1[:,:,::1],i8,f8[:,::1],i2[:,::1],u4[::1])")
-def iterate_packed(lists, segments, triangles, colors, flat, floats, terms, out):
+@kernel("void(i4[:,::1],i8,i4[:,::1],u1[:,:,::1],i8,f8[:,::1],i4[:,::1],i8,i2[:,::1],u4[::1])")
+def iterate_packed(lists, segments, triangles, colors, flat, floats, ints, whole, terms, out):
     """The primary colour as packed bytes: ``iterate_colors`` where nothing else is done with it."""
     separate_loop()
     starts, owners, backs = lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS]
@@ -404,8 +413,7 @@ def iterate_packed(lists, segments, triangles, colors, flat, floats, terms, out)
                 store(out, i, value)
             continue
         for i in range(begin, end, 16):
-            w0 = narrow_i16(to_int32(load_f64x16(q0, i) * 256.0))
-            w2 = narrow_i16(to_int32(load_f64x16(q2, i) * 256.0))
+            w0, w2 = color_weights(whole, floats, ints, i)
             r, g = channel(w0, w2, b0, x0, y0), channel(w0, w2, b1, x1, y1)
             b, a = channel(w0, w2, b2, x2, y2), channel(w0, w2, b3, x3, y3)
             low, upper = shift_right(r, 8) | (g & high), shift_right(b, 8) | (a & high)

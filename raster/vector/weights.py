@@ -1,0 +1,76 @@
+"""Colour weights of runs, as integers, where colours are all that weights are needed for."""
+
+from numba import float64, int32, int64, void
+
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import THREE
+from fixedpipe.raster.fixed import truncate_24
+from fixedpipe.raster.kernel import kernel, separate_loop
+from fixedpipe.raster.vector.interpolate import keep_24, rest_to_largest
+from fixedpipe.raster.vector.lanes import (
+    any_lane,
+    f64x16,
+    floored,
+    load_f64x16,
+    ramp_f64x16,
+    store,
+    to_int32,
+)
+
+LARGEST_AREA = 2.0**29  # an edge function times 24 bits is then exact
+STEEPEST = 2.0**-4  # of a weight, from pixel to pixel: sixteen lanes then differ by less than one
+_ONE = 2.0**30  # units of a weight
+_PER_STEP = 22  # log2 of the units in 1/256
+_FRACTION = (1 << _PER_STEP) - 1
+_CERTAIN = _FRACTION - (1 << 10)  # 2**-12 of 1/256 below the next
+
+
+@kernel(void(int32[:, ::1], int64, int64, THREE, THREE))
+def run_color_weights(ints, position, count, n, right):
+    """W0 and W2 of ``count`` pixels to the right of the one whose edge functions are ``n``; no perspective.
+
+    They are floor(256 q) of the weights of ``interpolate.run_weights``. With rD the reciprocal of 24 bits,
+    each x = n rD is exact where the area is not above LARGEST_AREA, and so is what a step along the run adds.
+    The two floors, of the first lane's and of what the others add, lie less than two units of 2**-30 below x.
+
+    A weight that is cut to 24 bits has the floor of x. One that takes what the others leave is x and two
+    amounts: 1 - (x0 + x1 + x2), less than 2**-23 as the sum is the area times rD, and what was cut from the
+    two others, less than 2**-24 each. So it lies less than 2**-14 of 1/256 above x, and has the same floor
+    where the next step of 1/256 is not that near. Its two subtractions round, but to nearest, which carries
+    no difference below a multiple of 1/256 that is not above it. Sixteen pixels of which one lies near the
+    next step are computed as ``run_weights`` does.
+    """
+    separate_loop()
+    (n0, n1, n2), (right0, right1, right2) = n, right
+    out0, out2 = ints[R.W0], ints[R.W2]
+    area = (n0 + n1) + n2
+    reciprocal = truncate_24(1.0 / area)
+    steps = area <= LARGEST_AREA and max(abs(right0), abs(right2)) * reciprocal <= STEEPEST
+    scale = reciprocal * _ONE if steps else 0.0
+    ramp = ramp_f64x16()
+    along0, along2 = to_int32(floored(ramp * (right0 * scale))), to_int32(floored(ramp * (right2 * scale)))
+    first0, first2 = n0 * scale, n2 * scale
+    for i in range(0, count, 16):
+        ahead = float64(i)
+        u0 = along0 + int32(first0 + ahead * (right0 * scale))
+        u2 = along2 + int32(first2 + ahead * (right2 * scale))
+        near = ((u0 & int32(_FRACTION)) > int32(_CERTAIN)) | ((u2 & int32(_FRACTION)) > int32(_CERTAIN))
+        if steps and not any_lane(near):
+            store(out0, position + i, u0 >> int32(_PER_STEP))
+            store(out2, position + i, u2 >> int32(_PER_STEP))
+            continue
+        q0 = keep_24((ramp * right0 + (n0 + ahead * right0)) * f64x16(reciprocal))
+        q1 = keep_24((ramp * right1 + (n1 + ahead * right1)) * f64x16(reciprocal))
+        q2 = keep_24((ramp * right2 + (n2 + ahead * right2)) * f64x16(reciprocal))
+        w0, w2 = rest_to_largest(q0, q1, q2)
+        store(out0, position + i, to_int32(w0 * 256.0))
+        store(out2, position + i, to_int32(w2 * 256.0))
+
+
+@kernel(void(float64[:, ::1], int32[:, ::1], int64, int64))
+def whole_weights(floats, ints, position, count):
+    """W0 and W2 of a triangle's fragments, from Q0 and Q2."""
+    separate_loop()
+    for i in range(position, position + count, 16):
+        store(ints[R.W0], i, to_int32(load_f64x16(floats[R.Q0], i) * 256.0))
+        store(ints[R.W2], i, to_int32(load_f64x16(floats[R.Q2], i) * 256.0))
