@@ -1,9 +1,14 @@
 """Integer colour weights of runs equal those that docs/numbers.md, rule N4.4, makes of weights of 24 bits."""
 
 import numpy as np
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh
+from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.state import PassState, VertexState, Viewport
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.vector.interpolate import run_weights
 from fixedpipe.raster.vector.weights import run_color_weights
@@ -72,3 +77,33 @@ def test_runs_beside_steps():
                     n = (n0, area - n0 - n2, n2)
                     found, expected = both(n, right, inside(n, right, 50))
                     np.testing.assert_array_equal(found, expected)
+
+
+WIDTH, HEIGHT = 256, 128
+
+
+def smooth(random, near, viewport):
+    """Triangles of a few pixels, of the window's part and beyond it, corner colours black or white or any."""
+    size = random.choice([0.02, 0.1, 0.4, 1.5, 2.5], (40, 1, 1))
+    middle = random.uniform(-0.9, 0.9, (40, 1, 2)) / np.maximum(size, 1.0)
+    corners = middle + size * random.uniform(-1, 1, (40, 3, 2))
+    if near:  # corners at whole pixels: weights beside steps
+        corners = np.round(corners * (WIDTH // 8, HEIGHT // 8)) / (WIDTH // 8, HEIGHT // 8)
+    positions = np.concatenate([corners, np.zeros((40, 3, 1))], axis=-1).reshape(-1, 3)
+    colors = random.uniform(0, 1, (120, 4))
+    colors = np.where(random.random((120, 1)) < 0.5, np.round(colors), colors)
+    mesh = Mesh(positions, indices=np.arange(120), colors=colors)
+    return Draw(label="smooth", mesh=mesh, state=PassState(vertex=viewport))
+
+
+@pytest.mark.parametrize("near", [True, False])
+@pytest.mark.parametrize("seed", range(6))
+def test_smooth_triangles_are_the_portable_engines(near, seed):
+    random = np.random.default_rng([near, seed])
+    viewport = VertexState(viewport=Viewport(0, 0, WIDTH, HEIGHT))
+    commands = (Clear(label="clear", color=(0.2, 0.4, 0.6, 0.8)), smooth(random, near, viewport))
+    found = []
+    for options in ({"engine": "portable"}, *({"threads": n} for n in (1, 2, 3, 4)), {"batch": 64}):
+        result = Machine(GEFORCE_256, WIDTH, HEIGHT, **options).run(commands)
+        found.append((result.framebuffer.color.tobytes(), result.fragments))
+    assert found[1:] == found[:1] * 5
