@@ -53,7 +53,7 @@ PACKAGES = {
         "pipeline": "enums pixel_transfer textures commands profiles programs vertices framebuffers",
     },
     "pipeline/execution": {
-        "raster": "primitives",
+        "raster": "witness primitives",
         "pipeline": "enums textures commands profiles vertices framebuffers validation native columns",
     },
     "pipeline/ideal": {

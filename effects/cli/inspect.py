@@ -2,14 +2,17 @@
 
 import click
 
-from fixedpipe.effects.cli.options import changes_of, set_option
+from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 
 
-@click.command(short_help="Everything that happened to a pixel, every number of it.")
+@click.command(short_help="Every number of a pixel, every register of a frame, maps of what happened where.")
 @click.argument("what", metavar="ID|SCRIPT.py")
+@click.option("--pixel", metavar="X,Y", help="From the top left, as in the picture; y downwards.")
+@click.option("--registers", is_flag=True, help="What every register held after every stage, over the frame.")
 @click.option(
-    "--pixel", metavar="X,Y", required=True, help="From the top left, as in the picture; y downwards."
+    "--map", "kind", metavar="KIND", help="Where it happened: clamps, overdraw, lambda or primitive."
 )
+@click.option("--out", metavar="FILE", help="Of a map: its picture; the commands' maps below one another.")
 @click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own, or the script's.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
 @click.option("--command", "number", type=click.IntRange(min=0), metavar="K", help="This command alone.")
@@ -17,32 +20,54 @@ from fixedpipe.effects.cli.options import changes_of, set_option
 @click.option("--json", "json_file", metavar="FILE", help="Write the history as JSON.")
 @click.option("--html", "html_file", metavar="FILE", help="Write it as a page: one file, without scripts.")
 @set_option
-def inspect(what, pixel, profile, size, number, surface, json_file, html_file, settings):
-    """Tell what happened to a pixel of figure ID, or of the frame that SCRIPT.py makes.
+def inspect(what, pixel, registers, kind, out, number, **of):
+    """Look into figure ID, or into the frame that SCRIPT.py makes.
 
-    Every command that touched it, every fragment there and every stage of each: what the machine read and
-    made, as codes and as values, the guided ideal's values, and how much of the error each stage adds, by
-    cause.
+    --pixel: every command that touched a pixel, every fragment there and every stage of each: what the
+    machine read and made, as codes and as values, the guided ideal's values, and how much of the error each
+    stage adds, by cause. --registers: of every register after every stage the least, greatest and mean value,
+    the shares that were clamped, how many codes it used, how many bits it leaves unused. --map: a picture of
+    what happened where.
 
     A script defines `commands`, `profile` (a Profile or its name), `width` and `height`.
     """
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.refusal import Refusal
+
+    asked = [
+        name for name, given in (("--pixel", pixel), ("--registers", registers), ("--map", kind)) if given
+    ]
+    if len(asked) != 1:
+        raise Refusal(f"Give one of --pixel, --registers and --map; given: {', '.join(asked) or 'none'}.")
+    context = click.get_current_context()
+    if pixel is None:
+        names = ("surface", "json_file", "html_file")
+        refuse_ignored(context, names, f"{asked[0]} is of the window, and a table or picture")
+    if kind is None:
+        refuse_ignored(context, ("out",), "it is a map's picture; give --map KIND")
+    where = _pixel(pixel) if pixel is not None else None
+    given = what, of["profile"], of["size"], of["settings"]
+    frame = _script(*given) if what.endswith(".py") else _figure(*given)
+    announce_compiling()
+    if where is not None:
+        _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"])
+    elif registers:
+        _tell_registers(frame, number)
+    else:
+        _tell_maps(frame, kind, number, out)
+
+
+def _tell_pixel(of, where, number, surface, json_file, html_file):
     import json
 
     from rich.console import Console
 
-    from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.history_text import history_text
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.pipeline.inspection.history import to_json
     from fixedpipe.pipeline.inspection.inspect import history
+    from fixedpipe.pipeline.inspection.page import history_page
 
-    where = _pixel(pixel)
-    of = (
-        _script(what, profile, size, settings)
-        if what.endswith(".py")
-        else _figure(what, profile, size, settings)
-    )
-    announce_compiling()
     with refusals():
         frame, ideal = of.run(surface)
         found = history(frame, where, surface, ideal)
@@ -51,17 +76,59 @@ def inspect(what, pixel, profile, size, number, surface, json_file, html_file, s
     if json_file:
         _write(json_file, json.dumps(to_json(found), indent=1) + "\n")
     if html_file:
-        from fixedpipe.pipeline.inspection.page import history_page
-
         _write(html_file, history_page(found, of.title))
     if not (json_file or html_file):
         console = Console(highlight=False)
         console.print(of.title, style="bold", markup=False)
         console.print(history_text(found), soft_wrap=True)
-    for file in filter(None, (json_file, html_file)):
-        click.echo(f"wrote {file}", err=True)
     if not found.touched:
         raise Refusal("No command touched this pixel; it holds what an empty framebuffer holds.")
+
+
+def _tell_registers(of, number):
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.pipeline.inspection.registers import register_uses
+
+    with refusals():
+        uses = register_uses(of.commands, of.machine, *of.size)
+    click.echo(of.title)
+    for use in _of_command(uses, number):
+        if use.label is not None:
+            click.echo(f"\ncommand {use.command}: {use.label}\n{_REGISTERS}")
+        headroom = "" if use.headroom is None else use.headroom
+        click.echo(
+            f"{use.stage:22}{use.register:20}{use.least:8.3f}{use.greatest:9.3f}{use.mean:8.3f}"
+            f"{_share(use.clamped_low)}{_share(use.clamped_high)}{use.codes:8} of {use.of:<5}{headroom:>5}"
+        )
+
+
+_REGISTERS = " " * 45 + "least greatest    mean clamped low        high   codes     bits left"
+
+
+def _share(share):
+    return f"{share:12.2%}" if share else f"{'':12}"
+
+
+def _tell_maps(of, kind, number, out):
+    from fixedpipe.effects.refusal import Refusal, refusals
+    from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
+
+    with refusals():
+        maps = frame_maps(of.commands, of.machine, *of.size, kind)
+    click.echo(f"{of.title}\n{kind}: {KINDS[kind]}\n")
+    maps = [each for each in maps if number in (None, each.command)]
+    if not maps:
+        raise Refusal(f"No fragment was made by {'any command' if number is None else f'command {number}'}.")
+    for each in maps:
+        numbers = ", ".join(f"{name} {value:.4g}" for name, value in each.numbers().items())
+        click.echo(f"command {each.command}: {each.label}\n    {numbers}")
+    if out is not None:
+        from fixedpipe.effects.reports.map_picture import maps_png
+
+        picture = maps_png([(f"{each.command}: {each.label}", each.values) for each in maps], of.title, kind)
+        if picture is None:
+            raise Refusal("A map's picture needs matplotlib; install fixedpipe[plots], or leave --out out.")
+        _write(out, picture)
 
 
 class _Frame:
@@ -160,12 +227,27 @@ def _only(found, number, frame):
     return replace(found, touched=touched)
 
 
-def _write(path, text):
+def _of_command(uses, number):
+    """Those of a command, or all; each but the first of a command without its label."""
+    from dataclasses import replace
+
+    from fixedpipe.effects.refusal import Refusal
+
+    uses, last = [use for use in uses if number in (None, use.command)], None
+    if not uses:
+        raise Refusal(f"No fragment was made by {'any command' if number is None else f'command {number}'}.")
+    for use in uses:
+        yield use if use.command != last else replace(use, label=None)
+        last = use.command
+
+
+def _write(path, content):
     from pathlib import Path
 
     from fixedpipe.effects.refusal import Refusal
 
     try:
-        Path(path).write_text(text, encoding="utf-8")
+        Path(path).write_bytes(content if isinstance(content, bytes) else content.encode())
     except OSError as error:
         raise Refusal(f"{path} cannot be written: {error.strerror}.") from None
+    click.echo(f"wrote {path}", err=True)

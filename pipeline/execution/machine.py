@@ -59,6 +59,7 @@ from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
+from fixedpipe.raster.witness import nobody
 
 Engine = Literal["portable", "columns"]
 ENGINES = (None, *get_args(Engine))
@@ -117,6 +118,9 @@ class Machine:
     color_bits : int or None
         One of ``profile.framebuffers.color_bits``, the width of the window's colour components. None: the
         usual one.
+    witness : callable
+        Told of each command, and of what the column engine does for it (``fixedpipe.raster.witness``): with
+        ``engine="columns"``, of every fragment.
     """
 
     profile: Profile
@@ -131,6 +135,7 @@ class Machine:
     statistics: PixelStatistics = field(default_factory=PixelStatistics)
     samples: int | None = None
     color_bits: int | None = None
+    witness: Callable[..., None] = nobody
 
     def __post_init__(self) -> None:
         if not isinstance(self.profile, Profile):
@@ -216,6 +221,7 @@ class Machine:
                 kind = type(command)
                 if kind not in _QUEUED:
                     self._flush()
+                self.witness("command", command=command)
                 METHODS[kind](self, command, frame)
                 if callable(trace):
                     trace(command, partial(self._snapshot, command))
@@ -305,7 +311,7 @@ class Machine:
         else:
             covered = covered_triangles(primitives, state, profile, target)
             lost = primitives.dropped
-        passed = column_draw(primitives, covered, state, profile, target, self.textures)
+        passed = column_draw(primitives, covered, state, profile, target, self.textures, self.witness)
         columns = (covered.triangle, covered.x, covered.y, passed)
         return Fragments(*(np.asarray(column, np.int32) for column in columns)), lost
 
@@ -318,7 +324,7 @@ class Machine:
 
     def _rectangle(self, command, frame):
         surfaces = [surface for surface, _ in self._targets(command.state.draw_buffer)]
-        held = self.textures, self.statistics
+        held = self.textures, self.statistics, self.witness
         parts = draw_rectangle(command, self.profile, self._current, surfaces, *held)
         self._queue.fragments += sum(len(drawn.x) for drawn in parts)
         frame.undefined += parts[0].undefined if parts else 0

@@ -36,6 +36,18 @@ def _widened(a, exact):
     )
 
 
+def unclamped(register, portion, ab, cd, a):
+    """What an output would be if nothing clamped it, int64; None where a mux or a function makes it.
+
+    ``ab``, ``cd``: the portion's products, as the engine tells them.
+    """
+    pairs = {portion.ab_output: ab, portion.cd_output: cd}
+    if register not in pairs and (portion.function or portion.mux_sum):
+        return None
+    free = replace(a, low=-combine.FAR, high=combine.FAR)
+    return combine.output(pairs.get(register, [*ab, *cd]), portion.scale, bool(portion.bias), free)
+
+
 def portion_output(register, portion, read, alpha, a, exact):
     """An output of a portion from its four variables' register components, float64; None where a mux or a
     function makes it.

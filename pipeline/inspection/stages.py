@@ -312,10 +312,9 @@ class _Reader:
             for name, p in (("AB", ab), ("CD", cd))
             if name[0] in used
         ]
-        free = replace(a, low=-combine.FAR, high=combine.FAR)
         for register, value in values:
             name = REGISTER_NAMES[register] + (".a" if alpha else ".rgb")
-            whole = self._without_clamp(register, portion, ab, cd, free)
+            whole = exact.unclamped(register, portion, ab, cd, a)
             quantity, ideal = _coded(name, value, a.one), self.ideal.get((*key, register), ())
             if whole is None:
                 made.append(_beside(quantity, ideal))
@@ -335,14 +334,6 @@ class _Reader:
         read = (*given, *products, *self.chosen)
         kind = "alpha portion" if alpha else "RGB portion"
         return Stage(kind, title, says, read, tuple(made), tuple(clamped), number=self.general)
-
-    def _without_clamp(self, register, portion, ab, cd, free):
-        """What an output would be if nothing clamped it; None where a mux or a function makes it."""
-        biased, outputs = bool(portion.bias), (portion.ab_output, portion.cd_output, portion.sum_output)
-        products = dict(zip(outputs, (ab, cd, [*ab, *cd]), strict=True))[register]
-        if products is not ab and products is not cd and (portion.function or portion.mux_sum):
-            return None
-        return combine.output(products, portion.scale, biased, free)
 
     def e_times_f(self, read, product):
         """The final combiner's product."""

@@ -4,6 +4,7 @@ import json
 
 import pytest
 from click.testing import CliRunner
+from PIL import Image
 
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
@@ -43,6 +44,25 @@ def test_a_figure_s_pixel_is_told(tmp_path):
     assert "specular pass" in files["html"].read_text()
 
 
+def test_a_figure_s_registers_are_told():
+    status, text = said("F004-4", "--size", "48", "--registers", "--command", "5")
+    assert status == 0
+    line = next(line for line in text.splitlines() if line.startswith("general combiner 1    spare0.r"))
+    assert "of 512" in line and "%" in line
+    assert "command 5: specular pass" in text and "command 4" not in text
+
+
+def test_a_figure_s_maps_are_told(tmp_path):
+    pytest.importorskip("matplotlib")
+    picture = tmp_path / "map.png"
+    status, text = said("F004-4", "--size", "48", "--map", "clamps", "--out", str(picture))
+    assert status == 0
+    assert "how many components of general combiners a clamp changed" in text
+    assert "command 11: specular pass" in text and "greatest 12" in text
+    with Image.open(picture) as image:
+        assert image.format == "PNG"
+
+
 def test_a_script_s_pixel_is_told(tmp_path):
     script = tmp_path / "frame.py"
     script.write_text(SCRIPT)
@@ -72,6 +92,12 @@ def test_what_is_wrong_with_a_script_is_said(tmp_path, source, sentence):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
+        (("F004-4",), "Give one of --pixel, --registers and --map; given: none."),
+        (("F004-4", "--pixel", "3,3", "--registers"), "given: --pixel, --registers."),
+        (("F004-4", "--map", "nono"), "There is no map 'nono'; there are: clamps,"),
+        (("F004-4", "--registers", "--out", "x.png"), "--out would be ignored"),
+        (("F004-4", "--registers", "--json", "x.json"), "--json would be ignored"),
+        (("F004-4", "--size", "32", "--registers", "--command", "1"), "No fragment was made by command 1."),
         (("F004-4", "--pixel", "3"), "--pixel is '3'; give two whole numbers, as 120,48."),
         (("F004-4", "--size", "32", "--pixel", "64,3"), "Pixel (64, 3) lies outside"),
         (("F004-44", "--pixel", "3,3"), "There is no figure 'F004-44'. Did you mean F004-4?"),

@@ -131,6 +131,12 @@ def triangle(state=None, label="draw", colors=(1.0, 0.5, 0.25, 1.0)):
     return Draw(label=label, mesh=mesh, state=state or PassState())
 
 
+def textured(mipmaps=False):
+    """The TexImage of noise."""
+    image = np.random.default_rng(3).integers(0, 256, (8, 8, 4)).astype(np.uint8)
+    return TexImage(label="texture", texture="t", image=texture_2d(image, mipmaps=mipmaps))
+
+
 # ------------------------------------------------------------------------------------------ the ideal
 
 
@@ -209,8 +215,7 @@ def test_a_mappings_constant_is_the_mappings():
 
 
 def test_a_filters_causes_add_up():
-    image = np.random.default_rng(3).integers(0, 256, (8, 8, 4)).astype(np.uint8)
-    texture = TexImage(label="texture", texture="t", image=texture_2d(image))
+    texture = textured()
     linear = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR)
     draw = triangle(PassState(texture_units=(TextureUnit("t", sampler=linear),)))
     found = inspect((texture, draw), GEFORCE_256, 64, 64, (20, 40))

@@ -1,0 +1,176 @@
+"""Registers over a whole frame: after every stage, what they held, what was clamped, what was left unused.
+
+The answer to "where should I scale?": a register that never leaves a quarter of its range wastes two bits,
+and one that is clamped has none to spare.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fixedpipe.pipeline.commands import Command
+from fixedpipe.pipeline.enums import Clamp
+from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.inspection.exact import unclamped
+from fixedpipe.pipeline.notations.register_combiner_words import REGISTER_NAMES
+from fixedpipe.pipeline.profiles.profile import Profile
+
+_RGB, _ALPHA, _RGBA = "rgb", "a", "rgba"
+
+
+@dataclass(frozen=True)
+class RegisterUse:
+    """A component of a register after a stage of a command, over all fragments that came so far.
+
+    command, label, stage, register   whose, and which: "spare0.r"
+    fragments        how many
+    least, greatest, mean   of its values, 1.0 is full intensity
+    clamped_low, clamped_high   shares of the fragments whose value a clamp changed; 0.0 where none does
+    codes, of        how many different codes it held, of how many that it can hold
+    headroom         whole bits by which the values could grow before one is clamped; None: all are zero
+    """
+
+    command: int
+    label: str
+    stage: str
+    register: str
+    fragments: int
+    least: float
+    greatest: float
+    mean: float
+    clamped_low: float
+    clamped_high: float
+    codes: int
+    of: int
+    headroom: int | None
+
+
+@dataclass
+class _Seen:
+    """What has been seen of a component: how often each code, and what was clamped."""
+
+    low: int
+    high: int
+    one: int
+    counts: np.ndarray = field(init=False)
+    below: int = 0
+    above: int = 0
+
+    def __post_init__(self):
+        self.counts = np.zeros(self.high - self.low + 1, np.int64)
+
+    def add(self, codes, free):
+        """Codes [k]; ``free``: what they were before a clamp, or None."""
+        self.counts += np.bincount(np.clip(codes, self.low, self.high) - self.low, minlength=len(self.counts))
+        if free is not None:
+            self.below += int((free < codes).sum())
+            self.above += int((free > codes).sum())
+
+    def use(self, *names):
+        """The RegisterUse."""
+        held, total = np.flatnonzero(self.counts), int(self.counts.sum())
+        codes = held + self.low
+        used = max(int(codes[-1]) / self.high, int(codes[0]) / self.low if self.low else 0.0)
+        return RegisterUse(
+            *names,
+            total,
+            int(codes[0]) / self.one,
+            int(codes[-1]) / self.one,
+            float((self.counts[held] * codes).sum() / total / self.one),
+            self.below / total,
+            self.above / total,
+            len(codes),
+            len(self.counts),
+            math.floor(-math.log2(used)) if used else None,
+        )
+
+
+class _Registers:
+    """A witness of whole frames that counts what registers hold."""
+
+    def __init__(self):
+        self.seen, self.number, self.label, self.general, self.one = {}, -1, "", 0, 1
+
+    def __call__(self, stage, /, **columns):
+        tell = _TOLD.get(stage)
+        if tell is not None:
+            tell(self, **columns)
+
+    def uses(self):
+        """Every RegisterUse, in the order of the frame."""
+        return tuple(seen.use(*names) for names, seen in self.seen.items())
+
+    def _add(self, stage, register, components, codes, bounds, free=None):
+        low, high, one = bounds
+        for c, name in enumerate(components):
+            key = self.number, self.label, stage, f"{register}.{name}"
+            if key not in self.seen:
+                self.seen[key] = _Seen(low, high, one)
+            self.seen[key].add(codes[c], None if free is None else free[c])
+
+    def _command(self, command):
+        self.number, self.label = self.number + 1, command.label
+
+    def _shaded(self, part, fragments, bits):
+        self.one = 2**bits - 1
+        for name in ("primary", "secondary"):
+            codes = getattr(fragments, name).T
+            self._add("fragment", f"{name} color", _RGBA, codes, (0, self.one, self.one))
+
+    def _texture(self, unit, texel, one, register):
+        low = -self.one - 1 if (register < 0).any() else 0
+        self._add(f"texture unit {unit}", f"tex{unit}", _RGBA, register, (low, self.one, self.one))
+
+    def _general(self, number, stage, registers):
+        self.general = number
+
+    def _portion(self, **columns):
+        self.begun = columns
+
+    def _outputs(self, alpha, values):
+        portion, ab, cd, a = (self.begun[name] for name in ("portion", "ab", "cd", "arithmetic"))
+        stage = f"general combiner {self.general}"
+        for register, codes in values:
+            free = unclamped(register, portion, ab, cd, a)
+            components, name = _ALPHA if alpha else _RGB, REGISTER_NAMES[register]
+            self._add(stage, name, components, codes, (a.low, a.high, a.one), free)
+
+    def _final(self, color, arithmetic, **columns):
+        self._add("final combiner", "color", _RGBA, color, (0, arithmetic.one, arithmetic.one))
+
+    def _blending(self, colors, result):
+        codes = np.clip(result, 0, self.one)
+        self._add("blending", "blended", _RGBA, codes.T, (0, self.one, self.one), result.T)
+
+
+_TOLD = {
+    "command": _Registers._command,
+    "shaded": _Registers._shaded,
+    "texture": _Registers._texture,
+    "general combiner": _Registers._general,
+    "portion": _Registers._portion,
+    "outputs": _Registers._outputs,
+    "final combiner": _Registers._final,
+    "blending": _Registers._blending,
+}
+
+
+def register_uses(
+    commands: Iterable[Command], profile: Profile, width: int, height: int, **machine: Any
+) -> tuple[RegisterUse, ...]:
+    """Run ``commands`` on the column engine, and tell what every register held after every stage.
+
+    ``machine``: as ``execute`` takes it, but ``engine``. Raises what ``execute`` raises, and ValueError for a
+    machine whose combiners do not clamp: its registers have no range.
+    """
+    if Clamp.GENERAL_COMBINER not in profile.arithmetic.clamps:
+        raise ValueError(
+            f"{profile.name}'s general combiners do not clamp, so their registers have no range; give a machine "
+            "with that clamp."
+        )
+    seen = _Registers()
+    Machine(profile, width, height, engine="columns", witness=seen, **machine).run(commands)
+    return seen.uses()

@@ -1,0 +1,126 @@
+"""Maps and registers of whole frames say what the histories of their pixels say."""
+
+from collections import defaultdict
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from fixedpipe.pipeline.enums import TextureFilter
+from fixedpipe.pipeline.inspection.inspect import history
+from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
+from fixedpipe.pipeline.inspection.recording import record
+from fixedpipe.pipeline.inspection.registers import register_uses
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
+from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
+from tests.pipeline.inspection.test_history import blended_frame, textured, triangle
+from tests.support.strategies import frames
+
+SIZE = 5  # every pixel's history is asked for
+SOME = settings(max_examples=15, suppress_health_check=list(HealthCheck))
+
+
+def histories(commands):
+    """The history of every pixel, by (x, y)."""
+    frame = record(commands, GEFORCE_256, SIZE, SIZE)
+    return {(x, y): history(frame, (x, y)) for y in range(SIZE) for x in range(SIZE)}
+
+
+def fragments_of(found):
+    """(command's number, fragment) of a history."""
+    return [(touched.number, fragment) for touched in found.touched for fragment in touched.fragments]
+
+
+def clamped_in_combiners(fragment):
+    """How many components general combiners clamped."""
+    return sum(len(stage.clamped) for stage in fragment.stages if stage.kind.endswith("portion"))
+
+
+@SOME
+@given(frames(SIZE, SIZE))
+@pytest.mark.filterwarnings("ignore")
+def test_maps_agree_with_every_history(commands):
+    overdraw, clamps = defaultdict(int), defaultdict(int)
+    for (x, y), found in histories(commands).items():
+        for number, fragment in fragments_of(found):
+            overdraw[number, x, y] += 1
+            clamps[number, x, y] += clamped_in_combiners(fragment)
+    for kind, counted in (("overdraw", overdraw), ("clamps", clamps)):
+        drawn = {
+            (each.command, x, y): each.values[y, x]
+            for each in frame_maps(commands, GEFORCE_256, SIZE, SIZE, kind)
+            for y, x in np.argwhere(~np.isnan(each.values)).tolist()
+        }
+        assert drawn == counted
+
+
+@SOME
+@given(frames(SIZE, SIZE))
+@pytest.mark.filterwarnings("ignore")
+def test_registers_agree_with_every_history(commands):
+    held = defaultdict(list)
+    for found in histories(commands).values():
+        for number, fragment in fragments_of(found):
+            for stage in fragment.stages:
+                if stage.kind.endswith("portion"):
+                    for quantity in stage.made:
+                        register, _, components = quantity.name.partition(".")
+                        for component, code in zip(components, quantity.codes, strict=True):
+                            held[
+                                number, f"general combiner {stage.number}", f"{register}.{component}"
+                            ].append(code)
+    uses = {
+        (use.command, use.stage, use.register): use
+        for use in register_uses(commands, GEFORCE_256, SIZE, SIZE)
+        if use.stage.startswith("general combiner")
+    }
+    assert set(uses) == set(held)
+    for key, codes in held.items():
+        use = uses[key]
+        assert (use.fragments, use.codes) == (len(codes), len(set(codes)))
+        assert (255 * use.least, 255 * use.greatest) == pytest.approx((min(codes), max(codes)))
+        assert 255 * use.mean == pytest.approx(np.mean(codes))
+
+
+def test_the_share_that_was_clamped_is_told():
+    uses = register_uses(blended_frame(), GEFORCE_256, SIZE, SIZE)
+    (red,) = [use for use in uses if (use.command, use.stage, use.register) == (2, "blending", "blended.r")]
+    assert (red.clamped_low, red.clamped_high, red.least, red.greatest, red.codes) == (0.0, 1.0, 1.0, 1.0, 1)
+    (primary,) = [use for use in uses if (use.command, use.register) == (1, "primary color.b")]
+    assert (primary.codes, primary.headroom) == (1, 1)  # a quarter of the range, and a half in bytes of 64
+
+
+def test_lambda_and_primitives_are_told():
+    mipmapped = TextureUnit("t", sampler=Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR))
+    commands = (textured(mipmaps=True), triangle(PassState(texture_units=(mipmapped,))))
+    (found,) = frame_maps(commands, GEFORCE_256, SIZE, SIZE, "lambda")
+    known = found.values[~np.isnan(found.values)]
+    assert len(np.unique(known)) == 1  # without perspective it is the same everywhere
+    (found,) = frame_maps(commands, GEFORCE_256, SIZE, SIZE, "primitive")
+    assert found.numbers()["greatest"] == 0.0 and found.numbers()["reached"] > 0.0
+
+
+def test_what_there_is_not_is_refused():
+    with pytest.raises(ValueError, match=f"There is no map 'nono'; there are: {', '.join(KINDS)}."):
+        frame_maps((), GEFORCE_256, SIZE, SIZE, "nono")
+    with pytest.raises(ValueError, match="general combiners do not clamp"):
+        register_uses((), GEFORCE_256.without_clamps(), SIZE, SIZE)
+    with pytest.raises(ValueError, match="execute_ideal"):
+        frame_maps((), IDEAL, SIZE, SIZE, "clamps")
+
+
+def test_nothing_drawn_is_no_map():
+    assert frame_maps((), GEFORCE_256, SIZE, SIZE, "clamps") == ()
+    assert register_uses((), GEFORCE_256, SIZE, SIZE) == ()
+
+
+@given(st.sampled_from(sorted(KINDS)))
+@settings(max_examples=len(KINDS))
+def test_a_pbuffer_larger_than_the_window_does_no_harm(kind):
+    from fixedpipe.pipeline.commands import MakeCurrent
+    from fixedpipe.pipeline.profiles import NV2A
+
+    current = MakeCurrent(label="pbuffer", surface="p", width=64, height=64)
+    maps = frame_maps((current, triangle(), MakeCurrent(label="window"), triangle()), NV2A, 8, 8, kind)
+    assert [each.command for each in maps] == [3]
