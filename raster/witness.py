@@ -5,6 +5,8 @@ name and its columns, as they are in the computation: a witness that keeps them 
 none. The same functions run watched and unwatched, so what is seen is what is drawn.
 """
 
+from typing import Any
 
-def nobody(stage, /, **columns):
+
+def nobody(stage: str, /, **columns: Any) -> None:
     """The witness of a frame that nobody watches."""

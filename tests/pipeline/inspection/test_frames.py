@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fixedpipe.pipeline.enums import TextureFilter
+from fixedpipe.pipeline.enums import Clamp, TextureFilter
 from fixedpipe.pipeline.inspection.inspect import history
 from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
 from fixedpipe.pipeline.inspection.recording import record
@@ -105,7 +105,7 @@ def test_what_there_is_not_is_refused():
     with pytest.raises(ValueError, match=f"There is no map 'nono'; there are: {', '.join(KINDS)}."):
         frame_maps((), GEFORCE_256, SIZE, SIZE, "nono")
     with pytest.raises(ValueError, match="general combiners do not clamp"):
-        register_uses((), GEFORCE_256.without_clamps(), SIZE, SIZE)
+        register_uses((), GEFORCE_256.without_clamps(Clamp.GENERAL_COMBINER), SIZE, SIZE)
     with pytest.raises(ValueError, match="execute_ideal"):
         frame_maps((), IDEAL, SIZE, SIZE, "clamps")
 
