@@ -23,7 +23,9 @@ from fixedpipe.raster.vector.sample import LOCATED
 
 
 class Scratch(NamedTuple):
-    """Columns that a thread draws in, each ``batch + rows.SLACK`` long (``rows``: which is what)."""
+    """Columns that a thread draws in, each ``batch + rows.SLACK`` long (``rows``: which is what), and what
+    sixteen triangles have before their fragments are there (``small``).
+    """
 
     floats: np.ndarray
     ints: np.ndarray
@@ -33,6 +35,8 @@ class Scratch(NamedTuple):
     alive: np.ndarray
     lists: np.ndarray
     located: np.ndarray
+    lanes: np.ndarray
+    lane_floats: np.ndarray
 
 
 def scratch(batch):
@@ -47,6 +51,8 @@ def scratch(batch):
         alive=np.zeros(columns, np.uint8),
         lists=np.zeros((R.LISTS, columns), np.int32),
         located=np.zeros((4, LOCATED, columns), np.int32),
+        lanes=np.zeros((R.LANES, 16), np.int32),
+        lane_floats=np.zeros((R.VECTOR_FLOAT_COLUMNS - R.INVERSE_W0, 16), np.float64),
     )
 
 

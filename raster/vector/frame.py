@@ -56,13 +56,11 @@ from fixedpipe.raster.vector.lanes import (
     store,
 )
 from fixedpipe.raster.vector.per_fragment import are_hidden, is_hidden, tests_early, write_fragments
+from fixedpipe.raster.vector.small import LARGEST_SMALL, set_up, share
 from fixedpipe.raster.vector.unit import plan_units, sample
 from fixedpipe.raster.vector.weights import run_color_weights, whole_weights
 
 SMALL = 32  # pixels: triangles whose box is not wider share segments
-# 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
-# and its area more than the 24 of ``mixed_depth``.
-LARGEST_SMALL = 2048
 ALONE = 32  # fragments: from here on a triangle is a segment of its own
 
 
@@ -250,9 +248,10 @@ def draw_band(job, members, band, batch, buffers, scratch):
     """The rows of ``band`` of a Draw whose triangles there are ``members``; returns how many fragments.
 
     Fragments fill a batch of columns. Triangles whose box is small share a mixed segment; others are segments
-    of their own, row by row. Where one colour and one depth word are all that fragments have, runs alone are
-    kept, and no columns (a solid batch). A row of a large triangle, and a small one of ``ALONE`` fragments or
-    more, is left out where all of it is hidden (``per_fragment.tests_early``).
+    of their own, row by row. The smallest are set up sixteen at a time (``small``). Where one colour and one
+    depth word are all that fragments have, runs alone are kept, and no columns (a solid batch). A row of a
+    large triangle, and a small one of ``ALONE`` fragments or more that is not among the smallest, is left out
+    where all of it is hidden (``per_fragment.tests_early``).
     """
     separate_function()
     p = pass_of(job)
@@ -281,8 +280,29 @@ def draw_band(job, members, band, batch, buffers, scratch):
     fragments, position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0), int64(0)
     solid, solid_word = False, int32(0)
     mixed_from = int64(-1)  # where the open mixed segment began
-    for k in range(members.shape[0] + 1):
+    # Sixteen triangles from every sixteenth on are set up together; which of them are drawn from there.
+    together, taken, k = mixes and not solid_state, int64(0), int64(0)
+    while True:
         finished = k == members.shape[0]
+        if together and k & 15 == 0 and not finished:
+            taken = set_up(job, members, k, top, bottom - 1, scratch)
+        if not finished and (taken >> (k & 15)) & 1:
+            begin = position
+            k, position, runs, full = share(job, members, k, taken, position, runs, batch, width, scratch)
+            if position > begin:
+                if not row_runs and (runs == 0 or lists[R.RUN_Y, runs - 1] >= 0):
+                    lists[R.RUN_STARTS, runs], lists[R.RUN_Y, runs] = int32(begin), int32(-1)
+                    runs += 1
+                if mixed_from < 0:
+                    mixed_from = begin
+                    lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(begin), int32(-1)
+                    segments += 1
+            if full:
+                mixed_from = close_mixed(job, draw, floats, ints, mixed_from, position, low, high)
+                finish_batch(job, members[0], position, position, segments, runs, False, buffers, scratch)
+                fragments += position
+                position, longest, segments, runs = int64(0), int64(0), int64(0), int64(0)
+            continue
         t = members[k] if not finished else members[0]
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
@@ -317,6 +337,7 @@ def draw_band(job, members, band, batch, buffers, scratch):
             ints[R.DEPTH_WORD, 0] = word
         if finished:
             break
+        k += 1
         area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
         sign = int64(-1) if area < 0 else int64(1)
         area *= sign

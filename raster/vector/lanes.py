@@ -464,6 +464,7 @@ def _converter(element, emit, doc):
 
 
 to_int32 = _converter(types.int32, "fptosi", "A float's integer part; undefined beyond int32.")
+to_float64 = _converter(types.float64, "sitofp", "An integer as a float.")
 narrow_i32 = _converter(types.int32, "trunc", "The lower 32 bits.")
 narrow_i16 = _converter(types.int16, "trunc", "The lower 16 bits.")
 narrow_u8 = _converter(types.uint8, "trunc", "The lower 8 bits.")
