@@ -14,6 +14,7 @@ _COMMANDS = (
     "parameters",
     "print",
     "inspect",
+    "compare",
     "animate",
     "bump",
     "roughness",
@@ -39,6 +40,8 @@ What to do next:
   fixedpipe passes F004-4       how one is made, pass by pass
   fixedpipe inspect F004-4 --pixel 300,200
                                 what happened to a pixel: every register, and where it parts from the ideal
+  fixedpipe compare F004-4 --machines GEFORCE_256 OPENGL_1_2
+                                where two machines' pictures part: command, pixel, stage
   fixedpipe parameters F004-4   what may be changed of it; fixedpipe figures F004-4 --set alpha_x=0.15
   fixedpipe print F003-21       for a page: machine, ideal, reference, difference, with labels and caption
   fixedpipe animate F004-4      a figure that moves: its light, its camera, its bits, as a lossless animation

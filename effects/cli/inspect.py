@@ -2,7 +2,8 @@
 
 import click
 
-from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
+from fixedpipe.effects.cli.frames import frame_asked, write_file
+from fixedpipe.effects.cli.options import refuse_ignored, set_option
 
 
 @click.command(short_help="Every number of a pixel, every register of a frame, maps of what happened where.")
@@ -46,8 +47,7 @@ def inspect(what, pixel, registers, kind, out, number, **of):
     if kind is None:
         refuse_ignored(context, ("out",), "it is a map's picture; give --map KIND")
     where = _pixel(pixel) if pixel is not None else None
-    given = what, of["profile"], of["size"], of["settings"]
-    frame = _script(*given) if what.endswith(".py") else _figure(*given)
+    frame = frame_asked(what, of["profile"], of["size"], of["settings"])
     announce_compiling()
     if where is not None:
         _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"])
@@ -74,9 +74,9 @@ def _tell_pixel(of, where, number, surface, json_file, html_file):
     if number is not None:
         found = _only(found, number, frame)
     if json_file:
-        _write(json_file, json.dumps(to_json(found), indent=1) + "\n")
+        write_file(json_file, json.dumps(to_json(found), indent=1) + "\n")
     if html_file:
-        _write(html_file, history_page(found, of.title))
+        write_file(html_file, history_page(found, of.title))
     if not (json_file or html_file):
         console = Console(highlight=False)
         console.print(of.title, style="bold", markup=False)
@@ -128,31 +128,7 @@ def _tell_maps(of, kind, number, out):
         picture = maps_png([(f"{each.command}: {each.label}", each.values) for each in maps], of.title, kind)
         if picture is None:
             raise Refusal("A map's picture needs matplotlib; install fixedpipe[plots], or leave --out out.")
-        _write(out, picture)
-
-
-class _Frame:
-    """A frame to look into: a title, and how it runs."""
-
-    def __init__(self, title, machine, size, commands, ideal):
-        self.title, self.machine, self.size, self.commands, self.ideal = title, machine, size, commands, ideal
-
-    def run(self, surface):
-        """The RecordedFrame, and the RecordedIdeal where there is one."""
-        from fixedpipe.pipeline.inspection.ideal import record_ideal
-        from fixedpipe.pipeline.inspection.recording import record
-        from fixedpipe.pipeline.profiles import IDEAL
-        from fixedpipe.pipeline.validation.validate import validate
-        from fixedpipe.pipeline.validation.walk import UnsupportedState
-
-        frame = record(self.commands, self.machine, *self.size)
-        if surface is not None:
-            return frame, None
-        try:
-            validate(self.ideal, IDEAL, *self.size)
-        except UnsupportedState:  # what only machines draw
-            return frame, None
-        return frame, record_ideal(self.ideal, frame, self.commands)
+        write_file(out, picture)
 
 
 def _pixel(text):
@@ -165,51 +141,6 @@ def _pixel(text):
     except ValueError:
         pass
     raise Refusal(f"--pixel is {text!r}; give two whole numbers, as 120,48.")
-
-
-def _figure(figure_id, profile, size, settings):
-    from fixedpipe.effects.cli.options import machine_of
-    from fixedpipe.effects.cli.refusal import check_size
-    from fixedpipe.effects.figures import FIGURES
-    from fixedpipe.effects.refusal import choose, refusals
-    from fixedpipe.pipeline.profiles import IDEAL
-
-    figure = choose("figure", figure_id, FIGURES)
-    machine = machine_of(profile or figure.machines[0])
-    dimensions = figure.dimensions(size)
-    check_size(figure.id, dimensions, machine)
-    with refusals():
-        method = figure.method_for(machine)
-        changes = changes_of(settings, figure, (method,))
-        commands = figure.commands(machine, size, method, **changes)
-        ideal = figure.commands(IDEAL, size, method, **changes)
-    changed = f", with {figure.said(method, changes)}" if changes else ""
-    title = f"{figure.id}: {figure.title}, on {machine.name}: {method.name}{changed}"
-    return _Frame(title, machine, dimensions, commands, ideal)
-
-
-def _script(path, profile, size, settings):
-    import runpy
-
-    from fixedpipe.effects.cli.options import machine_of
-    from fixedpipe.effects.refusal import Refusal
-
-    if size is not None or settings:
-        raise Refusal("--size and --set are a figure's; a script says its own width, height and values.")
-    try:
-        made = runpy.run_path(path)
-    except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}.") from None
-    except Exception as error:
-        raise Refusal(f"{path} raised {type(error).__name__}: {error}") from error
-    missing = [name for name in ("commands", "width", "height") if name not in made]
-    if missing or not (profile or "profile" in made):
-        names = ", ".join(missing or ("profile",))
-        raise Refusal(f"{path} does not define {names}; it needs commands, profile, width and height.")
-    machine = profile or made["profile"]
-    machine = machine_of(machine) if isinstance(machine, str) else machine
-    commands = tuple(made["commands"])
-    return _Frame(path, machine, (made["width"], made["height"]), commands, commands)
 
 
 def _only(found, number, frame):
@@ -239,15 +170,3 @@ def _of_command(uses, number):
     for use in uses:
         yield use if use.command != last else replace(use, label=None)
         last = use.command
-
-
-def _write(path, content):
-    from pathlib import Path
-
-    from fixedpipe.effects.refusal import Refusal
-
-    try:
-        Path(path).write_bytes(content if isinstance(content, bytes) else content.encode())
-    except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror}.") from None
-    click.echo(f"wrote {path}", err=True)

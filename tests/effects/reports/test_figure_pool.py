@@ -221,11 +221,16 @@ class _EndsTheProcess(figure_pool.Order):
 
 def test_ctrl_c_leaves_no_process_and_no_half_file(tmp_path):
     """The command is interrupted as soon as a process says that it draws: the first of all figures, so that
-    it has not ended however late the interrupt comes.
+    it has not ended however late the interrupt comes. Where these tests themselves ignore interrupts, as what
+    a shell runs in the background does, the command would too, if it did not begin by not ignoring them.
     """
     command = "figures", "--out", str(tmp_path), "--jobs", "2"
+    heeding = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from fixedpipe.effects.cli import main; main()"
+    )
     with subprocess.Popen(
-        [sys.executable, "-m", "fixedpipe.effects.cli", *command],
+        [sys.executable, "-c", heeding, *command],
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
