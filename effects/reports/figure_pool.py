@@ -3,8 +3,11 @@ write is what one process alone writes.
 """
 
 import multiprocessing
+import os
 import signal
 import sys
+import threading
+import time
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -23,6 +26,7 @@ from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import PassState
 
 _SECONDS = 0.1  # between two looks at what the processes say
+_SECONDS_TO_CLEAN = 2  # Assumed: a file is removed in less, also where others take the processor
 
 
 @dataclass(frozen=True)
@@ -106,15 +110,29 @@ _SAID = None
 
 
 def _begin(said, threads):
-    """A process's first call: it has so many threads, ends when it is told to, and leaves Ctrl-C to who began
-    it.
+    """A process's first call: it has so many threads, ends when it is told to or who began it has ended, and
+    leaves Ctrl-C to that.
     """
     global _SAID
     _SAID = said
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
+    began = multiprocessing.parent_process()
+    threading.Thread(target=_end_after, args=(began,), daemon=True).start()
     limit_threads(threads)
     watch_compiling(lambda kernel, *_: said.put(("compiling", kernel)), lambda: None)
+
+
+def _end_after(process):
+    """End this process when another has ended, however it did.
+
+    The first signal ends what is drawn, and its half-written files go; the pool takes that for a result, and
+    waits for another order that nobody gives. The second ends the waiting.
+    """
+    process.join()
+    while True:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(_SECONDS_TO_CLEAN)
 
 
 def compile_vectors():

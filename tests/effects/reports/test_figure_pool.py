@@ -219,18 +219,20 @@ class _EndsTheProcess(figure_pool.Order):
         os._exit(3)
 
 
-def test_ctrl_c_leaves_no_process_and_no_half_file(tmp_path):
-    """The command is interrupted as soon as a process says that it draws: the first of all figures, so that
-    it has not ended however late the interrupt comes. Where these tests themselves ignore interrupts, as what
-    a shell runs in the background does, the command would too, if it did not begin by not ignoring them.
+def interrupted(folder, interrupt):
+    """The exit status of the command that draws all figures, once ``interrupt(process)`` was called as soon
+    as a process of its own said that it draws, and all that write to its standard error had ended.
+
+    All figures, so that it has not ended however late the interrupt comes. Where these tests themselves
+    ignore interrupts, as what a shell runs in the background does, the command would too, if it did not begin
+    by not ignoring them.
     """
-    command = "figures", "--out", str(tmp_path), "--jobs", "2"
     heeding = (
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "from fixedpipe.effects.cli import main; main()"
     )
     with subprocess.Popen(
-        [sys.executable, "-c", heeding, *command],
+        [sys.executable, "-c", heeding, "figures", "--out", str(folder), "--jobs", "2"],
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
@@ -238,12 +240,20 @@ def test_ctrl_c_leaves_no_process_and_no_half_file(tmp_path):
         for line in process.stderr:
             if re.match(r"\S+: on ", line):
                 break
-        os.killpg(process.pid, signal.SIGINT)
+        interrupt(process)
         process.stderr.read()  # to its end: none is left that has it
-    assert process.returncode != 0
+    return process.returncode
+
+
+def test_ctrl_c_leaves_no_process_and_no_half_file(tmp_path):
+    assert interrupted(tmp_path, lambda process: os.killpg(process.pid, signal.SIGINT)) != 0
     assert not list(tmp_path.rglob(".*"))
     for record in tmp_path.glob("*.json"):
         json.loads(record.read_text())
+
+
+def test_a_command_that_is_killed_leaves_no_process(tmp_path):
+    assert interrupted(tmp_path, lambda process: process.kill()) == -signal.SIGKILL
 
 
 def test_the_cheapest_figure_is_first_and_then_the_longest():
