@@ -95,7 +95,10 @@ def draw_all(orders, jobs, threads, step, compiling):
         for process in ours:
             process.terminate()
         for process in ours:
-            process.join()
+            process.join(_SECONDS_TO_CLEAN)
+            while process.is_alive():  # ``_end_after`` says why once is not enough
+                process.terminate()
+                process.join(_SECONDS_TO_CLEAN)
 
 
 def _tell(said, step, compiling):
