@@ -67,7 +67,7 @@ def _script(path, profile, size, settings):
         made = runpy.run_path(path)
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}.") from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise Refusal(f"{path} raised {type(error).__name__}: {error}") from error
     missing = [name for name in ("commands", "width", "height") if name not in made]
     if missing or not (profile or "profile" in made):
@@ -75,7 +75,10 @@ def _script(path, profile, size, settings):
         raise Refusal(f"{path} does not define {names}; it needs commands, profile, width and height.")
     machine = profile or made["profile"]
     machine = machine_of(machine) if isinstance(machine, str) else machine
-    commands = tuple(made["commands"])
+    try:
+        commands = tuple(made["commands"])
+    except TypeError:
+        raise Refusal(f"{path}: commands is {made['commands']!r}; give a list of commands.") from None
     return FrameAsked(path, machine, (made["width"], made["height"]), commands, commands)
 
 

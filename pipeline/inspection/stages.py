@@ -116,7 +116,7 @@ class _Reader:
 
     def __init__(self, state, color_bits, ideal):
         self.state, self.color_bits, self.ideal = state, color_bits, ideal
-        self.buffer_one = state = numbers.one_of(color_bits)
+        self.buffer_one = numbers.one_of(color_bits)
         self.one, self.fate = self.buffer_one, "ended: outside the depth buffer's limits"
         self.texels, self.general, self.iterated, self.sampler = [], -1, None, None
 
@@ -292,13 +292,13 @@ class _Reader:
     def outputs(self, alpha, values):
         """A portion's outputs."""
         alpha, portion, read, mapped, ab, cd, a = self.begun
-        components, usage = ("a",) if alpha else _RGBA[:3], None
         given, made, clamped, key = [], [], [], (self.general, bool(alpha))
+        components = ("a",) if alpha else _RGBA[:3]
+        usage = ComponentUsage.ALPHA if alpha else ComponentUsage.RGB
         variables, used = (portion.a, portion.b, portion.c, portion.d), _used(portion, values)
         for name, variable, x, m in zip("ABCD", variables, read, mapped, strict=True):
             if name not in used:
                 continue
-            usage = ComponentUsage.ALPHA if alpha else ComponentUsage.RGB
             text = format_input(variable, usage, Mapping.SIGNED_IDENTITY)
             register, quantity = REGISTER_NAMES[variable.register], _coded(f"{name} = {text}", m, a.one)
             if _ints(x) != quantity.codes:

@@ -80,6 +80,8 @@ def test_a_script_s_pixel_is_told(tmp_path):
         ("commands, width, height, profile = (), 8, 8, 'NONE'", "There is no profile 'NONE'"),
         ("commands, width, height, profile = (1,), 8, 8, 'NV2A'", "is no command"),
         (SCRIPT.replace("8, 8", "0, 8"), "0"),
+        ("commands, width, height = 1, 8, 8\nprofile = 'NV2A'", "commands is 1; give a list of commands"),
+        ("raise SystemExit(3)", "raised SystemExit: 3"),
     ],
 )
 def test_what_is_wrong_with_a_script_is_said(tmp_path, source, sentence):

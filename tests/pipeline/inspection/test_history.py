@@ -276,6 +276,12 @@ def test_a_pixel_outside_is_refused(pixel):
         inspect((triangle(),), GEFORCE_256, 16, 16, pixel)
 
 
+@pytest.mark.parametrize("pixel", [(0.5, 0), (0, float("nan")), ("1", 0), (None, 0)])
+def test_a_pixel_between_pixels_is_refused(pixel):
+    with pytest.raises(ValueError, match=r"The pixel's [xy] is .*; give a whole number"):
+        inspect((triangle(),), GEFORCE_256, 16, 16, pixel)
+
+
 def test_an_unknown_pbuffer_is_refused():
     with pytest.raises(ValueError, match="no pbuffer 'p'; there are: none"):
         inspect((triangle(),), GEFORCE_256, 16, 16, (0, 0), surface="p")
