@@ -124,13 +124,24 @@ def _locked(path):
 def _compiled_when_called(dispatcher, signature):
     """A kernel of one signature that is compiled, or read from the cache, when Python or another kernel's
     compilation first calls it: what is only called by kernels that the cache has is never looked at.
+
+    ``is_ready()`` tells whether a call would wait for a compiler; ``make_ready()`` compiles it.
     """
+
+    def read():
+        if not dispatcher.overloads and _was_read(dispatcher, signature):
+            dispatcher.disable_compile()
+        return bool(dispatcher.overloads)
+
+    def is_ready():
+        """Whether it can be called without a compiler: it was, or the cache has it."""
+        with global_compiler_lock:
+            return read()
 
     def compiled():
         with global_compiler_lock:
-            if not dispatcher.overloads:
-                if not _was_read(dispatcher, signature):
-                    dispatcher.compile(signature)
+            if not read():
+                dispatcher.compile(signature)
                 dispatcher.disable_compile()
 
     def get_call_template(args, keywords):
@@ -149,6 +160,7 @@ def _compiled_when_called(dispatcher, signature):
         return found.entry_point
 
     dispatcher.get_call_template, dispatcher._compile_for_args = get_call_template, compile_for_args
+    dispatcher.is_ready, dispatcher.make_ready = is_ready, compiled
     return dispatcher
 
 

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from fixedpipe.pipeline.native import readiness
+
 SHARED = Path(__file__).resolve().parents[2] / "shared"
 CAPTURES = Path(os.environ.get("FIXEDPIPE_CAPTURES") or SHARED / "silicon" / "golden" / "results")
 
@@ -22,6 +24,12 @@ settings.register_profile(
 )
 settings.register_profile("fixedpipe", settings.get_profile("random"), derandomize=True)
 settings.load_profile("fixedpipe")
+
+
+@pytest.fixture(autouse=True)
+def engines_as_asked(monkeypatch):
+    """What a command sets for its process, where kernels have to be compiled, ends with the test."""
+    monkeypatch.setattr(readiness, "_never_waits", False)
 
 
 @pytest.fixture(scope="session")

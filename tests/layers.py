@@ -45,7 +45,7 @@ PACKAGES = {
         "pipeline": "enums sentences state pixel_transfer textures commands profiles programs vertices",
     },
     "pipeline/native": {
-        "raster": "codes rows arrays primitives portable vector",
+        "raster": "codes rows arrays primitives portable vector columns",
         "pipeline": "enums state textures commands programs vertices framebuffers",
     },
     "pipeline/columns": {

@@ -6,6 +6,7 @@ import warnings
 
 import click
 
+from fixedpipe.effects.cli.compiling import COMPILING
 from fixedpipe.effects.cli.refusal import said
 
 _COMMANDS = (
@@ -117,7 +118,10 @@ class LazyGroup(click.Group):
         ctx.with_resource(warnings.catch_warnings())
         warnings.showwarning = _say(warnings.showwarning)
         with said():
-            return super().invoke(ctx)
+            result = super().invoke(ctx)
+            if wait := ctx.meta.get(COMPILING):
+                wait()
+            return result
 
 
 @click.group(

@@ -1,17 +1,17 @@
 """The one long wait: kernels are compiled when they are first needed, and again after a change of them."""
 
 import time
-from functools import cache
+from functools import cache, partial
 
 import click
 
 from fixedpipe.effects.cli.progress import error_console
 
-_COLD = (
-    "Compiling the kernels for this machine. This happens once, and after a change of them. The first "
-    "picture then took 57 seconds on an AMD EPYC (Zen 5) that others used."
-)
+_COLD = "Compiling the kernels for this machine. This happens once, and after a change of them."
+_BESIDE = "Another process does it; until then pictures are drawn without them: slowly, the same bits."
+_LEFT = "Done. Kernels for the next command are still being compiled; Ctrl-C leaves them to it."
 _MORE = "Compiling kernels that nothing needed before."
+COMPILING = "fixedpipe.compiling"  # of click's Context.meta: called when a command has done its work
 _SECONDS = 5.0  # between lines, where there is no terminal
 
 
@@ -68,15 +68,33 @@ class _Shown:
 
 
 @cache
-def announce_compiling():
+def announce_compiling(engine="vector"):
     """Say so where kernels have still to be compiled, and show how many are. Call it before anything imports
     an engine; once is enough.
+
+    engine    that most of the command is drawn by: where it has to be compiled, another process does, and
+              this one does not wait for it (``fixedpipe.pipeline.native.readiness``); None: it waits
     """
     from fixedpipe.pipeline.golden.provenance import kernels_are_cold
     from fixedpipe.pipeline.native.compiling import watch_compiling
+    from fixedpipe.pipeline.native.readiness import compile_beside
 
     cold = kernels_are_cold()
-    if cold:
-        click.echo(_COLD, err=True)
-    shown = _Shown(said=cold)
+    compiling = compile_beside(engine) if engine else None
+    if cold or compiling:
+        click.echo(f"{_COLD} {_BESIDE}" if compiling else _COLD, err=True)
+    shown = _Shown(said=cold or compiling is not None)
     watch_compiling(shown.begin, shown.end)
+    if compiling:
+        click.get_current_context().meta[COMPILING] = partial(_wait, compiling, shown)
+
+
+def _wait(compiling, shown):
+    """What a command does when its work is done: the next does not wait for what this one could compile."""
+    click.echo(_LEFT, err=True)
+    try:
+        compiling.wait(shown.begin)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        shown.end()

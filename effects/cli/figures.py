@@ -112,7 +112,8 @@ def figures(figure_ids, list_only, check, out, png, profile, size, again, jobs, 
     processors = default_threads()
     jobs = 1 if settings else min(len(left), jobs or processors)
     if left:
-        announce_compiling()
+        # Several processes share the compiling, and a check is drawn by both engines.
+        announce_compiling("portable" if jobs == 1 and not check else None)
         own_sizes = size is None and not settings
         click.echo(_plan(left, machines, check, own_sizes, jobs), err=True)
     with _progress(sum(steps(figure, machines[figure.id], check) for figure in left)) as (step, compiling):

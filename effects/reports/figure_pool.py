@@ -3,11 +3,8 @@ write is what one process alone writes.
 """
 
 import multiprocessing
-import os
 import signal
 import sys
-import threading
-import time
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -17,16 +14,11 @@ import fixedpipe.effects.figures as figures
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_record
 from fixedpipe.effects.reports.figure_files import write_figure
-from fixedpipe.pipeline.commands import Draw, Mesh
-from fixedpipe.pipeline.execution.machine import execute
-from fixedpipe.pipeline.golden.provenance import kernels_are_cold
+from fixedpipe.pipeline.native import readiness
 from fixedpipe.pipeline.native.compiling import watch_compiling
 from fixedpipe.pipeline.native.threads import limit_threads
-from fixedpipe.pipeline.profiles import GEFORCE_256
-from fixedpipe.pipeline.state import PassState
 
 _SECONDS = 0.1  # between two looks at what the processes say
-_SECONDS_TO_CLEAN = 2  # Assumed: a file is removed in less, also where others take the processor
 
 
 @dataclass(frozen=True)
@@ -70,11 +62,15 @@ def draw_all(orders, jobs, threads, step, compiling):
     pool = ProcessPoolExecutor(jobs, context, _begin, (said, threads))
     try:
         first, *rest = orders
-        waiting = {pool.submit(_draw, first): first}
-        if first.with_checks and kernels_are_cold():
-            waiting |= {pool.submit(compile_vectors): None for _ in range(jobs - 1)}
+        # One process draws the first figure without waiting for a compiler, which is another's, and has some
+        # tens of seconds to do. The portable engine tells a figure's ideal which fragments there are; the
+        # vector engine draws what a figure is checked by.
+        engines = ["portable", "vector"] if first.with_checks else ["portable"]
+        missing = [engine for engine in engines if jobs > 1 and not readiness.is_ready(engine)]
+        waiting = {pool.submit(_draw_at_once if missing else _draw, first): first}
+        waiting |= {pool.submit(readiness.make_ready, engine): None for engine in missing}
         waiting |= {pool.submit(_draw, order): order for order in rest}
-        while waiting:
+        while any(waiting.values()):  # not for a compiler that no figure waits for
             done, _ = wait(waiting, _SECONDS, FIRST_COMPLETED)
             _tell(said, step, compiling)
             for future in done:
@@ -95,10 +91,10 @@ def draw_all(orders, jobs, threads, step, compiling):
         for process in ours:
             process.terminate()
         for process in ours:
-            process.join(_SECONDS_TO_CLEAN)
-            while process.is_alive():  # ``_end_after`` says why once is not enough
+            process.join(readiness.SECONDS_TO_CLEAN)
+            while process.is_alive():  # ``readiness.end_with_parent`` says why once is not enough
                 process.terminate()
-                process.join(_SECONDS_TO_CLEAN)
+                process.join(readiness.SECONDS_TO_CLEAN)
 
 
 def _tell(said, step, compiling):
@@ -120,33 +116,14 @@ def _begin(said, threads):
     _SAID = said
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
-    began = multiprocessing.parent_process()
-    threading.Thread(target=_end_after, args=(began,), daemon=True).start()
+    readiness.end_with_parent()
     limit_threads(threads)
     watch_compiling(lambda kernel, *_: said.put(("compiling", kernel)), lambda: None)
 
 
-def _end_after(process):
-    """End this process when another has ended, however it did.
-
-    The first signal ends what is drawn, and its half-written files go; the pool takes that for a result, and
-    waits for another order that nobody gives. The second ends the waiting.
-    """
-    process.join()
-    while True:
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(_SECONDS_TO_CLEAN)
-
-
-def compile_vectors():
-    """Compile the vector engine, where the cache has it not, by drawing a triangle.
-
-    A figure is drawn by the portable engine first, which tells its ideal which fragments there are, and
-    checked by the vector engine. While one process compiles the first for the first figure, another compiles
-    the second for it.
-    """
-    triangle = Mesh([[-1, -1], [3, -1], [-1, 3]], colors=[[1, 1, 1]] * 3)
-    execute((Draw(label="a triangle", mesh=triangle, state=PassState()),), GEFORCE_256, 16, 16, threads=1)
+def _draw_at_once(order):
+    with readiness.without_waiting():
+        return _draw(order)
 
 
 def _draw(order):

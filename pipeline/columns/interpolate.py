@@ -1,7 +1,5 @@
 """From primitives to fragments in the column engine: coverage, and what is iterated over a primitive."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from fixedpipe.pipeline.columns.combiners import arithmetic_of
@@ -12,15 +10,13 @@ from fixedpipe.pipeline.columns.fragments import (
     fragment_depths,
 )
 from fixedpipe.pipeline.columns.textures import unit_samplers
-from fixedpipe.pipeline.enums import Clamp, ColorWeights, Face, FrontFace, LineRasterization, ShadeModel
-from fixedpipe.pipeline.framebuffers.boxes import scissor_box
+from fixedpipe.pipeline.enums import Clamp, ColorWeights, FrontFace, LineRasterization, ShadeModel
 from fixedpipe.pipeline.framebuffers.depths import depth_units
 from fixedpipe.pipeline.programs.texture_shader_rules import shader_stages
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows
 from fixedpipe.raster.columns import future, interpolate, numbers
-from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 from fixedpipe.raster.witness import nobody
 
 
@@ -217,30 +213,3 @@ class IteratedPrimitives:
         if not self.framebuffer.depth_format.is_float:
             offset = np.trunc(np.clip(offset, -(2.0**30), 2.0**30))
         return np.where(enabled, offset, 0.0), 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Covered:
-    """Pixels of primitives, int64 [k] each: per pixel in draw order."""
-
-    triangle: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-
-
-def covered_triangles(primitives, state, profile, framebuffer):
-    """Coverage of triangles at any number of subpixel bits: a Covered, culled and scissored (section 3)."""
-    box, polygon, p = scissor_box(state, framebuffer), state.polygon, primitives
-    parts = []
-    for number, row in enumerate(p.triangles[:, :3]):
-        x, y, w = (column[row].tolist() for column in (p.x, p.y, p.inverse_w))
-        area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
-        front = (area < 0) == (polygon.front_face == FrontFace.CCW)
-        culled = polygon.cull_face in (Face.FRONT_AND_BACK, Face.FRONT if front else Face.BACK)
-        if area == 0 or culled or min(w) < W_SMALLEST or max(w) > W_LARGEST:
-            continue
-        px, py = interpolate.covered_pixels(x, y, box, profile.arithmetic.subpixel_bits)
-        parts.append((np.full(len(px), number), px, py))
-    if not parts:
-        return Covered(*(np.zeros(0, np.int64) for _ in range(3)))
-    return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))

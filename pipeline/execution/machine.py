@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.columns.engine import column_draw, needs_columns
-from fixedpipe.pipeline.columns.interpolate import covered_triangles
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
 from fixedpipe.pipeline.commands import (
     Accum,
@@ -48,9 +47,10 @@ from fixedpipe.pipeline.framebuffers.texture_copies import (
     replaced_texture,
 )
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
-from fixedpipe.pipeline.native.coverage import covered_pixels, recorded_fragments
+from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles, recorded_fragments
 from fixedpipe.pipeline.native.preparation import Prepared
 from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
+from fixedpipe.pipeline.native.readiness import chosen_engine
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS, Profile
 from fixedpipe.pipeline.textures.images import Texture
@@ -212,7 +212,7 @@ class Machine:
         valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read))
         self._current = self.framebuffer
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
-        engine = "portable" if record else self.engine
+        engine = chosen_engine("portable" if record else self.engine)
         frame = _Frame(valid, KeptDraws(commands, self.samples), engine, record)
         self._queue.fragments = 0
         try:
@@ -275,7 +275,7 @@ class Machine:
         for surface, position in self._targets(state.draw_buffer):
             target = surface.buffer(state.draw_buffer)
             draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
-            if draw is None and self._draws_columns(state, target):
+            if draw is None and self._draws_columns(state, target, frame.engine):
                 self._queue.flush()
                 drawn, lost = self._drawn_by_columns(command, target, position)
                 self._queue.fragments += len(drawn.x)
@@ -296,9 +296,11 @@ class Machine:
                 self._queue.draw(draw, target, frame.engine)
         frame.dropped += lost  # as the last sample's: the same in each
 
-    def _draws_columns(self, state, target):
+    def _draws_columns(self, state, target, engine):
         """Whether a Draw is the column engine's."""
-        return self.engine == "columns" or needs_columns(state, self.profile, target, self.textures)
+        if "columns" in (self.engine, engine):
+            return True
+        return needs_columns(state, self.profile, target, self.textures)
 
     def _drawn_by_columns(self, command, target, position):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
@@ -318,7 +320,8 @@ class Machine:
     def _clear(self, command, frame):
         for surface, _ in self._targets(command.draw_buffer):
             target = surface.buffer(command.draw_buffer)
-            self._queue.clear(command, target, frame.engine if target.is_bytes else "portable")
+            by_kernels = target.is_bytes and frame.engine is None
+            self._queue.clear(command, target, frame.engine if by_kernels else "portable")
         if command.accumulation is not None:
             clear_accumulation(self._current, command, self.profile)
 

@@ -11,7 +11,6 @@ from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.columns.engine import column_draw
-from fixedpipe.pipeline.columns.interpolate import Covered, covered_triangles
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
 from fixedpipe.pipeline.commands import (
     Accum,
@@ -28,7 +27,7 @@ from fixedpipe.pipeline.framebuffers.boxes import scissored
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, mean
 from fixedpipe.pipeline.inspection.recording import RecordedFrame, Step
-from fixedpipe.pipeline.native.coverage import covered_pixels
+from fixedpipe.pipeline.native.coverage import Covered, covered_pixels, covered_triangles
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.state import PassState, Scissor
 from fixedpipe.pipeline.vertices import stage

@@ -1,16 +1,51 @@
 """Fragments of primitives: those that a recorded Draw made, or the pixels that primitives cover."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.pipeline.enums import Face, FrontFace
+from fixedpipe.pipeline.framebuffers.boxes import scissor_box, scissored
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
 from fixedpipe.pipeline.native.preparation import NO_RECORD, Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
+from fixedpipe.pipeline.native.readiness import covers_by_kernels
 from fixedpipe.pipeline.state import ColorMask, PassState
+from fixedpipe.raster.columns import interpolate
+from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
+
+
+@dataclass(frozen=True, eq=False)
+class Covered:
+    """Pixels of primitives, int64 [k] each: per pixel in draw order."""
+
+    triangle: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+
+
+def covered_triangles(primitives, state, profile, framebuffer):
+    """Coverage of triangles at any number of subpixel bits: a Covered, culled and scissored (section 3)."""
+    return _covered(primitives, state.polygon, scissor_box(state, framebuffer), profile)
+
+
+def _covered(primitives, polygon, box, profile):
+    p, parts = primitives, []
+    for number, row in enumerate(p.triangles[:, :3]):
+        x, y, w = (column[row].tolist() for column in (p.x, p.y, p.inverse_w))
+        area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+        front = (area < 0) == (polygon.front_face == FrontFace.CCW)
+        culled = polygon.cull_face in (Face.FRONT_AND_BACK, Face.FRONT if front else Face.BACK)
+        if area == 0 or culled or min(w) < W_SMALLEST or max(w) > W_LARGEST:
+            continue
+        px, py = interpolate.covered_pixels(x, y, box, profile.arithmetic.subpixel_bits)
+        parts.append((np.full(len(px), number), px, py))
+    if not parts:
+        return Covered(*(np.zeros(0, np.int64) for _ in range(3)))
+    return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def recorded_fragments(draw, framebuffer, batch):
@@ -48,6 +83,9 @@ def covered_pixels(primitives, state, profile, width, height):
 
     ``primitives``: with colours of any kind, which coverage does not read.
     """
+    if state.window_clip is None and _without_kernels(primitives, state.polygon):
+        box = scissored(state.scissor, width, height)
+        return _covered(primitives, state.polygon, box, profile), primitives.dropped
     uncolored = replace(primitives, colors=np.zeros((len(primitives.x), 2, 8), np.uint8))
     polygon = replace(state.polygon, offset_fill=False, offset_line=False, offset_point=False)
     plain = PassState(
@@ -70,9 +108,19 @@ def rasterize(primitives, profile, polygon, scissor, width, height):
     length; they are not checked again. ``profile``: the machine; ``polygon``: a PolygonState; ``scissor``: a
     Scissor or None; ``width``, ``height`` of the framebuffer, pixels.
     """
+    if _without_kernels(primitives, polygon):
+        drawn = _covered(primitives, polygon, scissored(scissor, width, height), profile)
+        columns = drawn.triangle, drawn.x, drawn.y, np.ones(len(drawn.x))
+        return Fragments(*(column.astype(np.int32) for column in columns))
     state, framebuffer = _coverage_state(polygon, scissor), _unwritten(width, height)
     prepared = Prepared.of(primitives, state, profile, framebuffer, {})
     return recorded_fragments(prepared, framebuffer, BATCH)
+
+
+def _without_kernels(primitives, polygon):
+    """Whether coverage does not wait for a compiler, and is of whole triangles, none of them dropped."""
+    whole = not len(primitives.strokes) and polygon.stipple is None
+    return whole and primitives.orderly and not covers_by_kernels()
 
 
 @lru_cache(maxsize=64)

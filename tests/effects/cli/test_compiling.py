@@ -4,9 +4,11 @@ import io
 
 import numba
 import pytest
+from click.testing import CliRunner
 from rich.console import Console
 
-from fixedpipe.effects.cli import compiling, progress
+from fixedpipe.effects.cli import compiling, main, progress
+from fixedpipe.pipeline.native import readiness
 from fixedpipe.pipeline.native.compiling import needed_by, watch_compiling
 
 
@@ -82,3 +84,22 @@ def test_elsewhere_there_is_a_line_every_five_seconds(capsys, monkeypatch):
     assert said[0] == "Compiling kernels that nothing needed before."
     assert said[1] == "compiling kernel 1 of 40: draw_batch"
     assert [line.split()[2] for line in said[1:]] == ["1", "6", "11", "16", "21", "26"]
+
+
+@pytest.mark.parametrize("interrupted", [False, True])
+def test_a_command_that_has_done_its_work_waits_for_kernels_of_the_next(monkeypatch, interrupted):
+    class Compiling:
+        def wait(self, say):
+            say("draw_bands", 3, 40)
+            if interrupted:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(compiling, "_SECONDS", 0.0)
+    monkeypatch.setattr(readiness, "compile_beside", {"vector": Compiling()}.get)
+    compiling.announce_compiling.cache_clear()
+    monkeypatch.setattr(compiling, "announce_compiling", compiling.announce_compiling.__wrapped__)
+    done = CliRunner().invoke(main, ["precision", "F004-4", "--size", "8", "--bits", "8"])
+    assert done.exit_code == 0, done.output
+    before, after = done.stderr.split(compiling._LEFT)
+    assert compiling._BESIDE in before
+    assert after.strip() == "compiling kernel 4 of 40: draw_bands"

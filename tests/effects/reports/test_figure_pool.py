@@ -8,6 +8,7 @@ import subprocess
 import sys
 from concurrent.futures import Future
 from pathlib import Path
+from queue import SimpleQueue
 
 import pytest
 from click.testing import CliRunner
@@ -17,6 +18,7 @@ from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.figures.costs import SECONDS, longest_after_the_first
 from fixedpipe.effects.reports import figure_inputs, figure_pool
 from fixedpipe.pipeline.native import queue
+from fixedpipe.pipeline.native.preparation import Prepared
 
 SMALL = "--profile", "GEFORCE_256", "--size", "8"
 
@@ -156,11 +158,11 @@ def test_two_processes_write_what_one_writes(drawn, tmp_path):
     assert contents(tmp_path / "both") == contents(folder)
 
 
-@pytest.mark.parametrize(
-    ("cold", "checked", "compiled"), [(True, True, 2), (True, False, 0), (False, True, 0)]
-)
-def test_other_processes_compile_what_the_first_figures_checks_need(
-    tmp_path, monkeypatch, cold, checked, compiled
+@pytest.mark.parametrize("jobs", [1, 3])
+@pytest.mark.parametrize("checked", [False, True])
+@pytest.mark.parametrize("ready", [(), ("portable",), ("portable", "vector")])
+def test_other_processes_compile_what_the_first_figure_does_not_wait_for(
+    tmp_path, monkeypatch, jobs, checked, ready
 ):
     given = []
 
@@ -168,8 +170,8 @@ def test_other_processes_compile_what_the_first_figures_checks_need(
         def __init__(self, *_):
             pass
 
-        def submit(self, function, *orders):
-            given.append((function, *(order.id for order in orders)))
+        def submit(self, function, what):
+            given.append((function.__name__, getattr(what, "id", what)))
             done = Future()
             done.set_result({"id": given[-1][-1]})
             return done
@@ -177,27 +179,25 @@ def test_other_processes_compile_what_the_first_figures_checks_need(
         def shutdown(self, **_):
             pass
 
-    monkeypatch.setattr(figure_pool, "kernels_are_cold", lambda: cold)
+    monkeypatch.setattr(figure_pool.readiness, "is_ready", ready.__contains__)
     monkeypatch.setattr(figure_pool, "ProcessPoolExecutor", Pool)
     orders = [figure_pool.Order(i, (), 8, 1, checked, tmp_path, None, None) for i in ("K02", "K12")]
-    drawn = list(figure_pool.draw_all(orders, 3, 1, print, print))
+    drawn = list(figure_pool.draw_all(orders, jobs, 1, print, print))
     assert sorted((order.id, record["id"]) for order, record in drawn) == [("K02", "K02"), ("K12", "K12")]
+    needed = {"portable", "vector"} if checked else {"portable"}
+    missing = sorted(needed - set(ready)) if jobs > 1 else []
     first, *others, last = given
-    assert (first[1], last[1]) == ("K02", "K12")
-    assert others == [(figure_pool.compile_vectors,)] * compiled
+    assert first == ("_draw_at_once" if missing else "_draw", "K02") and last == ("_draw", "K12")
+    assert others == [("make_ready", engine) for engine in missing]
 
 
-def test_the_vector_engine_is_compiled_by_a_triangle(monkeypatch):
-    """It draws it, and not the portable engine."""
-    draw, jobs = queue.draw_frame, []
-
-    def draw_frame(*given):
-        jobs.append(given[1])
-        return draw(*given)
-
-    monkeypatch.setattr(queue, "draw_frame", draw_frame)
-    figure_pool.compile_vectors()
-    assert jobs == [1]
+def test_the_first_figure_waits_for_no_compiler(tmp_path, monkeypatch):
+    monkeypatch.setattr(figure_pool.readiness, "is_ready", lambda engine: False)
+    monkeypatch.setattr(Prepared, "bands", lambda *_: pytest.fail("it was drawn by the portable engine"))
+    monkeypatch.setattr(queue, "draw_frame", lambda *_: pytest.fail("it was drawn by the vector engine"))
+    monkeypatch.setattr(figure_pool, "_SAID", SimpleQueue())
+    order = figure_pool.Order("K12", ("GEFORCE_256",), 8, 1, True, tmp_path, None, None)
+    assert figure_pool._draw_at_once(order)["id"] == "K12"
 
 
 def test_what_a_process_refuses_names_its_figure(tmp_path):
