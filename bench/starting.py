@@ -19,7 +19,10 @@ _POLL_SECONDS = 0.01
 def environment(**more):
     """The variables of this process with the checkout on Python's path, and ``more`` of them."""
     paths = [str(_ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return os.environ | {"PYTHONPATH": os.pathsep.join(paths)} | more
+    said = os.environ | {"PYTHONPATH": os.pathsep.join(paths)} | more
+    # As Python comes: a module is compiled once, not whenever it is imported.
+    said.pop("PYTHONDONTWRITEBYTECODE", None)
+    return said
 
 
 def run_module(*arguments, **variables):
@@ -34,17 +37,13 @@ def run_module(*arguments, **variables):
     return seconds, ended.stdout
 
 
-def _draw_to_file(figure, folder, **variables):
-    return run_module(_COMMAND, "figures", figure, "--profile", "GEFORCE_256", "--out", folder, **variables)[
-        0
-    ]
+def _figures(figure):
+    return "figures", figure, "--profile", "GEFORCE_256", "--out"
 
 
 def cold(figure):
     """Seconds of ``fixedpipe figures FIGURE`` until its files are there, where no kernel was compiled."""
-    with tempfile.TemporaryDirectory() as folder:
-        cache = os.path.join(folder, "cache")
-        return _draw_to_file(figure, os.path.join(folder, "out"), NUMBA_CACHE_DIR=cache)
+    return first((_COMMAND, *_figures(figure)))
 
 
 def cached(figure, times=5):
@@ -54,7 +53,7 @@ def cached(figure, times=5):
     """
     with tempfile.TemporaryDirectory() as folder:
         outs = [os.path.join(folder, str(number)) for number in range(times + 1)]
-        return [_draw_to_file(figure, out) for out in outs][1:]
+        return [run_module(_COMMAND, *_figures(figure), out)[0] for out in outs][1:]
 
 
 def is_there(folder):
@@ -72,8 +71,9 @@ def _end(process):
 
 
 def first(command=(_COMMAND, *_EVERY_FIGURE)):
-    """Seconds of ``fixedpipe figures --check`` with an empty kernel cache, until the first figure's files are
-    there; then it is ended. Raises OSError if it ends before.
+    """Seconds of ``fixedpipe figures --check``, or of another command whose last word is the folder, with an
+    empty kernel cache, until the first figure's files are there; then it is ended. Raises OSError if it ends
+    before.
     """
     # What is just being ended may write yet.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:

@@ -49,7 +49,7 @@ PACKAGES = {
         "pipeline": "enums state textures commands programs vertices framebuffers",
     },
     "pipeline/columns": {
-        "raster": "codes floats rows witness primitives columns pixels",
+        "raster": "codes floats rows witness columns pixels",
         "pipeline": "enums pixel_transfer textures commands profiles programs vertices framebuffers",
     },
     "pipeline/execution": {
@@ -153,7 +153,7 @@ PACKAGES = {
         "effects": "refusal passes",
     },
     "effects/reports": {
-        "pipeline": "state commands profiles framebuffers native execution ideal golden",
+        "pipeline": "commands profiles framebuffers native execution ideal golden",
         "effects": "refusal technique bibliography acceptance figures conformance",
     },
     "effects/presentation": {
