@@ -30,6 +30,8 @@ PACKAGES = {
     "pipeline/sentences": {"pipeline": "enums"},
     "pipeline/state": {"pipeline": "enums"},
     "pipeline/pixel_transfer": {"pipeline": "enums state"},
+    "pipeline/canonical": {"pipeline": "state"},
+    "pipeline/kinds": {"pipeline": "state canonical"},
     "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums"},
     "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
     "pipeline/profiles": {"pipeline": "enums textures"},
@@ -42,11 +44,14 @@ PACKAGES = {
         "pipeline": "enums state pixel_transfer textures commands profiles",
     },
     "pipeline/validation": {
-        "pipeline": "enums sentences state pixel_transfer textures commands profiles programs vertices",
+        "pipeline": (
+            "enums sentences state pixel_transfer canonical kinds textures commands profiles programs "
+            "vertices"
+        ),
     },
     "pipeline/native": {
         "raster": "codes rows arrays primitives portable vector columns",
-        "pipeline": "enums state textures commands programs vertices framebuffers",
+        "pipeline": "enums state kinds textures commands programs vertices framebuffers",
     },
     "pipeline/columns": {
         "raster": "codes floats rows witness columns pixels",
@@ -54,7 +59,9 @@ PACKAGES = {
     },
     "pipeline/execution": {
         "raster": "witness primitives",
-        "pipeline": "enums textures commands profiles vertices framebuffers validation native columns",
+        "pipeline": (
+            "enums canonical textures commands profiles vertices framebuffers validation native columns"
+        ),
     },
     "pipeline/ideal": {
         "raster": "codes floats kernel witness fixed",

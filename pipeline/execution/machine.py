@@ -13,6 +13,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.columns.engine import column_draw, needs_columns
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
 from fixedpipe.pipeline.commands import (
@@ -271,7 +272,7 @@ class Machine:
     # Every command's method takes the command and the _Frame that it is of.
 
     def _draw(self, command, frame):
-        state = command.state
+        state = canonical(command.state)
         for surface, position in self._targets(state.draw_buffer):
             target = surface.buffer(state.draw_buffer)
             draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
@@ -304,7 +305,7 @@ class Machine:
 
     def _drawn_by_columns(self, command, target, position):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
-        state, profile = command.state, self.profile
+        state, profile = canonical(command.state), self.profile
         size = target.width, target.height
         # Vertices' colours are rounded where the fragment's width is known.
         primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)

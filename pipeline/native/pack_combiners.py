@@ -119,6 +119,24 @@ def _stage_rows(program, half, select):
     )
 
 
+def pack_constants(program):
+    """Both constant colours of every general combiner, then the final combiner's: a list of rows of bytes."""
+    own = [color_bytes(program.constant_color0), color_bytes(program.constant_color1)]
+    constants = [
+        [
+            *(own[0] if stage.constant_color0 is None else color_bytes(stage.constant_color0)),
+            *(own[1] if stage.constant_color1 is None else color_bytes(stage.constant_color1)),
+        ]
+        for stage in program.general
+    ]
+    return [*constants, [*own[0], *own[1]]]
+
+
+def has_stage_constants(constants):
+    """Whether general combiners have constant colours of their own."""
+    return any(row != constants[0] for row in constants)
+
+
 def pack_combiners(state, profile, textures, draw):
     """The combiners' entries; returns rows of stages and final combiner, constants, the registers read."""
     program = combiner_program(state, profile, textures)
@@ -135,15 +153,7 @@ def pack_combiners(state, profile, textures, draw):
         )
     half, select = profile.arithmetic.expand_half, program.mux_select
     stages, final, used, writes_texture = _stage_rows(program, half, select)
-    own = [color_bytes(program.constant_color0), color_bytes(program.constant_color1)]
-    constants = [
-        [
-            *(own[0] if stage.constant_color0 is None else color_bytes(stage.constant_color0)),
-            *(own[1] if stage.constant_color1 is None else color_bytes(stage.constant_color1)),
-        ]
-        for stage in program.general
-    ]
-    constants.append([*own[0], *own[1]])  # the final combiner's
+    constants = pack_constants(program)
     draw[R.STAGES] = len(stages)
     for on, bit in (
         (program.color_sum_clamp, C.COLOR_SUM_CLAMP),
@@ -154,5 +164,5 @@ def pack_combiners(state, profile, textures, draw):
     draw[R.USES_E_TIMES_F] = Register.E_TIMES_F in used
     draw[R.USES_SPARE0_PLUS_SECONDARY] = Register.SPARE0_PLUS_SECONDARY_COLOR in used
     draw[R.WRITES_TEXTURE] = writes_texture
-    draw[R.STAGE_CONSTANTS] = any(row != constants[0] for row in constants)
+    draw[R.STAGE_CONSTANTS] = has_stage_constants(constants)
     return stages, final, np.array(constants, np.int16), used

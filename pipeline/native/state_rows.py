@@ -1,10 +1,13 @@
 """The rows of a pass that depend on no vertex, kept for the next Draw of the same state."""
 
+from copy import copy
+
 import numpy as np
 
 from fixedpipe.pipeline.enums import ColorWeights, ProductRounding, Register, ShadeModel
 from fixedpipe.pipeline.framebuffers.boxes import scissor_box
-from fixedpipe.pipeline.native.pack_combiners import pack_combiners
+from fixedpipe.pipeline.kinds import kind_of
+from fixedpipe.pipeline.native.pack_combiners import has_stage_constants, pack_combiners, pack_constants
 from fixedpipe.pipeline.native.pack_fragments import (
     pack_facing,
     pack_fog,
@@ -22,11 +25,11 @@ def rows_of(state, profile, framebuffer, textures):
     """The rows of a pass as far as no vertex matters, kept for the next time.
 
     Found by identity, for equal states may differ in bits (0.0 and -0.0); what is kept holds state and
-    profile, so that no other object has theirs.
+    profile, so that no other object has theirs. A state that only differs from one before in its vertices'
+    part has the same rows, one of another constant colour all but these.
     """
     height, width, _ = framebuffer.color.shape
-    key = (
-        id(state),
+    beside = (
         id(profile),
         width,
         height,
@@ -34,15 +37,21 @@ def rows_of(state, profile, framebuffer, textures):
         framebuffer.color_format,
         *[_texture_kind(textures, unit) for unit in state.texture_units],
     )
-    rows = _rows.get(key)
-    if rows is None:
+    key = (id(state), beside)
+    found = _rows.get(key)
+    if found is None:
         if len(_rows) >= _MOST_ROWS:
             _rows.clear()
-        rows = _rows[key] = StateRows(state, profile, framebuffer, textures)
-    return rows
+            _first_rows.clear()
+        kind = kind_of(state)
+        if (first := _first_rows.get((kind, beside))) is None:
+            first = _first_rows[kind, beside] = StateRows(state, profile, framebuffer, textures)
+        found = _rows[key] = first.with_constants(state.register_combiners), state
+    return found[0]
 
 
-_rows, _MOST_ROWS = {}, 1024
+# StateRows by the state, which is held, that its id be no other's; and by its kind.
+_rows, _first_rows, _MOST_ROWS = {}, {}, 1024
 
 
 def _texture_kind(textures, unit):
@@ -57,7 +66,7 @@ class StateRows:
     """The rows of a pass as far as no vertex matters, and those that do for each way in which they vary."""
 
     def __init__(self, state, profile, framebuffer, textures):
-        self.held = state, profile
+        self.program, self.profile = state.register_combiners, profile
         draw = np.zeros(R.DRAW_SIZE, np.int64)
         self.draw_float = np.zeros(R.DRAW_FLOAT_SIZE, np.float64)
         draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
@@ -98,6 +107,22 @@ class StateRows:
         )
         self.draw, self.shared = draw, (program, final, constants, arithmetic, factors)
         self.varied = {}
+
+    def with_constants(self, program):
+        """The same rows for a combiner program of the same stages and flags: with its constant colours."""
+        own = self.program
+        if program is own or (
+            program.constant_color0 is own.constant_color0 and program.constant_color1 is own.constant_color1
+        ):
+            return self
+        made = copy(self)
+        stages, final, _, *others = self.shared
+        constants = pack_constants(program)
+        made.shared = stages, final, np.array(constants, np.int16), *others
+        made.draw = self.draw.copy()
+        made.draw[R.STAGE_CONSTANTS] = has_stage_constants(constants)
+        made.program, made.varied = program, {}
+        return made
 
     def vary(self, varies):
         """(draw, units, what is derived) for primitives that are two-sided, hold strokes, have one colour and

@@ -1,28 +1,70 @@
 """Validation of Draws."""
 
+from types import NoneType
+
+from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.enums import ColorBuffer, LineRasterization, PolygonMode, VertexStage
+from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
+from fixedpipe.pipeline.state import Color, PassState, RegisterCombiners, VertexState
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
 from fixedpipe.pipeline.validation.meshes import checked_meshes, mesh_problem
 
 
 def draw(walk, command):
     """Refuse a Draw whose mesh or state the machine could not draw."""
-    mesh, state = command.mesh, command.state
+    mesh, state = command.mesh, canonical(command.state)
     if mesh not in checked_meshes:
         if problem := mesh_problem(mesh):
             walk.refuse(problem)
         checked_meshes.add(mesh)
         if walk.takes(command):  # another mesh in a state that was checked beside one of its kind
             return
+    walk.warned = False
     pass_state(walk, state, mesh)
     _points_and_lines(walk, state, mesh)
     if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
         walk.refuse(f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all.")
     if state.draw_buffer is ColorBuffer.BACK:
         names = tuple(u.texture for u in state.texture_units if u is not None and u.texture is not None)
-        walk.taken.states.add(state, finding=walk.beside(mesh, names))
+        beside = walk.beside(mesh, names)
+        walk.taken.states.add(state, finding=beside)
+        if not walk.warned:
+            walk.taken.kinds.add(kind_of(state), finding=beside)
+
+
+def is_like_another(walk, command, checks):
+    """Whether a Draw differs from one that was taken in its vertices' part and in constant colours alone;
+    refuses what is wrong with the first of these. ``checks``: TypeChecks.
+    """
+    mesh, state = command.mesh, canonical(command.state)
+    program = getattr(state, "register_combiners", None)
+    if (
+        not walk.is_whole(command)
+        or type(state) is not PassState
+        or type(state.vertex) is not VertexState
+        or type(program) not in (NoneType, RegisterCombiners)
+        or checks[VertexState](state.vertex)
+    ):
+        return False
+    if program is not None and (
+        checks[Color](program.constant_color0) or checks[Color](program.constant_color1)
+    ):
+        return False
+    _, beside = walk.taken.kinds.get(id(kind_of(state)), (None, None))
+    if beside is None:
+        return False
+    if mesh not in checked_meshes:
+        if mesh_problem(mesh):
+            return False
+        checked_meshes.add(mesh)
+    if beside != walk.beside(mesh, beside.names):
+        return False
+    walk.once(vertices.vertex, state.vertex)
+    vertices.normals(walk, state)
+    walk.taken.states.add(state, finding=beside)
+    return True
 
 
 def pass_state(walk, state, mesh):

@@ -54,7 +54,7 @@ from fixedpipe.pipeline.state import (
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation import texture_units
 from fixedpipe.pipeline.validation.buffers import accum, clear, read_pixels, saturate
-from fixedpipe.pipeline.validation.draws import draw
+from fixedpipe.pipeline.validation.draws import draw, is_like_another
 from fixedpipe.pipeline.validation.fragments import register_combiners
 from fixedpipe.pipeline.validation.frames import frame_of, host_step, issued_by
 from fixedpipe.pipeline.validation.rectangles import bitmap, copy_pixels, draw_pixels
@@ -191,6 +191,8 @@ def walked(walk: Walk, commands: Iterable[Command], since: str = "", first: int 
             )
         if isinstance(command.label, str):
             walk.where = f'Command {number}{since}, "{command.label}"'
+        if type(command) is Draw and is_like_another(walk, command, _CHECKS):
+            continue
         if wrong := _CHECKS[type(command)](command):
             walk.refuse(f"{wrong.path.lstrip('.')} {wrong.predicate}.")
         VALIDATIONS[type(command)](walk, command)

@@ -7,6 +7,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 from weakref import WeakKeyDictionary
 
+from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.commands import Clear, Command, Draw, Mesh
 from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
 from fixedpipe.pipeline.profiles.profile import Profile
@@ -65,12 +66,12 @@ class KnownTexture(NamedTuple):
 
 
 class Taken:
-    """What a profile was found to take: parts of states, whole states with what they were drawn beside, and
-    texture objects as what validation remembers of them.
+    """What a profile was found to take: parts of states, whole states and their kinds with what they were
+    drawn beside, and texture objects as what validation remembers of them.
     """
 
     def __init__(self):
-        self.parts, self.states = Remembered(), Remembered()
+        self.parts, self.states, self.kinds = Remembered(), Remembered(), Remembered()
         self.textures: WeakKeyDictionary[Texture, KnownTexture] = WeakKeyDictionary()
 
 
@@ -112,6 +113,7 @@ class Walk:
     width, height, depth_bits  of what is drawn to: the window, or a pbuffer where ``in_window`` is False
     surfaces    name to KnownSurface
     textures    name to KnownTexture
+    warned      whether of the command at hand
     read        names that ReadPixels gave; ``given``: those of them whose pixels no histogram's sink took
     histograms, minmaxes  names of those that count
     """
@@ -131,7 +133,7 @@ class Walk:
         self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
         self.taken = taken_by(profile)
         self.window = width, height, depth_bits
-        self.in_window = True
+        self.in_window, self.warned = True, False
         self.surfaces = {
             name: KnownSurface(f.width, f.height, f.color_format, f.depth_format)
             for name, f in surfaces.items()
@@ -153,6 +155,7 @@ class Walk:
 
     def warn(self, sentence: str) -> None:
         """Warn that the command at hand reads a DisabledTexture, at the line that called the project."""
+        self.warned = True
         frame: FrameType | None = sys._getframe(1)
         level = 2
         while frame is not None and frame.f_globals.get("__name__", "").startswith("fixedpipe."):
@@ -174,10 +177,14 @@ class Walk:
         """
         if type(command) is Clear:
             return id(command) in self.taken.states
-        if type(command) is not Draw or type(command.label) is not str or not command.label.strip():
+        if type(command) is not Draw or not self.is_whole(command):
             return False
-        found = self.taken.states.get(id(command.state))
+        found = self.taken.states.get(id(canonical(command.state)))
         return found is not None and found[1] == self.beside(command.mesh, found[1].names)
+
+    def is_whole(self, command: Draw) -> bool:
+        """Whether a Draw has a label, and a Mesh."""
+        return type(command.label) is str and bool(command.label.strip()) and type(command.mesh) is Mesh
 
     def beside(self, mesh: Mesh, names: tuple[str, ...]) -> _Beside | None:
         """What the finding on a state that names these textures depends on; None for a mesh not checked."""

@@ -15,7 +15,10 @@ from fixedpipe.pipeline.vertices.arithmetic import (
 )
 from fixedpipe.pipeline.vertices.lighting import light_vertices
 from fixedpipe.pipeline.vertices.primitives import is_constant
-from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits
+from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits, kept
+from fixedpipe.raster.primitives.meshes import color_bytes
+
+_NONE = np.zeros((0, 0))  # of a mesh that has no such array
 
 
 def eye_normal(mesh, vertex):
@@ -69,7 +72,13 @@ def given_colors(mesh, columns, vertex, profile, bits):
     ``bits``: ``kept_color_bits``, or None.
     """
     key = vertex.two_side, vertex.secondary_color, bits, _clamps_colors(profile)
-    if key not in columns.colors:
+    if key not in columns.colors and key == (False, SecondaryColor.FROM_VERTEX, bits, True) and bits:
+        given = [
+            _NONE if a is None else np.ascontiguousarray(a) for a in (mesh.colors, mesh.secondary_colors)
+        ]
+        colors = np.empty((len(mesh.positions), 2, 8), np.uint8)
+        columns.colors[key] = colors, color_bytes(*given, kept(bits), colors)
+    elif key not in columns.colors:
         front, back = vertex_colors(mesh, vertex, None, None, None, profile)
         both = [*front, *back] if vertex.two_side else front
         colors = stacked_colors(len(mesh.positions), both, bits)
@@ -113,5 +122,5 @@ def stacked_colors(count, columns, significant_bits):
 
 def color_byte(column, significant_bits):
     """Bytes of a column in [0, 1], of which so many significant bits are kept (section 2.13.9)."""
-    kept = keep_significant_bits(column, significant_bits)
-    return np.floor(kept * np.float64(255.0) + np.float64(0.5))
+    cut = keep_significant_bits(column, significant_bits)
+    return np.floor(cut * np.float64(255.0) + np.float64(0.5))

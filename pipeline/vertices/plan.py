@@ -7,18 +7,20 @@ matrix touches is kept.
 
 import weakref
 from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import chain
 
 import numpy as np
 
 from fixedpipe.pipeline.enums import PolygonMode, TexGenMode, VertexStage, WindowOrigin
-from fixedpipe.pipeline.state import IDENTITY
-from fixedpipe.pipeline.vertices.arithmetic import columns_of
+from fixedpipe.pipeline.state import IDENTITY, Viewport
 from fixedpipe.pipeline.vertices.assembly import assemble
 from fixedpipe.pipeline.vertices.projection import viewport_transform
 from fixedpipe.raster.primitives import vertices as V
+from fixedpipe.raster.primitives.meshes import unit_coordinates
 
 _LINEAR_MODES = frozenset({TexGenMode.NONE, TexGenMode.OBJECT_LINEAR, TexGenMode.EYE_LINEAR})
-_COORDINATES = (0.0, 0.0, 0.0, 1.0)  # of a vertex that has none
+_NONE = np.zeros((0, 0))  # the set of a unit that takes none
 _PLANS_KEPT = 32  # of one mesh: a state that is made anew for every frame is never found again
 
 
@@ -71,11 +73,9 @@ def _coordinates(mesh, columns, sets):
     found = columns.coordinates.get(sets)
     if found is None:
         stacked = np.empty((len(mesh.positions), len(sets), 4))
-        for unit, number in enumerate(sets):
-            array = None if number is None else _set(mesh, number)
-            for component, column in enumerate(columns_of(array, _COORDINATES)):
-                stacked[:, unit, component] = column
-        projective = tuple((stacked[:, :, 3] != 1.0).any(axis=0).tolist())
+        arrays = [None if number is None else _set(mesh, number) for number in sets]
+        arrays = [_NONE if array is None else np.ascontiguousarray(array) for array in arrays]
+        projective = tuple([unit_coordinates(array, unit, stacked) for unit, array in enumerate(arrays)])
         found = columns.coordinates[sets] = stacked, projective
     return found
 
@@ -128,7 +128,7 @@ class _Sums:
             return terms[0][1]
         padding = [0] * (4 - len(terms))
         self.sums.append([self.rows, len(terms), *(row for _, row in terms), *padding])
-        self.coefficients.append([*(np.float64(c) for c, _ in terms), *padding])
+        self.coefficients.append([*(c for c, _ in terms), *padding])
         self.rows += 1
         return self.rows - 1
 
@@ -142,19 +142,28 @@ def _vector(first, components):
     return [first + k if k < components else (V.ONES if k == 3 else V.ZEROS) for k in range(4)]
 
 
-def _parameters(state, profile, half_size, center, width, height):
-    viewport, band = state.vertex.viewport, profile.arithmetic.guard_band
+def _parameters(state, profile, width, height):
+    viewport, arithmetic = state.vertex.viewport, profile.arithmetic
+    place = viewport.x, viewport.y, viewport.width, viewport.height
+    upper_left = arithmetic.device_origin == WindowOrigin.UPPER_LEFT
+    row = _of_window(place, width, height, arithmetic.guard_band, arithmetic.subpixel_bits, upper_left).copy()
     near, far = np.float64(viewport.near), np.float64(viewport.far)
-    row = np.empty(V.PARAMETERS)
+    row[V.DEPTH_SCALE], row[V.DEPTH_OFFSET] = (far - near) * np.float64(0.5), (far + near) * np.float64(0.5)
+    row[V.PERSPECTIVE] = state.perspective_correction
+    return row
+
+
+@lru_cache(256)
+def _of_window(place, width, height, band, subpixel_bits, upper_left):
+    """Parameters of window x and y. ``place``: the viewport's x, y, width and height, whole numbers."""
+    half_size, center = viewport_transform(Viewport(*place), width, height)
+    row = np.zeros(V.PARAMETERS)
     row[[V.HALF_X, V.HALF_Y]] = half_size
     row[[V.CENTER_X, V.CENTER_Y]] = center
     row[[V.LOW_X, V.LOW_Y]] = center[0] + band, center[1] + band
     row[[V.HIGH_X, V.HIGH_Y]] = (width + band) - center[0], (height + band) - center[1]
-    row[V.DEPTH_SCALE], row[V.DEPTH_OFFSET] = (far - near) * np.float64(0.5), (far + near) * np.float64(0.5)
     row[V.SNAP_LOW], row[V.SNAP_HIGH_X], row[V.SNAP_HIGH_Y] = -band, width + band, height + band
-    row[V.STEPS], row[V.HEIGHT] = 1 << profile.arithmetic.subpixel_bits, height
-    row[V.UPPER_LEFT] = profile.arithmetic.device_origin == WindowOrigin.UPPER_LEFT
-    row[V.PERSPECTIVE] = state.perspective_correction
+    row[V.STEPS], row[V.HEIGHT], row[V.UPPER_LEFT] = 1 << subpixel_bits, height, upper_left
     return row
 
 
@@ -214,7 +223,6 @@ class _Formula:
 
 def _formula(widths, state, profile, width, height):
     """``widths``: of positions and of each texture coordinate set."""
-    half_size, center = viewport_transform(state.vertex.viewport, width, height)
     components, *of_sets = widths
     units, vertex = state.texture_units, state.vertex
     modes = {gen.mode for unit in units if unit is not None for gen in unit.gen}
@@ -222,26 +230,68 @@ def _formula(widths, state, profile, width, height):
     linear = not as_given and modes <= _LINEAR_MODES
     used = {unit.coordinates for unit in units if unit is not None} if linear else ()
     sets = tuple(sorted(number for number in used if number < len(of_sets)))
-    sums = _Sums(components + sum(of_sets[number] for number in sets))
+    given = components + sum(of_sets[number] for number in sets)
     position = _vector(V.FIRST_GIVEN, components)
-    eye = sums.transform(vertex.modelview, position)
-    results = sums.transform(vertex.projection, eye)
+    keeps_eye = vertex.lighting is not None or state.fog is not None or not (as_given or linear)
     if linear:
+        sums = _Sums(given)
+        eye = sums.transform(vertex.modelview, position)
+        results = sums.transform(vertex.projection, eye)
         first = V.FIRST_GIVEN + components
         results += _linear_coordinates(of_sets, units, sets, first, sums, position, eye)
-    keeps_eye = vertex.lighting is not None or state.fog is not None or not (as_given or linear)
+        found = _laid_out(sums, results, eye if keeps_eye else ())
+    else:
+        found = _transforms(vertex.modelview, vertex.projection, components, keeps_eye)
+    sums, coefficients, results, rows, clip = found
     return _Formula(
-        sums=np.array(sums.sums, np.int32).reshape(-1, 6),
-        coefficients=np.array(sums.coefficients, np.float64).reshape(-1, 4),
-        results=np.array([*results, *(eye if keeps_eye else ())], np.int32),
-        parameters=_parameters(state, profile, half_size, center, width, height),
-        rows=sums.rows,
+        sums=sums,
+        coefficients=coefficients,
+        results=results,
+        parameters=_parameters(state, profile, width, height),
+        rows=rows,
         units=len(units) if linear else 0,
         sets=sets,
         own=tuple(None if u is None else u.coordinates for u in units) if as_given else None,
         keeps_eye=keeps_eye,
-        clip=np.array(results[:4] * 2, np.int32),
+        clip=clip,
     )
+
+
+def _laid_out(sums, results, eye):
+    """As the kernel takes them: sums, coefficients, results, how many rows, and the results for clip
+    coordinates alone.
+    """
+    return (
+        np.array(sums.sums, np.int32).reshape(-1, 6),
+        np.array(sums.coefficients, np.float64).reshape(-1, 4),
+        np.array([*results, *eye], np.int32),
+        sums.rows,
+        np.array(results[:4] * 2, np.int32),
+    )
+
+
+def _transforms(modelview, projection, components, keeps_eye):
+    """``_laid_out`` of a vertex by two matrices. Matrices with zeros and ones at the same places share all
+    but the coefficients: a program moves things in every frame.
+    """
+    entries = [*chain.from_iterable(modelview), *chain.from_iterable(projection)]
+    pattern = tuple([c if c in (0, 1) else None for c in entries])
+    sums, where, *others = _pattern(pattern, components, keeps_eye)
+    return sums, np.array([0.0, 1.0, *entries], np.float64)[where], *others
+
+
+@lru_cache(256)
+def _pattern(pattern, components, keeps_eye):
+    """``_laid_out`` for matrices that are 0, 1 or anything (None) where ``pattern`` says, with the places of
+    the coefficients in (0, 1, the matrices' entries) instead of them.
+    """
+    places = [place if entry is None else int(entry) for place, entry in enumerate(pattern, 2)]
+    rows = [places[at : at + 4] for at in range(0, 32, 4)]
+    sums = _Sums(components)
+    eye = sums.transform(rows[:4], _vector(V.FIRST_GIVEN, components))
+    results = sums.transform(rows[4:], eye)
+    sums, where, *others = _laid_out(sums, results, eye if keeps_eye else ())
+    return sums, where.astype(np.int64), *others
 
 
 # By the widths of a mesh's arrays and what of the state they follow from, whatever the mesh: the _Formula,

@@ -325,7 +325,7 @@ def test_triangles_clipped_one_by_one_are_those_clipped_at_once(places, rows, ot
     most = MOST_VERTICES * len(chosen)
     window = np.empty(most, np.int32), np.empty(most, np.int32), np.empty(most), np.empty(most)
     values, triangles = np.empty((most, len(columns))), np.empty((len(rows) + most, 4), np.int32)
-    parameters = plan._parameters(state, profile, half_size, center, WIDTH, HEIGHT)
+    parameters = plan._parameters(state, profile, WIDTH, HEIGHT)
     number, made, lost_here, unusual = clip_triangles(
         rows, chosen, corners, parameters, count, np.empty((2, MOST_VERTICES, len(columns))), values, *window,
         triangles,
