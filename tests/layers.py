@@ -127,7 +127,7 @@ PACKAGES = {
     },
     "effects/acceptance": {
         "raster": "kernel",
-        "pipeline": "enums commands execution ideal",
+        "pipeline": "enums commands execution ideal inspection",
         "effects": "geometry passes scenes reflectance shadows scattering",
     },
     "effects/diagrams": {

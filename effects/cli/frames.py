@@ -6,10 +6,40 @@ from fixedpipe.effects.cli.options import changes_of, machine_of
 
 
 class FrameAsked:
-    """A frame to look into: a title, and how it runs."""
+    """A frame to look into: a title, and how it runs.
 
-    def __init__(self, title, machine, size, commands, ideal):
-        self.title, self.machine, self.size, self.commands, self.ideal = title, machine, size, commands, ideal
+    ``commands_of``: a function of a machine, or of the ideal, that gives the commands.
+    """
+
+    def __init__(self, title, machine, size, commands_of):
+        from fixedpipe.pipeline.profiles import IDEAL
+
+        self.title, self.machine, self.size, self.commands_of = title, machine, size, commands_of
+        self.commands, self.ideal = commands_of(machine), commands_of(IDEAL)
+
+    def change(self, what_if):
+        """Change one or more things of it: ``what_if`` as ``what_if_options`` makes it. Raises Refusal."""
+        from fixedpipe.effects.refusal import refusals
+        from fixedpipe.pipeline.inspection import what_if as changes
+        from fixedpipe.pipeline.profiles import IDEAL
+
+        machine, commands_of = self.machine, self.commands_of
+        with refusals():
+            for part, bits in what_if["bits"]:
+                machine = changes.with_bits(machine, part, bits)
+            for name in what_if["without"]:
+                machine = changes.without_clamp(machine, name)
+
+            def changed(of):
+                commands = commands_of(of)
+                for number, color in what_if["constants"]:
+                    commands = changes.with_constant(commands, number, color)
+                for name, picture in what_if["textures"]:
+                    commands = changes.with_texture(commands, name, picture)
+                return commands
+
+            self.machine, self.commands_of = machine, changed
+            self.commands, self.ideal = changed(machine), changed(IDEAL)
 
     def run(self, surface):
         """The RecordedFrame, and the RecordedIdeal where there is one."""
@@ -40,7 +70,6 @@ def _figure(figure_id, profile, size, settings):
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import choose, refusals
-    from fixedpipe.pipeline.profiles import IDEAL
 
     figure = choose("figure", figure_id, FIGURES)
     machine = machine_of(profile or figure.machines[0])
@@ -49,11 +78,9 @@ def _figure(figure_id, profile, size, settings):
     with refusals():
         method = figure.method_for(machine)
         changes = changes_of(settings, figure, (method,))
-        commands = figure.commands(machine, size, method, **changes)
-        ideal = figure.commands(IDEAL, size, method, **changes)
-    changed = f", with {figure.said(method, changes)}" if changes else ""
-    title = f"{figure.id}: {figure.title}, on {machine.name}: {method.name}{changed}"
-    return FrameAsked(title, machine, dimensions, commands, ideal)
+        changed = f", with {figure.said(method, changes)}" if changes else ""
+        title = f"{figure.id}: {figure.title}, on {machine.name}: {method.name}{changed}"
+        return FrameAsked(title, machine, dimensions, lambda of: figure.commands(of, size, method, **changes))
 
 
 def _script(path, profile, size, settings):
@@ -79,7 +106,62 @@ def _script(path, profile, size, settings):
         commands = tuple(made["commands"])
     except TypeError:
         raise Refusal(f"{path}: commands is {made['commands']!r}; give a list of commands.") from None
-    return FrameAsked(path, machine, (made["width"], made["height"]), commands, commands)
+    return FrameAsked(path, machine, (made["width"], made["height"]), lambda of: commands)
+
+
+def what_if_options(command):
+    """The options of a subcommand that change a frame, each of which may be given several times."""
+    options = (
+        click.option("--bits", multiple=True, metavar="PART=N", help="Another width: 4 to 16 bits."),
+        click.option("--without", multiple=True, metavar="CLAMP", help="The machine without this clamp."),
+        click.option("--constant", multiple=True, metavar="K=R,G,B,A", help="Constant colour 0 or 1."),
+        click.option(
+            "--texture", multiple=True, metavar="NAME=FILE", help="A picture instead of a 2D texture."
+        ),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def what_if_of(bits, without, constant, texture):
+    """What ``what_if_options`` are given, for ``FrameAsked.change``; None: nothing. Raises Refusal."""
+    if not (bits or without or constant or texture):
+        return None
+    return {
+        "bits": [_assigned("--bits", text, "combiner=12", str, int) for text in bits],
+        "without": without,
+        "constants": [_assigned("--constant", text, "1=0.5,0.5,0.5,1", int, _color) for text in constant],
+        "textures": [_assigned("--texture", text, "normals=bumps.png", str, _picture) for text in texture],
+    }
+
+
+def _assigned(option, text, example, name, value):
+    from fixedpipe.effects.refusal import Refusal
+
+    left, equals, right = text.partition("=")
+    try:
+        if equals:
+            return name(left), value(right)
+    except Refusal:
+        raise
+    except ValueError:
+        pass
+    raise Refusal(f"{option} is {text!r}; give it as in {option} {example}.")
+
+
+def _color(text):
+    color = tuple(float(word) for word in text.split(","))
+    if len(color) != 4:
+        raise ValueError
+    return color
+
+
+def _picture(path):
+    from fixedpipe.effects.user_pictures.inputs import read_picture
+
+    picture = read_picture(path)[::-1]  # a texture's first row is its lowest
+    return picture[..., None] if picture.ndim == 2 else picture
 
 
 def write_file(path, content):

@@ -2,7 +2,7 @@
 
 import click
 
-from fixedpipe.effects.cli.frames import frame_asked, write_file
+from fixedpipe.effects.cli.frames import frame_asked, what_if_of, what_if_options, write_file
 from fixedpipe.effects.cli.options import refuse_ignored, set_option
 
 
@@ -13,6 +13,7 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 @click.option(
     "--map", "kind", metavar="KIND", help="Where it happened: clamps, overdraw, lambda or primitive."
 )
+@click.option("--attribution", is_flag=True, help="Was it the clamp, the filter or the bits? By rank.")
 @click.option("--out", metavar="FILE", help="Of a map: its picture; the commands' maps below one another.")
 @click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own, or the script's.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
@@ -20,15 +21,20 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 @click.option("--surface", metavar="NAME", help="A pbuffer instead of the window.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the history as JSON.")
 @click.option("--html", "html_file", metavar="FILE", help="Write it as a page: one file, without scripts.")
+@what_if_options
 @set_option
-def inspect(what, pixel, registers, kind, out, number, **of):
+def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     """Look into figure ID, or into the frame that SCRIPT.py makes.
 
     --pixel: every command that touched a pixel, every fragment there and every stage of each: what the
     machine read and made, as codes and as values, the guided ideal's values, and how much of the error each
     stage adds, by cause. --registers: of every register after every stage the least, greatest and mean value,
     the shares that were clamped, how many codes it used, how many bits it leaves unused. --map: a picture of
-    what happened where.
+    what happened where. --attribution: the error of the whole picture, and what is left of it when one thing
+    of the machine is as exact as it can be.
+
+    --bits, --without, --constant and --texture look into the frame with something changed; alone, they say
+    what that does to its error. PART: combiner, texture, framebuffer, filter_fraction.
 
     A script defines `commands`, `profile` (a Profile or its name), `width` and `height`.
     """
@@ -36,25 +42,42 @@ def inspect(what, pixel, registers, kind, out, number, **of):
     from fixedpipe.effects.refusal import Refusal
 
     asked = [
-        name for name, given in (("--pixel", pixel), ("--registers", registers), ("--map", kind)) if given
-    ]
-    if len(asked) != 1:
-        raise Refusal(f"Give one of --pixel, --registers and --map; given: {', '.join(asked) or 'none'}.")
+        name
+        for name, given in (
+            ("--pixel", pixel), ("--registers", registers), ("--map", kind), ("--attribution", attribution)
+        )
+        if given
+    ]  # fmt: skip
+    what_if = what_if_of(of["bits"], of["without"], of["constant"], of["texture"])
+    if len(asked) > 1 or not (asked or what_if):
+        raise Refusal(
+            "Give one of --pixel, --registers, --map and --attribution, or a change alone; given: "
+            f"{', '.join(asked) or 'none'}."
+        )
     context = click.get_current_context()
     if pixel is None:
         names = ("surface", "json_file", "html_file")
-        refuse_ignored(context, names, f"{asked[0]} is of the window, and a table or picture")
+        refuse_ignored(context, names, f"{(*asked, 'a change')[0]} is of the window, and a table or picture")
+    if attribution or not asked:
+        refuse_ignored(context, ("number",), "the error is the whole picture's")
     if kind is None:
         refuse_ignored(context, ("out",), "it is a map's picture; give --map KIND")
     where = _pixel(pixel) if pixel is not None else None
     frame = frame_asked(what, of["profile"], of["size"], of["settings"])
     announce_compiling()
+    before = None if asked else frame_error_of(frame)
+    if what_if is not None:
+        frame.change(what_if)
     if where is not None:
         _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"])
     elif registers:
         _tell_registers(frame, number)
-    else:
+    elif kind:
         _tell_maps(frame, kind, number, out)
+    elif attribution:
+        _tell_attribution(frame)
+    else:
+        _tell_change(frame, before)
 
 
 def _tell_pixel(of, where, number, surface, json_file, html_file):
@@ -107,6 +130,45 @@ _REGISTERS = " " * 45 + "least greatest    mean clamped low        high   codes 
 
 def _share(share):
     return f"{share:12.2%}" if share else f"{'':12}"
+
+
+def frame_error_of(of):
+    """The Error of a FrameAsked."""
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.pipeline.inspection.what_if import frame_error
+
+    with refusals():
+        return frame_error(of.commands, of.machine, *of.size)
+
+
+_ERRORS = f"{'':28}{'shown':>9}{'red':>9}{'green':>9}{'blue':>9}{'largest':>9}{'computed':>10}"
+
+
+def _errors(what, error, last=""):
+    numbers = "".join(f"{255 * value:9.3f}" for value in (error.shown, *error.channels, error.largest))
+    return f"{what:28}{numbers}{255 * error.computed:10.3f}{last}"
+
+
+def _tell_change(of, before):
+    after = frame_error_of(of)
+    click.echo(f"{of.title}\nMachine minus ideal, root mean square, 1/255 of full intensity\n\n{_ERRORS}")
+    click.echo(_errors("as it is", before))
+    click.echo(_errors("changed", after))
+
+
+def _tell_attribution(of):
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.pipeline.inspection.what_if import attribution
+
+    with refusals():
+        own, found = attribution(of.commands_of, of.machine, *of.size)
+    click.echo(
+        f"{of.title}\nMachine minus ideal, root mean square, 1/255 of full intensity\n\n{_ERRORS}     goes"
+    )
+    click.echo(_errors("as it is", own))
+    for what, error in found:
+        goes = 1.0 - error.shown / own.shown if own.shown else 0.0
+        click.echo(_errors(what, error, f"{goes:9.1%}"))
 
 
 def _tell_maps(of, kind, number, out):

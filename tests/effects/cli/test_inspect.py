@@ -8,6 +8,7 @@ from PIL import Image
 
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
+from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
 from fixedpipe.pipeline.inspection.recording import record
@@ -63,6 +64,67 @@ def test_a_figure_s_maps_are_told(tmp_path):
         assert image.format == "PNG"
 
 
+def numbers(text, what):
+    """The numbers of a line that begins with some words."""
+    return [
+        float(word.rstrip("%"))
+        for word in next(line for line in text.splitlines() if line.startswith(what))
+        .removeprefix(what)
+        .split()
+    ]
+
+
+def test_what_a_figure_s_error_is_made_of_is_told():
+    status, text = said("F004-4", "--size", "32", "--attribution")
+    assert status == 0
+    own, combiner = numbers(text, "as it is"), numbers(text, "bits: combiner")
+    assert combiner[-1] == pytest.approx(100 * (1 - combiner[0] / own[0]), abs=0.1)
+    assert numbers(text, "all bits and the half")[-1] > 99
+
+
+def test_a_change_alone_tells_the_error_before_and_after(tmp_path):
+    status, text = said("F004-4", "--size", "32", "--bits", "combiner=12", "--bits", "texture=12")
+    assert status == 0
+    assert numbers(text, "changed")[0] < numbers(text, "as it is")[0] / 2
+    status, text = said("F004-4", "--size", "32", "--constant", "0=1,0,0,1", "--without", "blending")
+    assert status == 0 and numbers(text, "changed") != numbers(text, "as it is")
+    name = next(c.texture for c in FIGURES["F004-4"].commands(GEFORCE_256, 32) if type(c) is TexImage)
+    Image.new("RGB", (8, 8), (128, 128, 255)).save(tmp_path / "flat.png")
+    status, text = said("F004-4", "--size", "32", "--texture", f"{name}={tmp_path / 'flat.png'}")
+    assert status == 0 and numbers(text, "changed") != numbers(text, "as it is")
+
+
+def test_a_pixel_of_a_changed_frame_is_told(tmp_path):
+    codes = []
+    for change in ((), ("--bits", "combiner=12")):
+        file = tmp_path / "pixel.json"
+        status, _ = said("F004-4", "--size", "64", "--pixel", "40,34", "--json", str(file), *change)
+        assert status == 0
+        codes.append(json.loads(file.read_text())["final"]["color"])
+    assert codes[0] != codes[1]
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--bits", "combiner"), "--bits is 'combiner'; give it as in --bits combiner=12."),
+        (("--bits", "fog=12"), "There is no part 'fog' with a width"),
+        (("--bits", "combiner=3"), "4 to 16 bits"),
+        (("--without", "rain"), "The GeForce 256 has no clamp 'rain' to leave out; it has: VERTEX_COLOR"),
+        (("--constant", "1=0.5,0.5"), "--constant is '1=0.5,0.5'; give it as in --constant 1=0.5,0.5,0.5,1."),
+        (("--constant", "3=0,0,0,0"), "There is no constant colour 3"),
+        (("--texture", "a=b.png"), "b.png"),
+        (("--texture", "a=pyproject.toml"), "pyproject.toml"),
+        (("--attribution", "--command", "3"), "--command"),
+        (("--attribution", "--registers"), "Give one of --pixel, --registers, --map and --attribution"),
+        ((), "Give one of --pixel, --registers, --map and --attribution"),
+    ],
+)
+def test_a_change_that_is_none_is_said(options, sentence):
+    status, text = said("F004-4", "--size", "16", *options)
+    assert status == 2 and sentence in text
+
+
 def test_a_script_s_pixel_is_told(tmp_path):
     script = tmp_path / "frame.py"
     script.write_text(SCRIPT)
@@ -94,7 +156,7 @@ def test_what_is_wrong_with_a_script_is_said(tmp_path, source, sentence):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("F004-4",), "Give one of --pixel, --registers and --map; given: none."),
+        (("F004-4",), "or a change alone; given: none."),
         (("F004-4", "--pixel", "3,3", "--registers"), "given: --pixel, --registers."),
         (("F004-4", "--map", "nono"), "There is no map 'nono'; there are: clamps,"),
         (("F004-4", "--registers", "--out", "x.png"), "--out would be ignored"),

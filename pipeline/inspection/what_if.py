@@ -1,0 +1,159 @@
+"""What a frame's error would be if one thing were otherwise: a width, a clamp, a constant, a texture.
+
+The machine's own arithmetic draws the frame again (``Profile.changed``), beside the guided ideal of the same
+commands: docs/decisions/0025. A frame's commands are made by a function of the machine, since the texels of
+one with wider textures are rounded later.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fixedpipe.pipeline.commands import Draw, TexImage
+from fixedpipe.pipeline.enums import Clamp, TextureTarget
+from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.images import texture_2d
+
+Commands: TypeAlias = tuple[Any, ...]
+
+# Parts of a machine that have a width, and what ``Profile.with_precision`` calls that.
+PARTS = {
+    "combiner": "combiner_bits",
+    "texture": "texture_bits",
+    "framebuffer": "framebuffer_bits",
+    "filter_fraction": "filter_fraction_bits",
+}
+_WIDEST = 16  # bits, of ``Profile.with_precision``
+
+
+@dataclass(frozen=True)
+class Error:
+    """A machine's picture minus the ideal of its fragments, over red, green and blue; 1.0 = full intensity.
+
+    shown     root mean square of the pictures as they are seen: both clamped to [0, 1]
+    computed  of the colours that were computed: the ideal's are not clamped, so that a clamp's part shows
+    channels  ``shown`` of each component
+    largest   of the absolute differences that are seen
+    """
+
+    shown: float
+    computed: float
+    channels: tuple[float, float, float]
+    largest: float
+
+
+def _root_mean_square(difference):
+    return float(np.sqrt(np.mean(difference * difference)))
+
+
+def frame_error(commands: Any, profile: Profile, width: int, height: int, *, ideal: Any = None) -> Error:
+    """Run ``commands`` on a machine, and the ideal guided by it: their Error.
+
+    ``ideal``: what the ideal evaluates; None: the same commands. Raises as ``execute`` and ``execute_ideal``.
+    """
+    result = execute(commands, profile, width, height, record=True)
+    exact = execute_ideal(commands if ideal is None else ideal, width, height, guide=result).color[..., :3]
+    color = result.framebuffer.color[..., :3] / (2.0**result.framebuffer.color_bits - 1.0)
+    seen = np.clip(color, 0.0, 1.0) - np.clip(exact, 0.0, 1.0)
+    channels = tuple(_root_mean_square(seen[..., k]) for k in range(3))
+    largest = float(np.abs(seen).max())
+    return Error(_root_mean_square(seen), _root_mean_square(color - exact), channels, largest)  # type: ignore[arg-type]
+
+
+def with_bits(profile: Profile, part: str, bits: int) -> Profile:
+    """The machine with a part (of ``PARTS``) of another width. Raises ValueError."""
+    if part not in PARTS:
+        raise ValueError(f"There is no part {part!r} with a width; there are: {', '.join(PARTS)}.")
+    return profile.with_precision(**{PARTS[part]: bits})
+
+
+def without_clamp(profile: Profile, name: str) -> Profile:
+    """The machine without a clamp, by its name. Raises ValueError for one that it has not."""
+    there = [clamp for clamp in Clamp if clamp in profile.arithmetic.clamps]
+    for clamp in there:
+        if clamp.name == name.upper():
+            return profile.without_clamps(clamp)
+    names = ", ".join(clamp.name for clamp in there) or "none"
+    raise ValueError(f"The {profile.name} has no clamp {name!r} to leave out; it has: {names}.")
+
+
+def with_constant(commands: Any, number: int, color: tuple[float, float, float, float]) -> Commands:
+    """The commands with another constant colour 0 or 1 in every combiner program. Raises ValueError where no
+    program has one.
+    """
+    if number not in (0, 1):
+        raise ValueError(f"There is no constant colour {number}; combiners have 0 and 1.")
+    changed, found = [], False
+    for command in commands:
+        program = command.state.register_combiners if type(command) is Draw else None
+        if program is not None:
+            found = True
+            program = replace(program, **{f"constant_color{number}": color})
+            command = replace(command, state=replace(command.state, register_combiners=program))
+        changed.append(command)
+    if not found:
+        raise ValueError("No Draw of this frame has register combiners, and so none has their constants.")
+    return tuple(changed)
+
+
+def with_texture(commands: Any, name: str, image: ArrayLike) -> Commands:
+    """The commands with another image wherever a TexImage stores the 2D texture ``name``, in its format and
+    with levels where it had more than one. ``image``: as ``texture_2d`` takes it.
+
+    Raises ValueError for a name that none stores, and for another target.
+    """
+    names = [command.texture for command in commands if type(command) is TexImage]
+    if name not in names:
+        there = ", ".join(sorted(set(names))) or "none"
+        raise ValueError(f"No TexImage of this frame stores {name!r}; there are: {there}.")
+    changed = []
+    for command in commands:
+        if type(command) is TexImage and command.texture == name:
+            target, kind, levels = command.target, command.internal_format, command.generate_mipmap
+            if (given := command.image) is not None:
+                target, kind, levels = given.target, given.internal_format, len(given.levels) > 1
+            if target is not TextureTarget.TEXTURE_2D:
+                raise ValueError(f"{name} is a {target.name}; only a TEXTURE_2D takes another picture.")
+            command = replace(command, image=texture_2d(image, kind, mipmaps=levels), pixels=None)
+        changed.append(command)
+    return tuple(changed)
+
+
+def _changes(profile: Profile) -> Iterator[tuple[str, Profile]]:
+    """(what of a machine is as exact as can be, that machine), each alone; at last all widths at once."""
+    arithmetic, combines = profile.arithmetic, profile.combiners.max_general_combiners > 0
+    if combines and arithmetic.expand_half != 127.5:
+        yield "half of EXPAND_NORMAL", profile.changed(expand_half=127.5)
+    for part, name in PARTS.items():
+        yield f"bits: {part}", profile.with_precision(**{name: _WIDEST})
+    for clamp in Clamp:
+        if clamp in arithmetic.clamps:
+            yield f"clamp: {clamp.name}", profile.without_clamps(clamp)
+    widest = profile.with_precision(**dict.fromkeys(PARTS.values(), _WIDEST))
+    yield "all bits", widest
+    if combines:
+        yield "all bits and the half", widest.changed(expand_half=127.5)
+
+
+def attribution(
+    commands_of: Callable[[Profile], Any], profile: Profile, width: int, height: int, *, ideal: Any = None
+) -> tuple[Error, list[tuple[str, Error]]]:
+    """What of a frame's error goes when one thing of the machine is as exact as it can be.
+
+    commands_of  function of a machine that gives the frame's commands for it
+    ideal        commands of the ideal; None: each machine's own
+
+    Returns the machine's own Error, and (what was exact, the Error then) with the least error first. Errors
+    of several causes may cancel, or need each other: their parts need not add up to the whole.
+    """
+
+    def error(machine):
+        return frame_error(commands_of(machine), machine, width, height, ideal=ideal)
+
+    found = [(what, error(machine)) for what, machine in _changes(profile)]
+    return error(profile), sorted(found, key=lambda one: one[1].shown)

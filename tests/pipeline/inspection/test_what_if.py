@@ -1,0 +1,167 @@
+"""What if one thing were otherwise: errors that can be reckoned, and what is left of them."""
+
+import numpy as np
+import pytest
+
+from fixedpipe.effects.figures import FIGURES
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import Mapping, Register, TextureFilter
+from fixedpipe.pipeline.inspection.what_if import (
+    attribution,
+    frame_error,
+    with_bits,
+    with_constant,
+    with_texture,
+    without_clamp,
+)
+from fixedpipe.pipeline.profiles import GEFORCE_256, OCTANE
+from fixedpipe.pipeline.state import (
+    BlendFactor,
+    Blending,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RegisterCombiners,
+    RGBPortion,
+    Sampler,
+    TextureUnit,
+)
+from fixedpipe.pipeline.textures.images import texture_2d, texture_cube_map
+
+GREY = np.full((1, 1, 3), 0.5)
+SQUARE = [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]
+
+
+def combined(general, *, color=(0.0, 0.0, 0.0), constants=((0.0,) * 4, (0.0,) * 4), **state):
+    """A square over the frame whose colour is what a general combiner leaves in SPARE0."""
+    final = FinalCombiner(a=CombinerInput(Register.ZERO), d=CombinerInput(Register.SPARE0))
+    program = RegisterCombiners(
+        general=(GeneralCombiner(rgb=general),),
+        final=final,
+        constant_color0=constants[0],
+        constant_color1=constants[1],
+    )
+    mesh = Mesh(SQUARE, colors=[color] * 6, texture_coordinates=(np.array(SQUARE) / 2 + 0.5,))
+    return Draw(label="square", mesh=mesh, state=PassState(register_combiners=program, **state))
+
+
+def rows(commands, profile=GEFORCE_256):
+    own, found = attribution(lambda machine: commands, profile, 4, 4)
+    return own, dict(found)
+
+
+def test_a_single_rounding_is_the_combiners():
+    """0.2 times 0.7, which are 51/255 and 178.5/255: the constant's byte, and the product's rounding."""
+    product = RGBPortion(a=CombinerInput(Register.CONSTANT_COLOR0), b=CombinerInput(Register.CONSTANT_COLOR1))
+    own, found = rows([combined(product, constants=((0.2,) * 4, (0.6,) * 4))])
+    # 51 * 153 / 255 = 30.6, which is 31: of one rounding 0.4 of a 255th.
+    assert own.shown == pytest.approx(0.4 / 255, rel=1e-12) and own.channels == (own.shown,) * 3
+    assert own.largest == pytest.approx(own.shown)
+    # Wider numbers alone change nothing: the framebuffer rounds to the same code. Both wider, and it goes.
+    assert found["bits: combiner"].shown == found["bits: framebuffer"].shown == own.shown
+    assert found["all bits"].shown < own.shown / 200
+    for what, error in found.items():
+        if what.startswith("clamp") or ("half" in what and "all" not in what):
+            assert error == own
+
+
+def test_a_single_clamp_is_that_clamps():
+    """0.8 twice is 1.6, which blending clamps to 1; the ideal keeps 1.6, and both are seen as 1."""
+    plain = RGBPortion(a=CombinerInput(Register.PRIMARY_COLOR))
+    blending = Blending(BlendFactor.ONE, BlendFactor.ONE)
+    draw = combined(plain, color=(0.8, 0.8, 0.8), blending=blending)
+    own, found = rows([draw, draw])
+    assert own.shown == 0.0
+    assert own.computed == pytest.approx(0.6, rel=1e-12)
+    assert found["clamp: BLENDING"].computed < 1e-12
+    others = {what: error for what, error in found.items() if what != "clamp: BLENDING"}
+    assert all(error.computed == pytest.approx(0.6, rel=1e-3) for error in others.values())
+
+
+def test_a_single_constant_of_a_mapping_is_that_constants():
+    """EXPAND_NORMAL of 200/255 is 144/255 here, and 145/255 where 1/2 is exact."""
+    mapped = RGBPortion(a=CombinerInput(Register.PRIMARY_COLOR, mapping=Mapping.EXPAND_NORMAL))
+    own, found = rows([combined(mapped, color=(200 / 255,) * 3)])
+    assert own.shown == pytest.approx(1 / 255, rel=1e-9)
+    assert found["half of EXPAND_NORMAL"].shown < 1e-12
+    assert found["bits: texture"] == found["clamp: MAPPING"] == own
+
+
+def test_a_single_filter_is_its_fractions():
+    """A ramp of two texels, magnified from a place that eight bits do not hold."""
+    ramp = texture_2d(np.array([[[0.0] * 3, [1.0] * 3]]))
+    sampler = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR)
+    plain = RGBPortion(a=CombinerInput(Register.TEXTURE0))
+    unit = TextureUnit("ramp", sampler=sampler)
+    commands = [TexImage(label="ramp", texture="ramp", image=ramp), combined(plain, texture_units=(unit,))]
+    own, found = attribution(lambda machine: commands, GEFORCE_256, 7, 7)
+    found, least = dict(found), min(error.shown for what, error in found if not what.startswith("all"))
+    assert 0.0 < own.shown < 1 / 255
+    assert found["all bits"].shown < own.shown / 50
+    assert found["bits: filter_fraction"].shown <= own.shown
+    assert least == min(found["bits: filter_fraction"].shown, found["bits: combiner"].shown)
+
+
+def test_attribution_of_a_figure_ranks_what_the_inspector_found():
+    """The brushed spheres' error is EXPAND_NORMAL's and the products' (docs/inspecting.md), no clamp's."""
+    figure = FIGURES["F004-4"]
+    size = figure.dimensions(48)
+    own, found = attribution(lambda machine: figure.commands(machine, 48), GEFORCE_256, *size)
+    assert [error.shown for _, error in found] == sorted(error.shown for _, error in found)
+    single = [what for what, _ in found if not what.startswith("all")]
+    assert set(single[:2]) == {"bits: combiner", "half of EXPAND_NORMAL"}
+    assert dict(found)["all bits and the half"].shown < own.shown / 100
+
+
+def test_a_width_that_a_machine_has_changes_nothing():
+    figure = FIGURES["F004-4"]
+    commands, size = figure.commands(OCTANE, 32), figure.dimensions(32)
+    same = with_bits(OCTANE, "combiner", OCTANE.arithmetic.combiner_bits)
+    assert frame_error(commands, OCTANE, *size) == frame_error(commands, same, *size)
+
+
+def test_constants_and_textures_take_the_places_of_others():
+    unit = TextureUnit("picture", sampler=Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST))
+    plain = RGBPortion(a=CombinerInput(Register.TEXTURE0), b=CombinerInput(Register.CONSTANT_COLOR1))
+    image = TexImage(label="picture", texture="picture", image=texture_2d(np.full((2, 2, 3), 255, np.uint8)))
+    frame = (image, combined(plain, texture_units=(unit,)))
+    changed = with_constant(frame, 1, (1.0, 0.5, 0.0, 1.0))
+    changed = with_texture(changed, "picture", np.full((4, 4, 3), 51, np.uint8))
+    assert changed[0].image.levels[0].shape[1:3] == (4, 4) and len(changed[0].image.levels) == 1
+    assert changed[1].state.register_combiners.constant_color1[1] == 0.5
+    assert frame[0] is image and frame[1].state.register_combiners.constant_color1[1] == 0.0
+    assert changed[1].state.register_combiners.general == frame[1].state.register_combiners.general
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (
+            lambda: with_bits(GEFORCE_256, "fog", 12),
+            "no part 'fog' with a width; there are: combiner, ",
+        ),
+        (lambda: with_bits(GEFORCE_256, "combiner", 20), "combiner_bits is 20; .* 4 to 16 bits"),
+        (
+            lambda: without_clamp(GEFORCE_256, "FOG"),
+            "no clamp 'FOG' to leave out; it has: VERTEX_COLOR, ",
+        ),
+        (lambda: with_constant((), 2, (0.0,) * 4), "There is no constant colour 2"),
+        (lambda: with_constant((), 0, (0.0,) * 4), "No Draw of this frame has register combiners"),
+        (
+            lambda: with_texture((), "a", texture_2d(np.zeros((1, 1, 3)))),
+            "No TexImage .* 'a'; there are: none",
+        ),
+        (
+            lambda: with_texture(
+                [TexImage(label="a", texture="a", image=texture_cube_map(np.zeros((6, 1, 1, 3))))],
+                "a",
+                GREY,
+            ),
+            "a is a TEXTURE_CUBE_MAP; only a TEXTURE_2D",
+        ),
+    ],
+)
+def test_what_cannot_be_changed_is_said(change, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        change()
