@@ -20,10 +20,14 @@ from fixedpipe.effects.cli.options import refuse_ignored
     help="What a pixel shader's unit has bound: 1=TEXTURE_CUBE_MAP for instance. May be given again.",
 )
 @click.option("--rc", "notation", is_flag=True, help="Print as !!TS1.0 and !!RC1.0 text, not in words.")
-def combiners(file, profile, targets, notation):
+@click.option("--bounds", is_flag=True, help="What every register can hold, and which clamps may bite.")
+def combiners(file, profile, targets, notation, bounds):
     """Read FILE (- for standard input), a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0``
     texture shaders, both in one text, or a Direct3D pixel shader ps.1.0 to ps.1.3, and print what it sets, as
     equations.
+
+    --bounds: the range of every register after every stage on the machine, for colours and texels from 0 to
+    1, and of which a clamp can bite. A range may be wider than what fragments reach, and is never narrower.
     """
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.user_pictures.inputs import read_text
@@ -33,6 +37,8 @@ def combiners(file, profile, targets, notation):
     from fixedpipe.pipeline.profiles import PROFILES
     from fixedpipe.pipeline.validation.validate import validate_program
 
+    if bounds and (profile is None or notation):
+        raise Refusal("--bounds are a machine's numbers; give --profile, and leave --rc out.")
     machine = None if profile is None else choose("profile", profile, PROFILES)
     bound = _targets(targets)
     try:
@@ -65,6 +71,23 @@ def combiners(file, profile, targets, notation):
         click.echo(f"  c{place.constant} is {where}")
     for note in program.notes:
         click.echo(f"note: {note}")
+    if bounds:
+        _tell_bounds(program.combiners, machine)
+
+
+def _tell_bounds(combiners, machine):
+    from fixedpipe.effects.refusal import Refusal, refusals
+    from fixedpipe.pipeline.inspection.bounds import combiner_bounds
+
+    if combiners is None:
+        raise Refusal("This program has texture shaders alone; bounds are of register combiners.")
+    with refusals():
+        found = combiner_bounds(combiners, machine)
+    click.echo(f"\n{'':20}{'':14}{'least':>9}{'greatest':>9}   without the clamp")
+    for bound in found:
+        free = f"{bound.below:12.3f}{bound.above:9.3f}" if bound.clamps else ""
+        numbers = f"{bound.least:9.3f}{bound.greatest:9.3f}"
+        click.echo(f"{bound.stage:20}{bound.register:14}{numbers}{free}")
 
 
 def _targets(options):

@@ -913,6 +913,20 @@ def test_compiling_is_announced_on_the_first_start_only(tmp_path):
     assert counted[2:] == [[], []]
 
 
+def test_bounds_of_a_program_are_told(tmp_path):
+    text = (
+        "!!RC1.0\n{ rgb { spare0 = expand(tex0) . expand(col0); } }\nout.rgb = spare0.rgb;\nout.a = col0.a;\n"
+    )
+    (tmp_path / "dot.rc").write_text(text)
+    result = run("combiners", tmp_path / "dot.rc", "--profile", "GEFORCE_256", "--bounds")
+    assert result.exit_code == 0, result.output
+    line = next(line for line in result.output.splitlines() if "spare0.r" in line)
+    assert line.split()[-4:] == ["-1.004", "1.000", "-3.000", "3.024"]
+    assert "--bounds are a machine's numbers; give --profile" in refusal_of(
+        "combiners", tmp_path / "dot.rc", "--bounds"
+    )
+
+
 def test_precision_prints_a_row_for_each_width_and_clamp():
     result = run("precision", "F004-4", "--size", "8", "--bits", "4,8")
     assert result.exit_code == 0, result.output
