@@ -218,12 +218,14 @@ class ReplayedPixel:
                 return None
             seen, passed = [], []
 
-            def saw(stage, /, **columns):
-                seen[-1](stage, **columns)
+            def saw(name, /, **columns):
+                seen[-1](name, **columns)
 
             for k in range(len(covered.triangle)):
                 seen.append(witness())
                 saw("primitives", primitives=primitives)
+                row = int(covered.triangle[k])
+                saw("vertices", mesh=command.mesh, state=state, primitives=primitives, triangle=row)
                 one = Covered(covered.triangle[k : k + 1], covered.x[k : k + 1], covered.y[k : k + 1])
                 passed += column_draw(primitives, one, state, profile, target, step.textures, saw).tolist()
             return seen, covered.triangle.tolist(), passed

@@ -19,6 +19,7 @@ from fixedpipe.pipeline.enums import (
 from fixedpipe.pipeline.inspection import exact
 from fixedpipe.pipeline.inspection.history import Clamped, Error, Fragment, Quantity, Stage
 from fixedpipe.pipeline.inspection.ideal_numbers import ideal_numbers
+from fixedpipe.pipeline.inspection.vertices import vertices_stage
 from fixedpipe.pipeline.notations.register_combiner_words import REGISTER_NAMES, format_input
 from fixedpipe.pipeline.state import PassState
 from fixedpipe.raster.columns import combine, numbers
@@ -33,14 +34,14 @@ class FragmentWitness:
     def __init__(self) -> None:
         self.told: list[tuple[str, dict[str, Any]]] = []
 
-    def __call__(self, stage: str, /, **columns: Any) -> None:
+    def __call__(self, name: str, /, **columns: Any) -> None:
         """Be told. Dictionaries of registers change later: their arrays do not. An ideal's file does."""
         if "registers" in columns:
             columns["registers"] = dict(columns["registers"])
-        for name in ("file", "computed"):
-            if name in columns:
-                columns[name] = columns[name].copy()
-        self.told.append((stage, columns))
+        for changes in ("file", "computed"):
+            if changes in columns:
+                columns[changes] = columns[changes].copy()
+        self.told.append((name, columns))
 
 
 def fragment_of(
@@ -127,6 +128,10 @@ class _Reader:
         return iter(() if made is None else (made,))
 
     # ------------------------------------------------------------------------------------ iteration
+
+    def vertices(self, mesh, state, primitives, triangle):
+        """The primitive's vertices."""
+        return vertices_stage(mesh, state, primitives, triangle)
 
     def iteration(self, *, triangle, vertices, provoking, x, y, area, edges, inverse_w, **made_of):
         """The primitive, and the fragment's place in it."""
@@ -464,6 +469,7 @@ def _clamps(name, components, before, after, one):
 
 
 _TELLERS = {
+    "vertices": _Reader.vertices,
     "iteration": _Reader.iteration,
     "depth": _Reader.depth,
     "shaded": _Reader.shaded,

@@ -223,19 +223,23 @@ def process_columns(mesh, state, profile, width, height, sample=(0, 0), *, round
     return stroked(primitives, mesh, state, profile, triangles, origin, sizes)
 
 
+def eye_and_clip(vertex, position):
+    """Eye and clip coordinates of object coordinates, four columns each (sections 2.10.2, 2.11)."""
+    eye = transform(vertex.modelview, position)
+    if vertex.composite is not None:
+        return eye, transform_single(vertex.composite.matrix, position)
+    return eye, transform(vertex.projection, eye)
+
+
 def _vertex_columns(mesh, state, profile, position):
     """What is clipped, a column each (clip coordinates, eye coordinates where planes clip, colours, fog,
     texture coordinates, sizes of points), and whether back colours are others than the front's.
     """
     vertex = state.vertex
-    eye = transform(vertex.modelview, position)
+    eye, clip_coordinates = eye_and_clip(vertex, position)
     normal = eye_normal(mesh, vertex) if needs_normals(state) else None
     front, back = vertex_colors(mesh, vertex, position, eye, normal, profile)
     two_side = back is not front
-    if vertex.composite is None:
-        clip_coordinates = transform(vertex.projection, eye)
-    else:
-        clip_coordinates = transform_single(vertex.composite.matrix, position)
     columns = [
         *clip_coordinates,
         *(eye if vertex.clip_planes else ()),

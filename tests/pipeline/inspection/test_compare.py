@@ -70,7 +70,7 @@ def test_a_pbuffers_pixels_are_compared_too():
     first, second = ((current, CLEAR, triangle(colors=((c, c, c),) * 3)) for c in (0.2, 0.4))
     found = parted(first, second, (NV2A, NV2A))
     assert (found.command, found.first.shape) == (2, (32, 32, 4))
-    assert found.stages[0].title == "fragment"
+    assert found.stages[0].title == "vertices"
 
 
 def test_other_commands_are_refused():

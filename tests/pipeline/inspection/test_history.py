@@ -32,11 +32,15 @@ from fixedpipe.pipeline.state import (
     CombinerInput,
     FinalCombiner,
     GeneralCombiner,
+    Light,
+    Lighting,
+    Material,
     PassState,
     RegisterCombiners,
     RGBPortion,
     Sampler,
     TextureUnit,
+    VertexState,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 from tests.support.features import FEATURES, SIZE
@@ -302,3 +306,50 @@ def test_watching_changes_nothing():
     list(unwatched.run(lambda: lambda stage, /, **columns: None))
     assert watched.value() == unwatched.value()
     assert "blending" in told
+
+
+# ------------------------------------------------------------------------------------------------ vertices
+
+
+def vertices_of(mesh, pixel=(3, 3), profile=GEFORCE_256, **state):
+    """{name: values} of what is told of the corners of a Draw's first fragment at a pixel, and the Stage."""
+    found = inspect([Draw(label="d", mesh=mesh, state=PassState(**state))], profile, 16, 16, pixel)
+    stage = found.touched[0].fragments[0].stages[0]
+    assert stage.title == "vertices"
+    return {quantity.name: quantity.values for quantity in (*stage.read, *stage.made)}, stage
+
+
+MOVED = ((1.0, 0.0, 0.0, 0.25), (0.0, 2.0, 0.0, 0.0), (0.0, 0.0, 1.0, -2.0), (0.0, 0.0, 0.0, 1.0))
+SEEN = ((1.5, 0.0, 0.0, 0.0), (0.0, 1.5, 0.0, 0.0), (0.0, 0.0, -1.5, -2.5), (0.0, 0.0, -1.0, 0.0))
+
+
+def test_vertices_are_told_from_object_to_window():
+    corners = np.array([[-1.0, -0.5, 0.0], [1.0, -0.5, 0.25], [-1.0, 0.5, 0.5]])
+    mesh = Mesh(corners, colors=[[0.5, 0.25, 2.0]] * 3, texture_coordinates=([[0.5], [0.25], [0.75]],))
+    told, stage = vertices_of(mesh, (5, 7), vertex=VertexState(MOVED, SEEN))
+    assert stage.says == ""
+    for k, corner in enumerate(corners):
+        eye = np.array(MOVED) @ [*corner, 1.0]
+        clip = np.array(SEEN) @ eye
+        assert told[f"vertex {k}: object coordinates"] == tuple(corner)
+        np.testing.assert_allclose(told[f"vertex {k}: eye coordinates"], eye, rtol=1e-15)
+        np.testing.assert_allclose(told[f"vertex {k}: clip coordinates"], clip, rtol=1e-15)
+        np.testing.assert_allclose(told[f"vertex {k}: window z"], clip[2] / clip[3] / 2 + 0.5, rtol=1e-15)
+        assert told[f"vertex {k}: lit color"] == (0.5, 0.25, 1.0, 1.0)  # clamped to [0, 1]
+        assert told[f"vertex {k}: color"] == (0.5, 0.25, 2.0)
+        assert told[f"vertex {k}: coordinate set 0"] == (mesh.texture_coordinates[0][k, 0],)
+
+
+def test_lit_colors_are_those_of_lighting():
+    light = Light(diffuse=(0.5, 0.5, 0.5, 1.0))
+    mesh = Mesh([[-1, -1, 0], [3, -1, 0], [-1, 3, -3]], normals=[[0, 0, 1], [0, 0, 1], [0.6, 0, 0.8]])
+    material = Material(diffuse=(1.0, 0.0, 1.0, 1.0), ambient=(0.0, 0.0, 0.0, 1.0))
+    lighting = Lighting(lights=(light,), front=material, model_ambient=(0.0, 0.0, 0.0, 1.0))
+    told, stage = vertices_of(mesh, (2, 13), vertex=VertexState(lighting=lighting))
+    given = [name for name in ("vertex 0: lit color", "vertex 1: lit color") if name in told]
+    assert given
+    for name in given:
+        np.testing.assert_allclose(told[name], (0.5, 0.0, 0.5, 1.0), atol=1e-9)
+    clipped = [name for name in told if name.startswith(("vertex 3", "vertex 4"))]
+    assert clipped and "made by clipping" in stage.says
+    assert not any("object" in name or "clip coordinates" in name for name in clipped)
