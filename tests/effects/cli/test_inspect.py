@@ -186,8 +186,9 @@ def test_what_cannot_be_told_is_refused(arguments, sentence):
 def test_every_figure_can_be_looked_into(name):
     figure = FIGURES[name]
     for key in figure.machines:
-        profile, size = PROFILES[key], figure.dimensions(48)
-        frame = record(figure.commands(profile, 48), profile, *size)
+        # The least size that every figure can have.
+        profile, size = PROFILES[key], figure.dimensions(64)
+        frame = record(figure.commands(profile, 64), profile, *size)
         for x, y in ((size[0] // 4, size[1] // 2), (size[0] // 2, size[1] // 3)):
             replayed = ReplayedPixel(frame, x, y)
             list(replayed.run(lambda: lambda stage, /, **columns: None))

@@ -342,14 +342,18 @@ def test_vertices_are_told_from_object_to_window():
 
 def test_lit_colors_are_those_of_lighting():
     light = Light(diffuse=(0.5, 0.5, 0.5, 1.0))
-    mesh = Mesh([[-1, -1, 0], [3, -1, 0], [-1, 3, -3]], normals=[[0, 0, 1], [0, 0, 1], [0.6, 0, 0.8]])
+    mesh = Mesh([[-1, -1], [3, -1], [-1, 3]], normals=[[0, 0, 1], [0, 0, 1], [0.6, 0, 0.8]])
     material = Material(diffuse=(1.0, 0.0, 1.0, 1.0), ambient=(0.0, 0.0, 0.0, 1.0))
     lighting = Lighting(lights=(light,), front=material, model_ambient=(0.0, 0.0, 0.0, 1.0))
-    told, stage = vertices_of(mesh, (2, 13), vertex=VertexState(lighting=lighting))
-    given = [name for name in ("vertex 0: lit color", "vertex 1: lit color") if name in told]
-    assert given
-    for name in given:
-        np.testing.assert_allclose(told[name], (0.5, 0.0, 0.5, 1.0), atol=1e-9)
-    clipped = [name for name in told if name.startswith(("vertex 3", "vertex 4"))]
-    assert clipped and "made by clipping" in stage.says
-    assert not any("object" in name or "clip coordinates" in name for name in clipped)
+    told, _ = vertices_of(mesh, vertex=VertexState(lighting=lighting))
+    for vertex, full in ((0, 1.0), (1, 1.0), (2, 0.8)):
+        expected = (0.5 * full, 0.0, 0.5 * full, 1.0)
+        np.testing.assert_allclose(told[f"vertex {vertex}: lit color"], expected, rtol=1e-12)
+        assert told[f"vertex {vertex}: normal"] == tuple(mesh.normals[vertex])
+
+
+def test_vertices_that_clipping_made_are_told_as_such():
+    told, stage = vertices_of(Mesh([[-1, -1, 0], [3, -1, 0], [-1, 3, -3]]), (2, 13))
+    assert stage.says.startswith("made by clipping, as their numbers say: 3")
+    assert not any("object" in name or "clip coordinates" in name for name in told)
+    assert all(told[name] == (1.0,) * 4 for name in told if name.endswith("lit color"))
