@@ -5,7 +5,8 @@ Everything is plain data, in the order of the computation: ``to_json`` writes it
 
 import math
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
+from types import UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from fixedpipe.pipeline.inspection.pixel import PixelValue
 
@@ -163,3 +164,54 @@ _WRITTEN = (
     ((tuple, list), lambda value: [to_json(item) for item in value]),
     (float, lambda value: value if math.isfinite(value) else repr(value)),
 )
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of what ``to_json`` makes of a PixelHistory:
+    docs/pixel-history.schema.json.
+    """
+    described: dict[str, Any] = {}
+    top = _described(PixelHistory, described)
+    title = "A pixel's history: fixedpipe inspect --json"
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": title,
+        **top,
+        "$defs": described,
+    }
+
+
+# A number that JSON has no word for is a string.
+_NUMBER = {"anyOf": [{"type": "number"}, {"enum": ["inf", "-inf", "nan"]}]}
+_PLAIN: dict[Any, dict[str, Any]] = {
+    str: {"type": "string"},
+    int: {"type": "integer"},
+    bool: {"type": "boolean"},
+    float: _NUMBER,
+    type(None): {"type": "null"},
+}
+
+
+def _described(kind: Any, described: dict[str, Any]) -> dict[str, Any]:
+    """The schema of a type's values; those of dataclasses are put into ``described``, by name."""
+    if kind in _PLAIN:
+        return _PLAIN[kind]
+    if get_origin(kind) in (UnionType, Union):
+        return {"anyOf": [_described(one, described) for one in get_args(kind)]}
+    if get_origin(kind) is tuple:
+        of, *more = get_args(kind)
+        length = {} if more == [...] else {"minItems": 1 + len(more), "maxItems": 1 + len(more)}
+        return {"type": "array", "items": _described(of, described), **length}
+    if get_origin(kind) is dict:
+        return {"type": "object", "additionalProperties": _described(get_args(kind)[1], described)}
+    if kind.__name__ not in described:
+        described[kind.__name__] = {}  # one that holds its own kind would look for it here
+        types = get_type_hints(kind)
+        described[kind.__name__] = {
+            "type": "object",
+            "description": (kind.__doc__ or "").split("\n")[0],
+            "properties": {field.name: _described(types[field.name], described) for field in fields(kind)},
+            "required": [field.name for field in fields(kind)],
+            "additionalProperties": False,
+        }
+    return {"$ref": f"#/$defs/{kind.__name__}"}

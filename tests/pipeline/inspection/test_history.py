@@ -3,11 +3,13 @@ ideal's; and what an error is said to be made of adds up to it.
 """
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from jsonschema import Draft202012Validator
 
 from fixedpipe.pipeline.commands import Clear, Draw, HostStep, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
@@ -20,13 +22,13 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
-from fixedpipe.pipeline.inspection.history import to_json
+from fixedpipe.pipeline.inspection.history import json_schema, to_json
 from fixedpipe.pipeline.inspection.ideal import record_ideal
 from fixedpipe.pipeline.inspection.inspect import history, inspect
 from fixedpipe.pipeline.inspection.page import history_page
 from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
 from fixedpipe.pipeline.inspection.recording import record
-from fixedpipe.pipeline.profiles import GEFORCE_256, INFINITE_REALITY, NV2A, PROFILES
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, INFINITE_REALITY, NV2A, PROFILES
 from fixedpipe.pipeline.state import (
     Blending,
     CombinerInput,
@@ -357,3 +359,39 @@ def test_vertices_that_clipping_made_are_told_as_such():
     assert stage.says.startswith("made by clipping, as their numbers say: 3")
     assert not any("object" in name or "clip coordinates" in name for name in told)
     assert all(told[name] == (1.0,) * 4 for name in told if name.endswith("lit color"))
+
+
+# -------------------------------------------------------------------------------------------------- JSON
+
+SCHEMA = Path(__file__).resolve().parents[3] / "docs" / "pixel-history.schema.json"
+
+
+def test_the_published_schema_is_that_of_histories():
+    assert json.loads(SCHEMA.read_text()) == json_schema()
+    Draft202012Validator.check_schema(json_schema())
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_histories_are_as_the_schema_says():
+    validator, touched = Draft202012Validator(json_schema()), 0
+    for feature in FEATURES:
+        if not feature.has(NV2A):
+            continue
+        commands = feature.commands(NV2A) if callable(feature.commands) else feature.commands
+        frame = record(commands, NV2A, SIZE, SIZE, **feature.framebuffer)
+        both = feature.ideal and feature.has(IDEAL)
+        beside = record_ideal(commands, frame, commands) if both else None
+        found = history(frame, (SIZE // 2, SIZE // 2), ideal=beside)
+        validator.validate(json.loads(json.dumps(to_json(found), allow_nan=False)))
+        touched += len(found.touched)
+    assert touched > 50
+
+
+def test_the_schema_refuses_what_no_history_is():
+    mesh = Mesh([[-1, -1], [3, -1], [-1, 3]])
+    found = inspect([Draw(label="d", mesh=mesh, state=PassState())], GEFORCE_256, 8, 8, (3, 3))
+    validator, written = Draft202012Validator(json_schema()), json.loads(json.dumps(to_json(found)))
+    validator.validate(written)
+    for change in ({"x": 1.5}, {"surface": 3}, {"more": 1}, {"touched": [{}]}, {"ideal": ["much"]}):
+        assert not validator.is_valid(written | change)
+    assert not validator.is_valid({name: value for name, value in written.items() if name != "final"})
