@@ -11,7 +11,10 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 @click.option("--pixel", metavar="X,Y", help="From the top left, as in the picture; y downwards.")
 @click.option("--registers", is_flag=True, help="What every register held after every stage, over the frame.")
 @click.option(
-    "--map", "kind", metavar="KIND", help="Where it happened: clamps, overdraw, lambda or primitive."
+    "--map",
+    "kind",
+    metavar="KIND",
+    help="clamps, overdraw, lambda, primitive, error, depth or stencil.",
 )
 @click.option("--attribution", is_flag=True, help="Was it the clamp, the filter or the bits? By rank.")
 @click.option("--out", metavar="FILE", help="Of a map: its picture; the commands' maps below one another.")
@@ -176,7 +179,7 @@ def _tell_maps(of, kind, number, out):
     from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
 
     with refusals():
-        maps = frame_maps(of.commands, of.machine, *of.size, kind)
+        maps = frame_maps(of.commands, of.machine, *of.size, kind, ideal=of.ideal)
     click.echo(f"{of.title}\n{kind}: {KINDS[kind]}\n")
     maps = [each for each in maps if number in (None, each.command)]
     if not maps:

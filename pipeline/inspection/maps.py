@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fixedpipe.pipeline.commands import Command
+from fixedpipe.pipeline.commands import Bitmap, Command, CopyPixels, Draw, DrawPixels
 from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.inspection.exact import unclamped
 from fixedpipe.pipeline.profiles.profile import Profile
 
@@ -18,7 +19,13 @@ KINDS = {
     "overdraw": "how many fragments were shaded",
     "lambda": "lambda of the lowest texture unit that asks for it, of the last fragment",
     "primitive": "which primitive of its Draw the last fragment is of",
+    "error": "the largest difference of red, green and blue from the guided ideal, as seen, in 1/255",
+    "depth": "what the depth buffer holds, 1.0 = the farthest",
+    "stencil": "what the stencil buffer holds",
 }
+# What is left when a command has run; the others are told while it runs.
+_LEFT = {"error", "depth", "stencil"}
+_DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,16 +113,70 @@ _TOLD = {
 }
 
 
-def frame_maps(
-    commands: Iterable[Command], profile: Profile, width: int, height: int, kind: str, **machine: Any
-) -> tuple[Map, ...]:
-    """Run ``commands`` on the column engine: a Map of each command that made a fragment, in order.
+def _left(commands, profile, width, height, kind, ideal, given):
+    """Maps of what the window holds after each command that draws to it."""
+    runner, maps, colors, number = Machine(profile, width, height, **given), [], [], -1
 
-    ``kind``: of KINDS. ``machine``: as ``execute`` takes it, but ``engine``. Raises what ``execute`` raises,
-    and ValueError for another kind.
+    def seen(command, _):
+        nonlocal number
+        number += 1
+        if not isinstance(command, _DRAWING):
+            return
+        shown = runner.drawn()
+        if shown is not runner.framebuffer:  # a pbuffer
+            colors.append(None)
+            return
+        if kind == "stencil":
+            values = shown.stencil.astype(np.float64)
+        elif kind == "depth":
+            if shown.depth_format.is_float:
+                raise ValueError(
+                    f"The depth buffer is {shown.depth_format.name}; a map shows fixed-point depths alone: "
+                    "give depth_bits of a fixed format."
+                )
+            values = shown.depths(0, 0, width, height)[::-1]
+        else:
+            values = np.full((height, width), np.nan)
+            colors.append((len(maps), shown.color[..., :3].copy(), 2.0**shown.color_bits - 1.0))
+        maps.append(Map(number, command.label, values))
+
+    result = runner.run(commands, trace=seen, record=kind == "error")
+    if kind == "error":
+        left = iter(colors)
+
+        def compared(command, exact):
+            if isinstance(command, _DRAWING) and (found := next(left)) is not None:
+                place, codes, one = found
+                difference = np.clip(codes / one, 0.0, 1.0) - np.clip(exact[..., :3], 0.0, 1.0)
+                maps[place].values[:] = 255.0 * np.abs(difference).max(axis=-1)
+
+        execute_ideal(commands if ideal is None else ideal, width, height, guide=result, trace=compared)
+    return tuple(maps)
+
+
+def frame_maps(
+    commands: Iterable[Command],
+    profile: Profile,
+    width: int,
+    height: int,
+    kind: str,
+    *,
+    ideal: Iterable[Command] | None = None,
+    **machine: Any,
+) -> tuple[Map, ...]:
+    """Run ``commands``: a Map of each command that made a fragment, or after which something is left in the
+    window, in order.
+
+    kind     of KINDS
+    ideal    of "error": what the ideal evaluates; None: the same commands
+    machine  as ``execute`` takes it, but ``engine``
+
+    Raises what ``execute`` raises, and ValueError for another kind; of "error" what ``execute_ideal`` raises.
     """
     if kind not in KINDS:
         raise ValueError(f"There is no map {kind!r}; there are: {', '.join(KINDS)}.")
+    if kind in _LEFT:
+        return _left(tuple(commands), profile, width, height, kind, ideal, machine)
     drawn = _Drawn(kind, width, height)
     Machine(profile, width, height, engine="columns", witness=drawn, **machine).run(commands)
     return tuple(drawn.maps.values())

@@ -8,12 +8,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fixedpipe.pipeline.enums import Clamp, TextureFilter
+from fixedpipe.pipeline.inspection.ideal import record_ideal
 from fixedpipe.pipeline.inspection.inspect import history
 from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
 from fixedpipe.pipeline.inspection.recording import record
 from fixedpipe.pipeline.inspection.registers import register_uses
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
 from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
+from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.pipeline.inspection.test_history import blended_frame, textured, triangle
 from tests.support.strategies import frames
 
@@ -53,6 +55,36 @@ def test_maps_agree_with_every_history(commands):
             for y, x in np.argwhere(~np.isnan(each.values)).tolist()
         }
         assert drawn == counted
+
+
+@SOME
+@given(frames(SIZE, SIZE))
+@pytest.mark.filterwarnings("ignore")
+def test_maps_of_what_is_left_agree_with_every_history(commands):
+    found, most = histories(commands), 2.0**GEFORCE_256.widest_depth - 1.0
+    for kind in ("depth", "stencil"):
+        for each in frame_maps(commands, GEFORCE_256, SIZE, SIZE, kind):
+            assert not np.isnan(each.values).any()
+            for (x, y), history_of in found.items():
+                for touched in history_of.touched:
+                    if touched.number == each.command:
+                        left = getattr(touched.after, kind) / (most if kind == "depth" else 1.0)
+                        assert each.values[y, x] == left
+
+
+def test_a_map_of_errors_agrees_with_every_history():
+    commands, seen = blended_frame(), 0
+    frame = record(commands, GEFORCE_256, SIZE, SIZE)
+    ideal = record_ideal(commands, frame, commands)
+    maps = {each.command: each.values for each in frame_maps(commands, GEFORCE_256, SIZE, SIZE, "error")}
+    for y, x in np.ndindex(SIZE, SIZE):
+        for touched in history(frame, (x, y), ideal=ideal).touched:
+            if touched.number in maps:
+                machine, exact = np.array(touched.after.color[:3]) / 255, np.array(touched.ideal[:3])
+                largest = 255 * np.abs(machine - np.clip(exact, 0, 1)).max()
+                assert maps[touched.number][y, x] == pytest.approx(largest, abs=1e-9)
+                seen += largest > 0
+    assert len(maps) > 1 and seen > 5
 
 
 @SOME
@@ -122,5 +154,10 @@ def test_a_pbuffer_larger_than_the_window_does_no_harm(kind):
     from fixedpipe.pipeline.profiles import NV2A
 
     current = MakeCurrent(label="pbuffer", surface="p", width=64, height=64)
-    maps = frame_maps((current, triangle(), MakeCurrent(label="window"), triangle()), NV2A, 8, 8, kind)
+    commands = current, triangle(), MakeCurrent(label="window"), triangle()
+    if kind == "error":
+        with pytest.raises(UnsupportedState, match="pbuffer"):
+            frame_maps(commands, NV2A, 8, 8, kind)
+        return
+    maps = frame_maps(commands, NV2A, 8, 8, kind)
     assert [each.command for each in maps] == [3]
