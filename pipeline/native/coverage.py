@@ -48,12 +48,17 @@ def _covered(primitives, polygon, box, profile):
     return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
+# Rows of a recording, of 16 bytes each: what is not written takes no memory, as long as it is not more.
+_USUAL, _MOST = 1 << 16, 1 << 24
+
+
 def recorded_fragments(draw, framebuffer, batch):
     """Draw a prepared Draw, by the portable engine, and return its Fragments."""
     if draw.area == 0:
         return _fragments(NO_RECORD)
-    recording, buffers = np.empty((1 << 16, 4), np.int32), buffers_of(framebuffer)
-    fits = _most_fragments(draw.primitives) <= len(recording)
+    most = _most_fragments(draw.primitives, framebuffer.width, framebuffer.height)
+    fits = most <= _MOST
+    recording, buffers = np.empty((int(most) if fits else _USUAL, 4), np.int32), buffers_of(framebuffer)
     saved = () if fits else [buffer.copy() for buffer in buffers]
     count = draw.bands(0, 1, batch, buffers, recording)
     if not fits and count > len(recording):  # it did not fit: once more, from the same framebuffer
@@ -64,18 +69,23 @@ def recorded_fragments(draw, framebuffer, batch):
     return _fragments(recording[:count])
 
 
-def _most_fragments(primitives):
-    """A bound of how many fragments primitives make: what their bounding boxes hold, a pixel wider."""
+def _most_fragments(primitives, width, height):
+    """A bound of how many fragments primitives make in a framebuffer: what their bounding boxes hold, a pixel
+    wider.
+    """
     p = primitives
     if len(p.strokes) or not p.orderly:
         return math.inf
     vertices = p.triangles[:, :3]
-    wide, high = (np.ptp(column[vertices].astype(np.float64), axis=1) / 16.0 + 2.0 for column in (p.x, p.y))
-    return float((wide * high).sum())
+    wide, high = (
+        np.minimum(np.ptp(column[vertices].astype(np.float64), axis=1) / 16.0 + 2.0, most)
+        for column, most in ((p.x, width), (p.y, height))
+    )
+    return math.ceil((wide * high).sum())
 
 
 def _fragments(rows):
-    return Fragments(*(np.ascontiguousarray(rows[:, k]) for k in range(4)))
+    return Fragments(*rows.T.copy())
 
 
 def covered_pixels(primitives, state, profile, width, height):
