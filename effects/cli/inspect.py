@@ -67,7 +67,7 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
         refuse_ignored(context, ("out",), "it is a map's picture; give --map KIND")
     where = _pixel(pixel) if pixel is not None else None
     frame = frame_asked(what, of["profile"], of["size"], of["settings"])
-    announce_compiling()
+    announce_compiling("portable")  # which records what the ideal is guided by
     before = None if asked else frame_error_of(frame)
     if what_if is not None:
         frame.change(what_if)

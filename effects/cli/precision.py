@@ -48,7 +48,7 @@ def precision(figure_id, profile, size, bits, parts, settings):
     machine = machine_of(key)
     check_size(figure.id, figure.dimensions(size), machine)
     widths, of = _widths(bits), _parts(parts, measured.PARTS)
-    announce_compiling()
+    announce_compiling("portable")  # which records what the ideal is guided by
     with refusals():
         method = figure.method(key)
         changes = changes_of(settings, figure, (method,))

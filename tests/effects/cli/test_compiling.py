@@ -95,7 +95,7 @@ def test_a_command_that_has_done_its_work_waits_for_kernels_of_the_next(monkeypa
                 raise KeyboardInterrupt
 
     monkeypatch.setattr(compiling, "_SECONDS", 0.0)
-    monkeypatch.setattr(readiness, "compile_beside", {"vector": Compiling()}.get)
+    monkeypatch.setattr(readiness, "compile_beside", {"portable": Compiling()}.get)
     compiling.announce_compiling.cache_clear()
     monkeypatch.setattr(compiling, "announce_compiling", compiling.announce_compiling.__wrapped__)
     done = CliRunner().invoke(main, ["precision", "F004-4", "--size", "8", "--bits", "8"])
