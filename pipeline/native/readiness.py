@@ -88,9 +88,12 @@ def compile_beside(engine):
         return None
     engines = sorted(_KERNELS, key=lambda name: name != engine)
     context = multiprocessing.get_context("spawn")
-    told = context.SimpleQueue()
-    process = context.Process(target=_compile, args=(engines, told), daemon=True)
-    process.start()
+    try:
+        told = context.SimpleQueue()
+        process = context.Process(target=_compile, args=(engines, told), daemon=True)
+        process.start()
+    except OSError:  # no more processes, or no locks between them: this one compiles
+        return None
     _never_waits = True
     return Compiling(process, told)
 

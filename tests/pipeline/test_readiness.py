@@ -119,3 +119,15 @@ def test_nothing_is_begun_for_one_processor_or_for_what_is_there(monkeypatch, pr
     monkeypatch.setattr(readiness, "is_ready", lambda engine: ready)
     assert readiness.compile_beside("vector") is None
     assert not readiness._never_waits
+
+
+def test_where_no_process_can_be_begun_this_one_compiles(monkeypatch):
+    def refuse(method):
+        raise OSError("no locks between processes")
+
+    monkeypatch.setattr(readiness, "default_threads", lambda: 2)
+    monkeypatch.setattr(readiness, "is_ready", lambda engine: False)
+    context = multiprocessing.get_context("spawn")
+    monkeypatch.setattr(type(context), "SimpleQueue", refuse)
+    assert readiness.compile_beside("vector") is None
+    assert not readiness._never_waits
