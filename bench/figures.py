@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
-from bench import draws, factors, ideals, starting
+from bench import draws, factors, ideals, starting, wide
 from bench.measure import Ours, Repeated, clock_of, spread_of, take_turns
 from bench.scenes import SCENES
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -134,6 +134,16 @@ def _ideals(threads):
     return Measured.median(sums, details)
 
 
+def _wide(threads):
+    """Millions of fragments a second of five scenes at twelve bits, by kernels: the least; each beside it and
+    each by the column engine, which has one thread.
+    """
+    found = wide.measure(threads)
+    rates = {name: statistics.median(kernels) for name, (kernels, _) in found.items()}
+    columns = {f"{name}, columns": statistics.median(taken) for name, (_, taken) in found.items()}
+    return Measured(min(rates.values()), rates | columns)
+
+
 def _frames(threads):
     """Frames a second of both panels' passes with all textures in place."""
     machine, commands = _loaded_figure(2 * _EDGE, threads)
@@ -231,6 +241,7 @@ FIGURES = {
         Figure("states", "the same in states not seen before", "µs", True, _per_new_state),
         Figure("draws", "a Draw of a new mesh (100 vertices) in a new state", "µs", True, _per_draw),
         Figure("frames", "F004-4 at 512², textures in place", "frames/s", False, _frames),
+        Figure("wide", "frames of twelve bits, by kernels", "Mfragments/s", False, _wide),
         Figure("first", "fixedpipe figures, empty kernel cache: a picture", "s", True, _first_picture),
         Figure("cold", "fixedpipe figures F004-4, empty kernel cache", "s", True, _cold_start),
         Figure("cached", "fixedpipe figures F004-4 to file", "s", True, _cached_start),

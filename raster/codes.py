@@ -28,8 +28,9 @@ MIPMAP_NONE, MIPMAP_NEAREST, MIPMAP_LINEAR = range(3)
 
 # What a texel is compared with (ARB_shadow): nothing, the coordinate r, zero.
 COMPARE_MODE_NONE, COMPARE_MODE_R_TO_TEXTURE, COMPARE_MODE_ZERO_TO_TEXTURE = range(3)
-# In a comparison function's place where texels are not compared: they are bytes, or words of 16 bits.
-UNCOMPARED = UNCOMPARED_BYTES, UNCOMPARED_WORDS = -1, -2
+# In a comparison function's place where texels are not compared: they are bytes, or two words of 16 bits that
+# are one number each, or half a wide texel: two components.
+UNCOMPARED = UNCOMPARED_BYTES, UNCOMPARED_WORDS, UNCOMPARED_LANES = -1, -2, -3
 
 FOG_MODE_LINEAR, FOG_MODE_EXP, FOG_MODE_EXP2 = range(3)
 # How a fragment's fog factor is found; zero: it has none.

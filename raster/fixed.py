@@ -17,16 +17,23 @@ KEEP_24, KEEP_29 = int64(floats.kept(24)), int64(floats.kept(29))  # significant
 
 
 @kernel
-def divide_255(n):
-    """``rn(n) = floor(n/255 + 1/2)`` of an int32, |n| <= 2**21 (two dot products, times four, stay below).
+def one_of(bits):
+    """The value of one of components of so many bits."""
+    return int32(int32(int32(1) << bits) - int32(1))
+
+
+@kernel
+def divide(n, bits):
+    """``rn(n) = floor(n/one + 1/2)`` of an int32 by the value of one of ``bits`` bits, 7 to 12; |n| <= 24 *
+    4**bits (two dot products, times four, stay below).
 
     Inferred: rounding to nearest, from the NV2A's final combiner and blender (docs/numbers.md, section 8).
-    With u = n + 128 + 255*8192 the division is ``(u + ((u + (u >> 8)) >> 8)) >> 8``, exact for u up to 2**23.
+    With u = n + 2**(bits - 1) + one * 2**(bits + 5), which is not negative, the division is
+    ``(u + ((u + (u >> bits)) >> bits)) >> bits``, exact for u up to 2**(3 * bits - 1).
     """
-    u = int32(n + int32(128 + 255 * 8192))
-    return int32(
-        int32(int32(u + int32(int32(u + int32(u >> int32(8))) >> int32(8))) >> int32(8)) - int32(8192)
-    )
+    b, far = int32(bits), int32(int32(1) << int32(bits + 5))
+    u = int32(n + int32(int32(int32(1) << int32(bits - 1)) + int32(one_of(b) * far)))
+    return int32(int32(int32(u + int32(int32(u + int32(u >> b)) >> b)) >> b) - far)
 
 
 @kernel

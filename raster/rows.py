@@ -22,6 +22,7 @@ class _Row:
 # ------------------------------------------------------------------ draw: int64[DRAW_SIZE]
 STENCIL_OPERATION_SIZE = 5  # and, xor, add, low, high: clamp(((s & and) ^ xor) + add, low, high) & 255
 PIXEL_WIDE = 8  # a LINE_WIDTH of one pixel
+BITS_OF_BYTES, MOST_BITS = 8, 12  # of components: what vectors and packed words take, and what columns do
 MAX_CLIP_RECTANGLES = 8
 _draw = _Row()
 X0 = _draw()  # device pixels, half open: the screen cut by the scissor box
@@ -45,6 +46,8 @@ NEEDS_ITERATION_WEIGHTS = _draw()  # weights with 24 significant bits: those, or
 NEEDS_WEIGHTS = _draw()  # full-precision weights
 NEEDS_DEPTH = _draw()
 UNITS = _draw()
+BITS = _draw()  # of fragments' colours, as combiners compute them
+BUFFER_BITS = _draw()  # of the color buffer's components: 8, four bytes in a word; else a word for each
 DIRECT = _draw()  # 1: the fragment is its primary colour, no combiners
 STAGES = _draw()
 COLOR_SUM = _draw()  # bits: codes.COLOR_SUM_...
@@ -52,14 +55,14 @@ USES_E_TIMES_F = _draw()
 USES_SPARE0_PLUS_SECONDARY = _draw()
 WRITES_TEXTURE = _draw()  # 1: a stage writes a disabled unit's register; each batch must find it unset
 STAGE_CONSTANTS = _draw()  # 1: constants change from stage to stage
-FOG_ENABLED = _draw()  # codes.FOG_BY_...: 255 thresholds, or a table of floor(4096 v); 0: no fog
+FOG_ENABLED = _draw()  # codes.FOG_BY_...: thresholds, or a table of floor(4096 v); 0: no fog
 FOG_RISING = _draw()  # 1: the factor grows with the coordinate
-FOG_RED = _draw()
+FOG_RED = _draw()  # the colour in units of BITS
 FOG_GREEN = _draw()
 FOG_BLUE = _draw()
 ALPHA_TEST = _draw()
 ALPHA_FUNCTION = _draw()  # codes.COMPARISON_..., as every function here
-ALPHA_REFERENCE = _draw()
+ALPHA_REFERENCE = _draw()  # in units of BUFFER_BITS
 STENCIL_TEST = _draw()
 STENCIL_FUNCTION = _draw()
 STENCIL_REFERENCE = _draw()
@@ -73,7 +76,7 @@ DEPTH_WRITE = _draw()
 BLEND = _draw()  # codes.BLEND_...
 BLEND_EQUATION = _draw()  # codes.EQUATION_...
 LOGIC_OPERATION = _draw()  # codes.LOGIC_...
-COLOR_MASK = _draw()  # 32 bits, as stored
+COLOR_MASK = _draw()  # 32 bits, as stored in bytes
 TEXTURE_SHADER = _draw()  # 1: stages read earlier stages' texels
 DISCARDS = _draw()  # 1: shading may discard fragments
 SURFACE = _draw()  # 1: not four bytes, or a signed blend equation: through the three that follow
@@ -101,7 +104,7 @@ KIND, BACK, SOURCE = range(3)
 FIRST_STEP, END_STEP, COUNTER, STROKE_SIZE = range(5, 9)
 
 # ---------------------------- blend factors: int32[2, 4 * FACTOR_SIZE]: source, destination; red, green,
-# blue, alpha masks of S, D, As, Ad and the saturate term; a constant byte; xor (255: one minus)
+# blue, alpha masks of S, D, As, Ad and the saturate term; a constant; xor (the value of one: one minus)
 FACTOR_SIZE = 7
 
 # ------------------------------------------------------------ draw: float64[DRAW_FLOAT_SIZE]
@@ -109,7 +112,7 @@ DEPTH_LOW, DEPTH_HIGH, OFFSET_FACTOR, OFFSET_UNITS, DRAW_FLOAT_SIZE = range(5)
 
 # ------------------------------------------- general combiner portions: int32[stages, 2, PORTION_SIZE]
 # Four inputs of INPUT_SIZE entries: register, usage (codes.REGISTER_..., USAGE_...), and the mapping as
-# min(max(x, low) * factor + addend, 255).
+# min(max(x, low) * factor + addend, one).
 INPUT_SIZE = 5
 _portion = _Row(4 * INPUT_SIZE)
 AB_OUTPUT = _portion()
@@ -117,7 +120,7 @@ CD_OUTPUT = _portion()
 SUM_OUTPUT = _portion()
 AB_DOT = _portion()
 CD_DOT = _portion()
-MUX = _portion()  # the bit of SPARE0's alpha that selects, 128 or 1; 0: a sum
+MUX = _portion()  # the bit of SPARE0's alpha that selects, its highest or 1; 0: a sum
 BIAS = _portion()
 SCALE = _portion()  # codes.SCALE_...
 AB_BLUE = _portion()  # 1: blue goes to the output's alpha as well
@@ -139,7 +142,8 @@ MIN_LINEAR = _unit()  # within a level
 MIPMAP = _unit()  # codes.MIPMAP_...
 LOD_BIAS = _unit()  # 8 fraction bits
 THRESHOLD = _unit()  # lambda up to which the texture is magnified, 8 fraction bits
-BORDER = _unit()  # packed RGBA
+TEXEL_BITS = _unit()  # of a texel's components: 8, or wider and in two words (``portable.texels``)
+BORDER = _unit(2)  # packed RGBA: a word, or two
 PROJECTIVE = _unit()  # 1: divide by q
 WRAP_R = _unit()
 LAYERS = _unit()  # of level 0 of a 3D texture
@@ -233,7 +237,8 @@ LAYER_1 = _packed()  # the upper layer's
 STAGE0 = _packed(4)  # the texel of each texture shader stage
 SUM_EVEN = _packed()  # an anisotropic filter's sums of bytes 0 and 2
 SUM_ODD = _packed()  # of bytes 1 and 3
-PACKED_COLUMNS = _packed.size
+WIDE = _packed.size  # as many columns again: the second words of wide texels
+PACKED_COLUMNS = 2 * WIDE
 # lists int32[LISTS, batch + 1]: segments and runs of a batch (``fixedpipe.raster.arrays``). In the vector
 # engine a run with RUN_Y -1 is a mixed segment.
 STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
@@ -294,7 +299,7 @@ SPARE_PLANES = 24  # for what combiners compute
 COLOR_TERMS = REGISTERS * 4 + SPARE_PLANES
 VECTOR_PLANES = COLOR_TERMS + 3 * 8
 # More columns of packed: the fragments' colours.
-SHADED, VECTOR_PACKED_COLUMNS = PACKED_COLUMNS, PACKED_COLUMNS + 1
+SHADED, VECTOR_PACKED_COLUMNS = WIDE, WIDE + 1
 # jobs int64[n, arrays.JOB_SIZE]: what a queued command is.
 _job = _Row()
 JOB_KIND = _job()  # codes.JOB_...

@@ -150,7 +150,7 @@ class Mismatch(Exception):  # noqa: N818 (it names what was found)
         lines = [
             f"Seed {frame.seed}: {self.ways[0]}  differs from  {self.ways[1]}",
             f"in {', '.join(self.names)}.",
-            self.advice or f"Again: python -m tests.fuzz --seed {frame.seed}",
+            self.advice or f"Again: {_again(frame)}",
             f"{frame.profile.name}, {frame.width}x{frame.height}, depth format {frame.depth_bits}",
             "",
             describe(frame.commands),
@@ -162,6 +162,10 @@ class Mismatch(Exception):  # noqa: N818 (it names what was found)
                 lines.append(f"{command.label}: {_arrays(command.mesh)}")
                 lines.append(f"{command.label}: {_changes(command.state)}")
         return "\n".join(lines)
+
+
+def _again(frame):
+    return f"python -m tests.fuzz --seed {frame.seed}{' --wide' if frame.wide else ''}"
 
 
 def _first_differences(name, first, second, most=5):
@@ -202,15 +206,16 @@ def check(frame):
     """Draw a frame in several ways; raises Mismatch with the smallest frame found. Returns how many were
     the specification's.
     """
-    ways = [Way(), *ways_of(frame), *([Way(reference=True)] if frame.small else [])]
+    specified = frame.small and not frame.wide
+    ways = [Way(), *ways_of(frame), *([Way(reference=True)] if specified else [])]
     try:
         compare(frame, ways)
     except Mismatch as mismatch:
         raise shrunk(mismatch) from None
     except Exception as error:
-        error.add_note(f"while drawing seed {frame.seed}; again: python -m tests.fuzz --seed {frame.seed}")
+        error.add_note(f"while drawing seed {frame.seed}; again: {_again(frame)}")
         raise
-    return int(frame.small)
+    return int(specified)
 
 
 # ------------------------------------------------------------------------------------------------ shrinking
@@ -313,13 +318,15 @@ def warm_up():
                 outcome(frame, way)
 
 
-def fuzz(seconds=None, frames=None, first_seed=0):
-    """Check frame after frame, for so many seconds or frames; returns a Tally, or raises Mismatch."""
+def fuzz(seconds=None, frames=None, first_seed=0, wide=False):
+    """Check frame after frame, for so many seconds or frames; returns a Tally, or raises Mismatch. ``wide``:
+    of machines of 8 to 12 bits, which the specification does not draw.
+    """
     tally, begin = Tally(), time.monotonic()
     while (seconds is None or time.monotonic() - begin < seconds) and (
         frames is None or tally.frames < frames
     ):
-        tally.specified += check(random_frame(first_seed + tally.frames))
+        tally.specified += check(random_frame(first_seed + tally.frames, wide=wide))
         tally.frames += 1
     tally.seconds = time.monotonic() - begin
     return tally
@@ -403,19 +410,20 @@ def main(arguments=None):
     parser.add_argument(
         "--python-threads", type=int, default=1, help="threads that draw at once (default: 1)"
     )
+    parser.add_argument("--wide", action="store_true", help="machines of 8 to 12 bits")
     given = parser.parse_args(arguments)
     seconds = 60.0 if given.seconds is None and given.frames is None else given.seconds
     warm_up()
     try:
         if given.seed is not None:
-            frame = random_frame(given.seed)
+            frame = random_frame(given.seed, wide=given.wide)
             print(describe(frame.commands))
             check(frame)
             print("no difference")
         elif given.python_threads > 1:
             print(fuzz_threads(given.python_threads, seconds, given.frames, given.first_seed))
         else:
-            print(fuzz(seconds, given.frames, given.first_seed))
+            print(fuzz(seconds, given.frames, given.first_seed, given.wide))
     except Mismatch as mismatch:
         print(mismatch)
         return 1

@@ -105,7 +105,8 @@ class Arrays(dict):
             )
         )
         textures = tuple(a["texels"]), a["levels"], a["units"]
-        arrays, bins = (state, combiners, triangles, strokes, vertices, fog, textures), (order, ends)
+        colors = a["colors"].astype(np.int16)
+        arrays, bins = (state, combiners, triangles, strokes, vertices, colors, fog, textures), (order, ends)
         record = np.zeros((0, 4), np.int32)
         drawn = draw_bands(arrays, bins, 0, 1, BATCH, tuple(buffers), record)
         jobs = np.zeros((2, JOB_SIZE), np.int64)

@@ -38,9 +38,12 @@ PACKAGES = {
     "pipeline/programs": {"raster": "codes", "pipeline": "enums sentences state textures"},
     "pipeline/notations": {"pipeline": "enums state programs"},
     "pipeline/description": {"pipeline": "enums sentences state pixel_transfer commands programs notations"},
-    "pipeline/vertices": {"raster": "codes floats rows primitives", "pipeline": "enums state commands"},
+    "pipeline/vertices": {
+        "raster": "codes floats rows primitives",
+        "pipeline": "enums state commands profiles",
+    },
     "pipeline/framebuffers": {
-        "raster": "codes primitives columns pixels",
+        "raster": "codes rows primitives columns pixels",
         "pipeline": "enums state pixel_transfer textures commands profiles",
     },
     "pipeline/validation": {
@@ -51,10 +54,10 @@ PACKAGES = {
     },
     "pipeline/native": {
         "raster": "codes rows arrays primitives portable vector columns",
-        "pipeline": "enums state kinds textures commands programs vertices framebuffers",
+        "pipeline": "enums state kinds textures commands profiles programs vertices framebuffers",
     },
     "pipeline/columns": {
-        "raster": "codes floats rows witness columns pixels",
+        "raster": "codes rows witness columns pixels",
         "pipeline": "enums pixel_transfer textures commands profiles programs vertices framebuffers",
     },
     "pipeline/execution": {

@@ -1,7 +1,8 @@
 """The column engine: the machine's rules on int64 columns, every width a parameter, every clamp a switch.
 
 The third engine (docs/numbers.md, section 13; docs/decisions/0007-column-engine.md). At the native widths its
-bits are the other two's; it alone draws at others, and it alone writes fragments that no primitive made
+bits are the other two's, at those of up to 12 bits the portable one's; it alone draws at others, and it alone
+writes fragments that no primitive made
 (``shade_and_write``). The arithmetic is in ``fixedpipe.raster.columns``; this package reads states and brings
 columns together.
 """
@@ -10,13 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.pipeline.columns.fragments import fragment_bits
 from fixedpipe.pipeline.columns.interpolate import IteratedPrimitives
 from fixedpipe.pipeline.columns.per_fragment import write
 from fixedpipe.pipeline.columns.shade import shade
 from fixedpipe.pipeline.columns.texture_shader import run_stages
-from fixedpipe.pipeline.columns.textures import unit_samplers
+from fixedpipe.pipeline.columns.textures import reads_as_columns, unit_samplers
 from fixedpipe.pipeline.enums import Clamp
+from fixedpipe.pipeline.framebuffers.widths import are_for_kernels, are_native, fragment_bits, widths_of
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS
 from fixedpipe.raster.columns import numbers
 from fixedpipe.raster.witness import nobody
@@ -29,22 +30,18 @@ _CHUNK = 1 << 15
 
 
 def needs_columns(state, profile, framebuffer, textures):
-    """Whether only the column engine draws a pass: a width or a clamp is not the native engines', or the
-    state uses what they do not have.
+    """Whether only the column engine draws a pass: kernels do not compute with its widths, or without one of
+    its clamps, or the state uses what they do not have.
     """
-    if (
-        not is_native(profile)
-        or framebuffer.color_bits != NATIVE_BITS
-        or fragment_bits(profile, framebuffer) != NATIVE_BITS
-        or not framebuffer.is_bytes
-    ):
+    widths = widths_of(state, profile, framebuffer, textures)
+    if not (has_kernels(profile) and are_for_kernels(widths)):
+        return True
+    if framebuffer.is_bytes != (framebuffer.color_bits == NATIVE_BITS):  # blending does not clamp
+        return True
+    if state.texture_shader is not None and not are_native(widths):
         return True
     for unit in state.texture_units:  # a loop: every Draw asks
-        if unit is None:
-            continue
-        if unit.color_table is not None:
-            return True
-        if unit.texture is not None and textures[unit.texture].bits != NATIVE_BITS:
+        if unit is not None and reads_as_columns(unit, textures):
             return True
     return has_future(profile) and uses_future(state)
 
@@ -72,10 +69,10 @@ def uses_future(state):
     )
 
 
-def is_native(profile):
-    """Whether a machine's combiners, filters and window coordinates are the native engines'."""
+def has_kernels(profile):
+    """Whether a machine's filters, clamps and window coordinates are those of the compiled engines."""
     return (
-        profile.arithmetic.combiner_bits == profile.arithmetic.filter_fraction_bits == NATIVE_BITS
+        profile.arithmetic.filter_fraction_bits == NATIVE_BITS
         and profile.arithmetic.combiner_range == 1.0
         and profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS
         and len(profile.arithmetic.clamps) == len(Clamp)

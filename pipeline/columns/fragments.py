@@ -1,16 +1,11 @@
-"""Fragments as columns: how wide their colours are, and which words their depths are."""
+"""Fragments as columns, and which words their depths are."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import LightingArithmetic
-from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
-from fixedpipe.raster.columns import interpolate, numbers
-from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits
-
-COLOR_REACH = 1 << 10  # how far a vertex colour reaches, in ones, whose clamp is off
+from fixedpipe.raster.columns import interpolate
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +14,7 @@ class FragmentColumns:
 
     x, y         int64 [k], device pixels, y down
     depth        int64 [k], words of the depth buffer; below 0: outside its limits, the fragment ends
-    primary, secondary  int64 [k, 4], in units of the fragment's value of one (``fragment_bits``)
+    primary, secondary  int64 [k, 4], in units of the fragment's value of one
     fog          float64 [k], fog coordinates; None: fog is disabled
     coordinates  float64 [k, units, 4]: s, t, r, q of each texture unit, not divided
     lod          float64 [k, units], lambda without its bias, 1/256 at least apart; None: all is magnified
@@ -63,28 +58,6 @@ class FragmentColumns:
             of(self.sides),
             of(self.texel_alpha),
         )
-
-
-def fragment_bits(profile, framebuffer):
-    """How wide fragments' colours are: as the combiners; where a buffer is wider than the machine's usual
-    one, as much wider.
-    """
-    if framebuffer.color_bits not in profile.framebuffers.color_bits:  # a pbuffer's bytes
-        return profile.arithmetic.combiner_bits
-    return profile.arithmetic.combiner_bits + framebuffer.color_bits - profile.framebuffers.color_bits[0]
-
-
-def fragment_colors(colors, state, profile, bits):
-    """Vertex colours, float64 [n, 2, 8], in units of ``bits``: cut to the machine's mantissa, to nearest.
-
-    Inferred: a mantissa grows with the width it is rounded to.
-    """
-    lighting = state.vertex.lighting
-    exact = lighting is not None and profile.arithmetic.lighting == LightingArithmetic.EQUATIONS
-    kept = SIGNIFICANT_BITS if exact else profile.arithmetic.color_mantissa_bits + max(bits - NATIVE_BITS, 0)
-    limited = np.clip(np.nan_to_num(colors), -COLOR_REACH, COLOR_REACH)
-    cut = keep_significant_bits(limited, min(kept, SIGNIFICANT_BITS))
-    return np.floor(cut * np.float64(numbers.one_of(bits)) + np.float64(0.5)).astype(np.int64)
 
 
 def fragment_depths(depths, state, framebuffer):

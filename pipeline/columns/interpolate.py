@@ -3,16 +3,12 @@
 import numpy as np
 
 from fixedpipe.pipeline.columns.combiners import arithmetic_of
-from fixedpipe.pipeline.columns.fragments import (
-    COLOR_REACH,
-    FragmentColumns,
-    fragment_colors,
-    fragment_depths,
-)
+from fixedpipe.pipeline.columns.fragments import FragmentColumns, fragment_depths
 from fixedpipe.pipeline.columns.textures import unit_samplers
 from fixedpipe.pipeline.enums import Clamp, ColorWeights, FrontFace, LineRasterization, ShadeModel
 from fixedpipe.pipeline.framebuffers.depths import depth_units
 from fixedpipe.pipeline.programs.texture_shader_rules import shader_stages
+from fixedpipe.pipeline.vertices.colors import COLOR_REACH, fragment_colors
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows

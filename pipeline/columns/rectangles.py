@@ -11,12 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fixedpipe.pipeline.columns.engine import shade_and_write
-from fixedpipe.pipeline.columns.fragments import (
-    FragmentColumns,
-    fragment_bits,
-    fragment_colors,
-    fragment_depths,
-)
+from fixedpipe.pipeline.columns.fragments import FragmentColumns, fragment_depths
 from fixedpipe.pipeline.commands import Bitmap, CopyPixels, kind_of
 from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha
 from fixedpipe.pipeline.framebuffers.depths import depth_units
@@ -35,7 +30,9 @@ from fixedpipe.pipeline.framebuffers.transfer import (
     transfer_image,
     transfer_stencil,
 )
+from fixedpipe.pipeline.framebuffers.widths import fragment_bits
 from fixedpipe.pipeline.pixel_transfer import changes_nothing
+from fixedpipe.pipeline.vertices.colors import fragment_colors
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 from fixedpipe.raster.columns import numbers
 from fixedpipe.raster.pixels import rectangles as arithmetic

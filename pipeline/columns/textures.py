@@ -1,6 +1,7 @@
 """How the column engine samples a texture unit: its state read once, texels of any width."""
 
 from copy import copy
+from dataclasses import astuple
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
 )
 from fixedpipe.pipeline.framebuffers.transfer import ENTRY_COMPONENTS, table_entries
+from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
     DEPTH_TEXELS,
@@ -35,6 +37,24 @@ def unit_samplers(state, textures, profile, saw=nobody):
         else UnitSampler(number, unit, textures[unit.texture], profile, saw)
         for number, unit in enumerate(state.texture_units)
     ]
+
+
+def reads_as_columns(unit, textures):
+    """Whether only columns do what a texture unit asks for: color tables, and of texels that are wider than
+    bytes all but plain filters.
+    """
+    if unit.color_table is not None:
+        return True
+    if unit.texture is None or (texture := textures[unit.texture]).bits == NATIVE_BITS:
+        return False
+    sampler = unit.sampler
+    return (
+        sampler.max_anisotropy > 1
+        or sampler.max_probes > 1
+        or sampler.compare_mode != TextureCompareMode.NONE
+        or astuple(sampler.signed_components) != (False,) * 4
+        or texture.internal_format == InternalFormat.HILO16
+    )
 
 
 class UnitSampler:

@@ -48,12 +48,13 @@ from fixedpipe.pipeline.framebuffers.texture_copies import (
     replaced_texture,
 )
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
+from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, widths_of
 from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles, recorded_fragments
 from fixedpipe.pipeline.native.preparation import Prepared
 from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
-from fixedpipe.pipeline.native.readiness import chosen_engine
+from fixedpipe.pipeline.native.readiness import chosen_engine, covers_by_kernels
 from fixedpipe.pipeline.native.threads import default_threads
-from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS, Profile
+from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS, Profile
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.textures.words import stored_texture
 from fixedpipe.pipeline.validation.frames import frame_of
@@ -285,7 +286,10 @@ class Machine:
                 continue
             if draw is None:
                 size = self._current.width, self._current.height
-                primitives = stage.process(command.mesh, state, self.profile, *size, position)
+                # Vertices' colours are rounded where the fragment's width is known.
+                rounded = fragment_bits(self.profile, target) == NATIVE_BITS
+                given = command.mesh, state, self.profile, *size, position
+                primitives = stage.process(*given, rounded=rounded)
                 draw = Prepared.of(primitives, state, self.profile, self._current, self.textures)
                 frame.kept.keep(command, surface, draw)
             lost = draw.dropped
@@ -301,7 +305,8 @@ class Machine:
         """Whether a Draw is the column engine's."""
         if "columns" in (self.engine, engine):
             return True
-        return needs_columns(state, self.profile, target, self.textures)
+        given = state, self.profile, target, self.textures
+        return needs_columns(*given) or not (covers_by_kernels() or are_native(widths_of(*given)))
 
     def _drawn_by_columns(self, command, target, position):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""

@@ -66,9 +66,11 @@ def _write(words, value, mask, all_bits):
         words[...] = (words & (all_bits & ~mask)) | (value & mask)
 
 
-def to_byte(value: float) -> int:
-    """``floor(255 c + 1/2)`` of c clamped to [0, 1]. Source: OpenGL 1.2.1 section 2.13.9."""
-    return int(255.0 * min(max(value, 0.0), 1.0) + 0.5)
+def to_code(value: float, one: int = 255) -> int:
+    """``floor(255 c + 1/2)`` of c clamped to [0, 1], or of another value of ``one``. Source: OpenGL 1.2.1
+    section 2.13.9.
+    """
+    return int(one * min(max(value, 0.0), 1.0) + 0.5)
 
 
 @dataclass(eq=False)
@@ -181,7 +183,7 @@ class Framebuffer:
         buffers, color, color_mask, depth = 0, 0, 0, 0
         if command.color is not None:
             buffers, channels = C.BUFFER_COLOR, command.color_mask
-            color = surface_word([to_byte(c) for c in command.color], self.color_format)
+            color = surface_word([to_code(c) for c in command.color], self.color_format)
             for channel, on in enumerate((channels.red, channels.green, channels.blue, channels.alpha)):
                 color_mask |= 0xFF << (8 * channel) if on else 0
         if command.depth is not None:
@@ -258,6 +260,6 @@ class Framebuffer:
         return None if groups is None else packed_colors(groups, command.format, command.type)
 
 
-def color_bytes(color: Iterable[float]) -> list[int]:
-    """A colour's components in [0, 1] as bytes."""
-    return [to_byte(component) for component in color]
+def color_codes(color: Iterable[float], one: int = 255) -> list[int]:
+    """A colour's components in [0, 1] as whole numbers: bytes, or of another value of ``one``."""
+    return [to_code(component, one) for component in color]

@@ -30,6 +30,7 @@ class PackedState(NamedTuple):
     depths: np.ndarray  # float64 [n]: every vertex's depth in depth units, a single
     reads: tuple  # of each unit that reads a texture: its number, the texture's name, the bits inverted
     area: int  # pixels of the scissor box
+    wide: bool  # whether some components are wider than bytes, which the portable engine alone draws
     derived: dict  # what others make of these rows, which is kept with them
 
 
@@ -52,5 +53,6 @@ def pack(state: PassState, profile, framebuffer, textures, primitives):
     depths = depth_units(state, framebuffer, primitives) if rows.needs_depth else primitives.z
     shared = rows.shared
     return PackedState(
-        draw, rows.draw_float, *shared, units, rows.fog_thresholds, depths, rows.reads, rows.area, derived
-    )
+        draw, rows.draw_float, *shared, units, rows.fog_thresholds, depths, rows.reads, rows.area, rows.wide,
+        derived,
+    )  # fmt: skip

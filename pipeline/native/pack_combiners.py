@@ -1,32 +1,37 @@
 """The rows of a combiner program: stages, final combiner and constants."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
 from fixedpipe.pipeline.enums import CombinerBias, Mapping, MuxSelect, Register
-from fixedpipe.pipeline.framebuffers.framebuffer import color_bytes
+from fixedpipe.pipeline.framebuffers.framebuffer import color_codes
 from fixedpipe.pipeline.programs.combiner_rules import WITH_FOG, combiner_program, kept_for_stages
 from fixedpipe.pipeline.programs.texture_shader_rules import DISCARDING
 from fixedpipe.pipeline.state import CombinerInput
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.columns.numbers import one_of
 
-# The mappings as min(max(x, low) * factor + addend, 255); the addends of the EXPAND pair depend on
-# expand_half. Source: NV_register_combiners table 4; Inferred: the halves (docs/numbers.md, section 8).
-_MAPPINGS = {
-    one: {
+
+@cache
+def _mappings(bits, expand_half):
+    """The mappings as min(max(x, low) * factor + addend, one); the addends of the EXPAND pair depend on
+    ``expand_half``. Source: NV_register_combiners table 4; Inferred: the halves (docs/numbers.md, section 8).
+    """
+    one, half = one_of(bits), 1 << (bits - 1)
+    expanded = one + 1 if expand_half == 128 else one
+    return {
         Mapping.UNSIGNED_IDENTITY: (0, 1, 0),
-        Mapping.UNSIGNED_INVERT: (0, -1, 255),
-        Mapping.EXPAND_NORMAL: (0, 2, -one),
-        Mapping.EXPAND_NEGATE: (0, -2, one),
-        Mapping.HALF_BIAS_NORMAL: (0, 1, -128),
-        Mapping.HALF_BIAS_NEGATE: (0, -1, 128),
-        Mapping.SIGNED_IDENTITY: (-256, 1, 0),
-        Mapping.SIGNED_NEGATE: (-256, -1, 0),
+        Mapping.UNSIGNED_INVERT: (0, -1, one),
+        Mapping.EXPAND_NORMAL: (0, 2, -expanded),
+        Mapping.EXPAND_NEGATE: (0, -2, expanded),
+        Mapping.HALF_BIAS_NORMAL: (0, 1, -half),
+        Mapping.HALF_BIAS_NEGATE: (0, -1, half),
+        Mapping.SIGNED_IDENTITY: (-one - 1, 1, 0),
+        Mapping.SIGNED_NEGATE: (-one - 1, -1, 0),
     }
-    for one in (255, 256)
-}
 
 
 _ZERO_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE})
@@ -56,16 +61,16 @@ def _blue_to_alpha(portion):
     ]
 
 
-def _pack_portion(portion, alpha, expand_half, mux_select):
+def _pack_portion(portion, alpha, expand_half, mux_select, bits):
     blue = [0, 0] if alpha else _blue_to_alpha(portion)
-    portion, row, mappings = _normalized(portion), [], _MAPPINGS[256 if expand_half == 128 else 255]
+    portion, row, mappings, half = _normalized(portion), [], _mappings(bits, expand_half), 1 << (bits - 1)
     for variable in (portion.a, portion.b, portion.c, portion.d):
         row += [variable.register, variable.usage, *mappings[variable.mapping]]
     outputs = [portion.ab_output, portion.cd_output, portion.sum_output]
     row += [-1 if register == Register.DISCARD else int(register) for register in outputs]
     row += [0, 0] if alpha else [portion.ab_dot_product, portion.cd_dot_product]
-    bias = -128 if portion.bias == CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0
-    mux = (1 if mux_select == MuxSelect.LSB else 128) if portion.mux_sum else 0
+    bias = -half if portion.bias == CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0
+    mux = (1 if mux_select == MuxSelect.LSB else half) if portion.mux_sum else 0
     return [*row, mux, bias, portion.scale, *blue]
 
 
@@ -95,12 +100,12 @@ def _discards(state):
 
 
 @kept_for_stages
-def _stage_rows(program, half, select):
+def _stage_rows(program, *how):
     """Rows of general and final combiners, the registers read, and whether a texture's is written; shared by
-    all that pack the same. ``half``: expand_half; ``select``: mux_select.
+    all that pack the same. ``how``: expand_half, mux_select and the registers' bits.
     """
     stages = [
-        [_pack_portion(stage.rgb, False, half, select), _pack_portion(stage.alpha, True, half, select)]
+        [_pack_portion(stage.rgb, False, *how), _pack_portion(stage.alpha, True, *how)]
         for stage in program.general
     ]
     final = program.final
@@ -119,13 +124,16 @@ def _stage_rows(program, half, select):
     )
 
 
-def pack_constants(program):
-    """Both constant colours of every general combiner, then the final combiner's: a list of rows of bytes."""
-    own = [color_bytes(program.constant_color0), color_bytes(program.constant_color1)]
+def pack_constants(program, bits):
+    """Both constant colours of every general combiner, then the final combiner's: a list of rows of whole
+    numbers of so many ``bits``.
+    """
+    one = one_of(bits)
+    own = [color_codes(program.constant_color0, one), color_codes(program.constant_color1, one)]
     constants = [
         [
-            *(own[0] if stage.constant_color0 is None else color_bytes(stage.constant_color0)),
-            *(own[1] if stage.constant_color1 is None else color_bytes(stage.constant_color1)),
+            *(own[0] if stage.constant_color0 is None else color_codes(stage.constant_color0, one)),
+            *(own[1] if stage.constant_color1 is None else color_codes(stage.constant_color1, one)),
         ]
         for stage in program.general
     ]
@@ -151,9 +159,9 @@ def pack_combiners(state, profile, textures, draw):
             zero((1, 8), np.int16),
             set(),
         )
-    half, select = profile.arithmetic.expand_half, program.mux_select
-    stages, final, used, writes_texture = _stage_rows(program, half, select)
-    constants = pack_constants(program)
+    half, bits = profile.arithmetic.expand_half, int(draw[R.BITS])
+    stages, final, used, writes_texture = _stage_rows(program, half, program.mux_select, bits)
+    constants = pack_constants(program, bits)
     draw[R.STAGES] = len(stages)
     for on, bit in (
         (program.color_sum_clamp, C.COLOR_SUM_CLAMP),

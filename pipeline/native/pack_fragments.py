@@ -17,13 +17,14 @@ from fixedpipe.pipeline.enums import (
     StencilOperation,
 )
 from fixedpipe.pipeline.framebuffers.boxes import device_edges
-from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS, color_bytes, to_byte
+from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS, color_codes, to_code
 from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
 from fixedpipe.pipeline.vertices.fog import table
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.columns.numbers import convert, one_of
 
 _NO_FOG = np.zeros(255, np.float64)
 
@@ -32,13 +33,17 @@ def pack_fog(state, profile, used, draw):
     """Fog's entries; returns its thresholds or table, or zeros."""
     if Register.FOG not in used or state.fog is None:
         return _NO_FOG
-    draw[R.FOG_RED : R.FOG_BLUE + 1] = color_bytes(state.fog.color)[:3]
+    one = one_of(int(draw[R.BITS]))
+    draw[R.FOG_RED : R.FOG_BLUE + 1] = color_codes(state.fog.color, one)[:3]
     if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
         draw[R.FOG_ENABLED] = C.FOG_BY_TABLE
-        return table(state.fog.mode).copy()  # kernels take writable arrays
+        factors = table(state.fog.mode)
+        if one == 255:
+            return factors.copy()  # kernels take writable arrays
+        return convert(factors.astype(np.int64), 255, one).astype(np.float64)
     draw[R.FOG_ENABLED] = C.FOG_BY_THRESHOLDS
     draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
-    return fog_thresholds(state.fog).copy()
+    return fog_thresholds(state.fog, one).copy()
 
 
 def _pack_stencil_operation(operation, reference):
@@ -83,7 +88,7 @@ def pack_tests(state, framebuffer, draw, draw_float):
     if state.alpha_test is not None and state.alpha_test.function != ComparisonFunction.ALWAYS:
         draw[R.ALPHA_TEST] = 1
         draw[R.ALPHA_FUNCTION] = state.alpha_test.function
-        draw[R.ALPHA_REFERENCE] = to_byte(state.alpha_test.reference)
+        draw[R.ALPHA_REFERENCE] = to_code(state.alpha_test.reference, one_of(framebuffer.color_bits))
     stencil = state.stencil_test
     if stencil is not None:
         reference = min(max(stencil.reference, 0), 255)
@@ -101,7 +106,8 @@ def pack_tests(state, framebuffer, draw, draw_float):
     _pack_depth(state, framebuffer, draw, draw_float)
 
 
-# A blend factor's terms: masks of S, D, As, Ad and the saturate term, whether it is the constant, one minus.
+# A blend factor in bytes: masks of S, D, As, Ad and the saturate term, whether it is the constant, one
+# minus it.
 _FACTOR_TERMS = {
     BlendFactor.ZERO: ((0, 0, 0, 0, 0), None, 0),
     BlendFactor.ONE: ((0, 0, 0, 0, 0), None, 255),
@@ -121,12 +127,12 @@ _FACTOR_TERMS = {
 }
 
 
-def _pack_factor(factor, color):
+def _pack_factor(factor, color, one):
     masks, constant, xor = _FACTOR_TERMS[factor]
-    row = []
+    masks, row = [one if mask else 0 for mask in masks], []
     for channel in range(4):
         term = 0 if constant is None else color[channel if constant == "color" else 3]
-        row += [*masks, term, xor]
+        row += [*masks, term, one if xor else 0]
     return row
 
 
@@ -155,8 +161,9 @@ def pack_writing(state, framebuffer, draw):
     draw[R.BLEND], draw[R.BLEND_EQUATION] = C.BLEND_GENERAL, equation
     if equation in (BlendEquation.FUNC_ADD_SIGNED, BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED):
         draw[R.SURFACE] = 1
-    color = color_bytes(blending.color)
-    factors[0], factors[1] = _pack_factor(source, color), _pack_factor(destination, color)
+    one = one_of(framebuffer.color_bits)
+    color = color_codes(blending.color, one)
+    factors[0], factors[1] = _pack_factor(source, color, one), _pack_factor(destination, color, one)
     return factors
 
 

@@ -12,7 +12,7 @@ from fixedpipe.pipeline.enums import (
     TextureShaderOperation,
     TextureTarget,
 )
-from fixedpipe.pipeline.framebuffers.framebuffer import color_bytes, to_byte
+from fixedpipe.pipeline.framebuffers.framebuffer import color_codes, to_code
 from fixedpipe.pipeline.programs.texture_shader_rules import (
     CONVENTIONAL,
     DISCARDING,
@@ -28,16 +28,20 @@ from fixedpipe.pipeline.textures.images import (
 )
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.columns.numbers import one_of
 
 
 @lru_cache(1024)
-def border_texel(color, internal_format):
-    """The packed register bytes of a border colour: through the texture's base format."""
-    rgba = np.array(color_bytes(color), np.uint8)
-    r, g, b, a = register_components(
-        rgba[list(KEPT[BASE_FORMAT[internal_format]])], BASE_FORMAT[internal_format], 255
-    )
-    return int(r) | int(g) << 8 | int(b) << 16 | int(a) << 24
+def border_texel(color, internal_format, bits):
+    """The words of a border colour as a packed texel of components of ``bits`` bits: through the texture's
+    base format.
+    """
+    one, base = one_of(bits), BASE_FORMAT[internal_format]
+    rgba = np.array(color_codes(color, one), np.int64)
+    r, g, b, a = register_components(rgba[list(KEPT[base])], base, one).tolist()
+    if bits == R.BITS_OF_BYTES:
+        return r | g << 8 | b << 16 | a << 24, 0
+    return r | g << 16, b | a << 16
 
 
 def signed_bits(signed):
@@ -72,7 +76,7 @@ def _pack_shader_stage(stage, target, profile, maximum, row):
 def _pack_comparison(sampler, internal_format, profile, row):
     """A depth texture's entries. Its border is refused (``fixedpipe.pipeline.validation``)."""
     row[R.COMPARE], row[R.COMPARE_FUNCTION] = sampler.compare_mode, sampler.compare_function
-    base, failed = depth_texture_mode(sampler, profile), to_byte(sampler.compare_fail_value)
+    base, failed = depth_texture_mode(sampler, profile), to_code(sampler.compare_fail_value)
     for at, byte in ((R.COMPARE_HELD, 255), (R.COMPARE_FAILED, failed)):
         texel = register_components(np.array([byte], np.uint8), base, np.uint8(255))
         row[at] = int.from_bytes(texel.tobytes(), "little")
@@ -100,7 +104,7 @@ def pack_units(state, profile, textures, used, draw):
             target = None if unit.texture is None else textures[unit.texture].target
             _pack_shader_stage(stage, target, profile, draw[R.DEPTH_MAX], units[i])
             if stage.operation in WITHOUT_TEXTURE:
-                units[i, R.ENABLED] = 1
+                units[i, R.ENABLED], units[i, R.TEXEL_BITS] = 1, R.BITS_OF_BYTES
                 continue
         texture, sampler = textures[unit.texture], unit.sampler
         magnification, minification = sampler.mag_filter, sampler.min_filter
@@ -123,6 +127,7 @@ def pack_units(state, profile, textures, used, draw):
             and sampler.magnifies_late
         ):
             row[R.THRESHOLD] = 128
+        row[R.TEXEL_BITS] = texture.bits
         row[R.HILO] = texture.internal_format == InternalFormat.HILO16
         row[R.SIGNED] = signed_bits(sampler.signed_components)
         if row[R.HILO]:  # words have the signs of their high bytes (Measured: BumpEnvLum_R16B16)
@@ -130,7 +135,10 @@ def pack_units(state, profile, textures, used, draw):
         if sampler.compare_mode != TextureCompareMode.NONE:
             _pack_comparison(sampler, texture.internal_format, profile, row)
         else:
-            row[R.BORDER] = border_texel(sampler.border_color, texture.internal_format) ^ int(row[R.SIGNED])
+            row[R.BORDER : R.BORDER + 2] = border_texel(
+                sampler.border_color, texture.internal_format, texture.bits
+            )
+            row[R.BORDER] ^= row[R.SIGNED]
         # A cube map reads a direction as it is, and what a stage makes is not divided either.
         if texture.target != TextureTarget.TEXTURE_CUBE_MAP and not row[R.OPERATION]:
             divided.append(i)

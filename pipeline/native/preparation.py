@@ -11,6 +11,7 @@ import numpy as np
 from fixedpipe.pipeline.native import pack
 from fixedpipe.pipeline.native.combiner_plan import plan_combiners
 from fixedpipe.pipeline.native.texels import NO_LEVELS, NO_TEXELS, texels_of
+from fixedpipe.pipeline.vertices.colors import fragment_colors
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -19,6 +20,7 @@ from fixedpipe.raster.vector.arrays import JOB_SIZE
 from fixedpipe.raster.vector.frame import fill_draw
 
 NO_RECORD = np.zeros((0, 4), np.int32)
+_NO_COLORS = np.zeros((0, 2, 8), np.uint8)
 _NO_PAIRS = [NO_TEXELS] * 4
 
 
@@ -50,6 +52,7 @@ class Prepared:
     area     pixels of the scissor box; 0: nothing is left to draw, and what follows is not there
     size     bytes of vertices
     texels   of four units: their Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
+    colors   int16[n, 2, 8], the vertices' in units of what fragments are computed in; None: not asked yet
     order    primitives sorted into bands (``fixedpipe.raster.primitives.bins``)
     ends     where each band's primitives end in ``order``
     job      a row of the vector engine's table; False: it is the portable engine's; None: not asked yet
@@ -62,6 +65,7 @@ class Prepared:
     size: int = 0
     primitives: WindowPrimitives | None = None
     packed: pack.PackedState | None = None
+    colors: np.ndarray | None = None
     texels: list | None = None
     levels: np.ndarray | None = None
     order: np.ndarray | None = None
@@ -71,11 +75,16 @@ class Prepared:
 
     @classmethod
     def of(cls, primitives, state, profile, framebuffer, textures):
-        """A Draw of window primitives, sorted into bands and with what kernels take brought together.
+        """A Draw of window primitives, with colours rounded where fragments are bytes, sorted into bands and
+        with what kernels take brought together.
 
         ``framebuffer``: any of the size and formats of those that it is drawn into.
         """
-        p, packed = primitives, pack.pack(state, profile, framebuffer, textures, primitives)
+        p, packed, colors = primitives, pack.pack(state, profile, framebuffer, textures, primitives), None
+        if p.colors.dtype == np.float64:
+            bits, sides = int(packed.draw[R.BITS]), 2 if p.two_side else 1  # the other is the same, or unread
+            colors = np.empty(p.colors.shape, np.int16)
+            colors[:] = fragment_colors(p.colors[:, :sides], state, profile, bits)
         bound = tuple([(name, textures[name]) for _, name, _ in packed.reads])
         if len(p.triangles) == 0 or packed.area == 0:
             return cls(p.dropped, bound)
@@ -88,7 +97,17 @@ class Prepared:
             levels[i] = texels[i].levels
         size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
         return cls(
-            dropped + p.dropped, bound, packed.area, size, p, packed, texels, _stacked(levels), order, ends
+            dropped + p.dropped,
+            bound,
+            packed.area,
+            size,
+            p,
+            packed,
+            colors,
+            texels,
+            _stacked(levels),
+            order,
+            ends,
         )
 
     def bands(self, first, step, batch, buffers, record=NO_RECORD):
@@ -96,6 +115,8 @@ class Prepared:
         from fixedpipe.raster.portable.draw import draw_bands
 
         p, packed = self.primitives, self.packed
+        if self.colors is None:
+            self.colors = p.colors.astype(np.int16)
         texels = tuple([NO_TEXELS if texels is None else texels.packed for texels in self.texels])
         arrays = (
             self._state(),
@@ -103,6 +124,7 @@ class Prepared:
             p.triangles,
             p.strokes,
             self._vertices(),
+            self.colors,
             (p.fog, packed.fog_thresholds),
             (texels, self.levels, packed.units),
         )
@@ -117,6 +139,9 @@ class Prepared:
 
     def fill_job(self):
         """Make ``job``."""
+        if self.packed.wide:
+            self.job = False
+            return
         job = np.zeros((1, JOB_SIZE), np.int64)
         if not self._fill(job, _NO_PAIRS, self.levels):
             self.job = False
@@ -149,7 +174,8 @@ class Prepared:
 
     def _vertices(self):
         p = self.primitives
-        return p.x, p.y, self.packed.depths, p.inverse_w, p.colors, p.coordinates
+        colors = p.colors if p.colors.dtype == np.uint8 else _NO_COLORS
+        return p.x, p.y, self.packed.depths, p.inverse_w, colors, p.coordinates
 
 
 def _stacked(levels):

@@ -148,5 +148,6 @@ class Queue:
 
 
 def buffers_of(framebuffer):
-    """A framebuffer's arrays as kernels take them."""
-    return Buffers(framebuffer.color.view(np.uint32)[..., 0], framebuffer.depth, framebuffer.stencil)
+    """A framebuffer's arrays as kernels take them: a word for each pixel of bytes, else four."""
+    color = framebuffer.color.reshape(framebuffer.height, -1).view(np.uint32)
+    return Buffers(color, framebuffer.depth, framebuffer.stencil)

@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import ColorWeights, ProductRounding, Register, ShadeModel
 from fixedpipe.pipeline.framebuffers.boxes import scissor_box
+from fixedpipe.pipeline.framebuffers.widths import fragment_bits
 from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.native.pack_combiners import has_stage_constants, pack_combiners, pack_constants
 from fixedpipe.pipeline.native.pack_fragments import (
@@ -35,6 +36,7 @@ def rows_of(state, profile, framebuffer, textures):
         height,
         framebuffer.depth_format,
         framebuffer.color_format,
+        framebuffer.color_bits,
         *[_texture_kind(textures, unit) for unit in state.texture_units],
     )
     key = (id(state), beside)
@@ -59,7 +61,7 @@ def _texture_kind(textures, unit):
     if unit is None or unit.texture is None:
         return None
     texture = textures[unit.texture]
-    return texture.target, texture.internal_format, len(texture.levels), texture.depth
+    return texture.target, texture.internal_format, len(texture.levels), texture.depth, texture.bits
 
 
 class StateRows:
@@ -69,6 +71,8 @@ class StateRows:
         self.program, self.profile = state.register_combiners, profile
         draw = np.zeros(R.DRAW_SIZE, np.int64)
         self.draw_float = np.zeros(R.DRAW_FLOAT_SIZE, np.float64)
+        self.bits = fragment_bits(profile, framebuffer)
+        draw[R.BITS], draw[R.BUFFER_BITS] = self.bits, framebuffer.color_bits
         draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
         self.back_sign = pack_facing(state, draw)
         pack_lines(state.line, profile, draw)
@@ -79,6 +83,8 @@ class StateRows:
         program, final, constants, used = pack_combiners(state, profile, textures, draw)
         self.units, self.divided = pack_units(state, profile, textures, used, draw)
         draw[R.NEEDS_COLOR] |= draw[R.DISCARDS]
+        if not draw[R.NEEDS_COLOR]:
+            draw[R.BITS] = framebuffer.color_bits
         draw[R.UNITS] = len(state.texture_units)
         self.fog_thresholds = pack_fog(state, profile, used, draw)
         draw[R.NEEDS_PRIMARY] = Register.PRIMARY_COLOR in used
@@ -101,10 +107,12 @@ class StateRows:
             [
                 profile.arithmetic.product_rounding == ProductRounding.PER_PRODUCT,
                 profile.arithmetic.round_before_scale,
-                profile.arithmetic.clamp_low,
+                -(1 << self.bits) + (0 if profile.arithmetic.clamp_low == -256 else 1),
             ],
             np.int32,
         )
+        widths = int(draw[R.BITS]), framebuffer.color_bits, int(self.units[:, R.TEXEL_BITS].max())
+        self.wide = max(widths) > R.BITS_OF_BYTES
         self.draw, self.shared = draw, (program, final, constants, arithmetic, factors)
         self.varied = {}
 
@@ -117,7 +125,7 @@ class StateRows:
             return self
         made = copy(self)
         stages, final, _, *others = self.shared
-        constants = pack_constants(program)
+        constants = pack_constants(program, self.bits)
         made.shared = stages, final, np.array(constants, np.int16), *others
         made.draw = self.draw.copy()
         made.draw[R.STAGE_CONSTANTS] = has_stage_constants(constants)

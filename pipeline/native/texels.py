@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from fixedpipe.pipeline.enums import TextureTarget
+from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.vector.sample import row_pairs
 
@@ -24,11 +25,17 @@ class Texels:
             self.levels[0, k] = offset, level.shape[2], level.shape[1]
             offset += level[..., 0].size
         self._images, self._signed = texture.levels, signed
+        self._wide = texture.bits != NATIVE_BITS
         self._volume = texture.target == TextureTarget.TEXTURE_3D
 
     @cached_property
     def packed(self):
-        """Every level behind the other, a word for each texel: the texture's own memory where it is that."""
+        """Every level behind the other, a word for each texel: the texture's own memory where it is that.
+        Wider texels have two (``fixedpipe.raster.portable.texels``): the second lie behind all the first.
+        """
+        if self._wide:
+            words = [np.ascontiguousarray(image).view(np.uint32) for image in self._images]
+            return np.concatenate([image[..., k].ravel() for k in (0, 1) for image in words])
         images = [np.ascontiguousarray(image).view(np.uint32).ravel() for image in self._images]
         if len(images) == 1 and not self._signed:
             return np.asarray(_Unlocked(images[0]))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.pipeline.enums import Clamp, LightingArithmetic, SecondaryColor
+from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.vertices import lighting_unit
 from fixedpipe.pipeline.vertices.arithmetic import (
     ONE,
@@ -18,6 +19,7 @@ from fixedpipe.pipeline.vertices.primitives import is_constant
 from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits, kept
 from fixedpipe.raster.primitives.meshes import color_bytes
 
+COLOR_REACH = 1 << 10  # how far a colour reaches, in ones, whose clamp is off
 _NONE = np.zeros((0, 0))  # of a mesh that has no such array
 
 
@@ -102,6 +104,20 @@ def kept_color_bits(vertex, profile):
         return None
     exact = vertex.lighting is not None and profile.arithmetic.lighting == LightingArithmetic.EQUATIONS
     return SIGNIFICANT_BITS if exact else profile.arithmetic.color_mantissa_bits
+
+
+def fragment_colors(colors, state, profile, bits):
+    """Vertex colours, float64 [n, 2, 8], in units of ``bits``: cut to the machine's mantissa, to nearest.
+
+    Inferred: a mantissa grows with the width it is rounded to.
+    """
+    lighting = state.vertex.lighting
+    exact = lighting is not None and profile.arithmetic.lighting == LightingArithmetic.EQUATIONS
+    wider = max(bits - NATIVE_BITS, 0)
+    kept_bits = SIGNIFICANT_BITS if exact else profile.arithmetic.color_mantissa_bits + wider
+    limited = np.clip(np.nan_to_num(colors), -COLOR_REACH, COLOR_REACH)
+    cut = keep_significant_bits(limited, min(kept_bits, SIGNIFICANT_BITS))
+    return np.floor(cut * np.float64(2**bits - 1) + np.float64(0.5)).astype(np.int64)
 
 
 def stacked_colors(count, columns, significant_bits):

@@ -33,18 +33,22 @@ FOG_FACTORS = type_of(FogFactors, _f64[::1], _f64[::1])
 
 
 class Pass(NamedTuple):
-    """A Draw's arrays. triangles int32[n, 4]: three vertices, and the provoking one; strokes as ``rows``."""
+    """A Draw's arrays. triangles int32[n, 4]: three vertices, and the provoking one; strokes as ``rows``;
+    colors int16[n, 2, 8]: the vertices', of the draw's BITS, in the place of ``vertices.colors``.
+    """
 
     state: State
     combiners: Combiners
     triangles: np.ndarray
     strokes: np.ndarray
     vertices: Vertices
+    colors: np.ndarray
     fog: FogFactors
     textures: Textures
 
 
-PASS = type_of(Pass, STATE, COMBINERS, _i32[:, ::1], _i32[:, ::1], VERTICES, FOG_FACTORS, TEXTURES)
+_OF_PRIMITIVES = _i32[:, ::1], _i32[:, ::1], VERTICES, _i16[:, :, ::1], FOG_FACTORS
+PASS = type_of(Pass, STATE, COMBINERS, *_OF_PRIMITIVES, TEXTURES)
 as_pass = named(PASS)
 
 

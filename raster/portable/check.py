@@ -11,7 +11,7 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import float_of, kernel
 from fixedpipe.raster.portable.arrays import PASS
 
-FOG_TABLE = 8193  # entries of a table of factors; of thresholds there are 255
+FOG_TABLE = 8193  # entries of a table of factors
 MOST_PROBES = 16  # of a footprint: sums of 16 bytes leave room in 16 bits
 MOST_TAPS = 16.0  # the largest anisotropy; the EXT_texture_filter_anisotropic of any chip stays below
 
@@ -106,6 +106,8 @@ def usable_units(draw, textures):
             ratio = float_of(row[R.ANISOTROPY])
             if not (ratio >= 1.0 and ratio <= MOST_TAPS):
                 return False
+        if not usable_bits(row[R.TEXEL_BITS]):
+            return False
         if row[R.PROBES] < 0 or row[R.PROBES] > MOST_PROBES:
             return False
     return True
@@ -129,17 +131,30 @@ def usable_texels(draw, textures):
         if not reads_texture(units[u, R.OPERATION]):
             continue
         size = textures.texels[u].shape[0]
+        if units[u, R.TEXEL_BITS] != R.BITS_OF_BYTES:
+            size //= 2  # two words each
         if units[u, R.ENABLED] and not usable_levels(units[u], levels[u], size, False):
             return False
     return True
 
 
 @kernel
-def usable_draw(state, fog, height, width):
-    """Whether the box lies in the framebuffer, and what the other entries count is there."""
+def usable_bits(bits):
+    """Whether components of so many bits can be computed with."""
+    return R.BITS_OF_BYTES <= bits <= R.MOST_BITS
+
+
+@kernel
+def usable_draw(state, fog, height, words):
+    """Whether the box lies in the framebuffer, rows of so many ``words``, and what the other entries count is
+    there.
+    """
     draw, draw_float, factors = state.draw, state.draw_float, state.factors
     if draw.shape[0] < R.DRAW_SIZE or draw_float.shape[0] < R.DRAW_FLOAT_SIZE:
         return False
+    if not (usable_bits(draw[R.BITS]) and usable_bits(draw[R.BUFFER_BITS])):
+        return False
+    width = words if draw[R.BUFFER_BITS] == R.BITS_OF_BYTES else words // 4
     if not (0 <= draw[R.X0] <= width and 0 <= draw[R.X1] <= width):
         return False
     if not (0 <= draw[R.Y0] <= height and 0 <= draw[R.Y1] <= height):
@@ -150,13 +165,14 @@ def usable_draw(state, fog, height, width):
         return False
     if factors.shape[0] < 2 or factors.shape[1] < 4 * R.FACTOR_SIZE:
         return False
-    return fog.thresholds.shape[0] >= (FOG_TABLE if draw[R.FOG_ENABLED] == C.FOG_BY_TABLE else 255)
+    thresholds = FOG_TABLE if draw[R.FOG_ENABLED] == C.FOG_BY_TABLE else (1 << draw[R.BITS]) - 1
+    return not draw[R.FOG_ENABLED] or fog.thresholds.shape[0] >= thresholds
 
 
 @kernel
-def usable_vertices(draw, vertices):
+def usable_vertices(draw, vertices, colors):
     """Whether vertices have every column that the draw reads."""
-    count, colors, coordinates = vertices.x.shape[0], vertices.colors, vertices.coordinates
+    count, coordinates = vertices.x.shape[0], vertices.coordinates
     if colors.shape[0] < count or coordinates.shape[0] < count or vertices.inverse_w.shape[0] < count:
         return False
     if colors.shape[1] < 2 or colors.shape[2] < 8:
@@ -183,13 +199,13 @@ def usable_strokes(draw, triangles, strokes, vertices):
 
 
 @kernel(boolean(PASS, int64, int64))
-def usable(p, height, width):
-    """Whether a Draw's arrays can be given to kernels; ``height``, ``width`` of the framebuffer."""
+def usable(p, height, words):
+    """Whether a Draw's arrays can be given to kernels; ``height`` rows of ``words`` of the framebuffer."""
     draw = p.state.draw
     return (
-        usable_draw(p.state, p.fog, height, width)
+        usable_draw(p.state, p.fog, height, words)
         and usable_program(draw, p.combiners)
-        and usable_vertices(draw, p.vertices)
+        and usable_vertices(draw, p.vertices, p.colors)
         and usable_strokes(draw, p.triangles, p.strokes, p.vertices.x.shape[0])
         and usable_units(draw, p.textures)
         and usable_texels(draw, p.textures)

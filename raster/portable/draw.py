@@ -21,10 +21,17 @@ from fixedpipe.raster.arrays import (
     as_buffers,
     plain,
 )
+from fixedpipe.raster.fixed import one_of
 from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.arrays import PASS, SCRATCH, Edges, Scratch, as_pass
 from fixedpipe.raster.portable.check import usable
-from fixedpipe.raster.portable.combine import copy_plane, fill_plane, final_combiner, general_combiner
+from fixedpipe.raster.portable.combine import (
+    convert_plane,
+    copy_plane,
+    fill_plane,
+    final_combiner,
+    general_combiner,
+)
 from fixedpipe.raster.portable.interpolate import (
     color_weights,
     depth_words,
@@ -65,13 +72,13 @@ def stroke_offset(draw, kind):
 @kernel
 def iterate_four(draw, segments, triangles, colors, first, ints, edges, out, plane):
     """Four colour channels from ``first`` on into four planes of ``out``."""
-    flat = draw[R.FLAT]
+    flat, bits = draw[R.FLAT], int32(draw[R.BITS])
     for c in range(4):
         k, to = first + c, plane + c
         if draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT:
-            iterate_exact_color(segments, triangles, colors, k, flat, edges, out, to)
+            iterate_exact_color(segments, triangles, colors, k, flat, edges, out, to, bits)
         else:
-            iterate_color(segments, triangles, colors, k, flat, ints, out, to)
+            iterate_color(segments, triangles, colors, k, flat, ints, out, to, bits)
 
 
 @kernel(void(PASS, int64, SEGMENTS, RUNS, SCRATCH))
@@ -81,7 +88,9 @@ def shade(p, count, segments, runs, scratch):
     A texture shader may change ``depth`` and ``alive``.
     """
     separate_function()
-    draw, triangles, colors, fog = p.state.draw, p.triangles, p.vertices.colors, p.fog
+    draw, triangles, colors, fog = p.state.draw, p.triangles, p.colors, p.fog
+    bits = int32(draw[R.BITS])
+    one = one_of(bits)
     edges, floats, ints, registers = scratch.edges, scratch.floats, scratch.ints, scratch.registers
     results = scratch.results
     if draw[R.DISCARDS]:
@@ -89,7 +98,7 @@ def shade(p, count, segments, runs, scratch):
     if draw[R.NEEDS_ITERATION_WEIGHTS]:
         iteration_weights(edges, count, floats)
     if draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EIGHT_BITS:
-        color_weights(floats, count, ints)
+        color_weights(floats, count, ints, bits)
     if draw[R.NEEDS_WEIGHTS]:
         full_weights(edges, count, floats)
     if draw[R.DIRECT]:
@@ -106,10 +115,10 @@ def shade(p, count, segments, runs, scratch):
         if draw[R.FOG_ENABLED] == C.FOG_BY_TABLE:
             iterate_fog_table(segments, triangles, fog, floats, registers, plane)
         else:
-            iterate_fog(segments, triangles, fog, floats, draw[R.FOG_RISING], registers, plane)
+            iterate_fog(segments, triangles, fog, floats, draw[R.FOG_RISING], registers, plane, bits)
     if draw[R.WRITES_TEXTURE]:
         for u in range(4):
-            unbound_texture(registers, u, count)
+            unbound_texture(registers, u, count, one)
     for u in range(draw[R.UNITS]):
         sample_unit(p, u, count, segments, runs, scratch)
     program, constants, arithmetic = p.combiners.program, p.combiners.constants, p.combiners.arithmetic
@@ -123,7 +132,7 @@ def shade(p, count, segments, runs, scratch):
             for c in range(8):
                 fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int32(constants[stage, c]))
         general_combiner(
-            registers, program[stage], count, arithmetic, scratch.products, scratch.total, results
+            registers, program[stage], count, arithmetic, scratch.products, scratch.total, results, bits
         )
     if draw[R.STAGE_CONSTANTS]:
         for c in range(8):
@@ -131,7 +140,15 @@ def shade(p, count, segments, runs, scratch):
                 registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, count, int32(constants[draw[R.STAGES], c])
             )
     uses_ef, uses_sum = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
-    final_combiner(registers, p.combiners.final, count, uses_ef, uses_sum, draw[R.COLOR_SUM], results)
+    color_sum = draw[R.COLOR_SUM]
+    final_combiner(registers, p.combiners.final, count, uses_ef, uses_sum, color_sum, results, bits)
+
+
+@kernel
+def narrow(results, count, draw):
+    """A batch's colours to the color buffer's bits."""
+    for c in range(4):
+        convert_plane(results, c, count, int32(draw[R.BITS]), int32(draw[R.BUFFER_BITS]))
 
 
 @kernel(void(int32[:, ::1], int64, RUNS, int32[::1], uint8[::1]))
@@ -158,8 +175,8 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
     lead a kernel outside an array (``fixedpipe.raster.portable.check``).
     """
     p, target = as_pass(arrays), as_buffers(buffers)
-    height, width = target.color.shape
-    if batch < 16 or band_step < 1 or not usable(p, height, width):
+    height, words = target.color.shape
+    if batch < 16 or band_step < 1 or not usable(p, height, words):
         return int64(-1)
     edges = Edges(np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64))
     floats, ints = np.empty((R.FLOAT_COLUMNS, batch), np.float64), np.empty((R.INT_COLUMNS, batch), np.int32)
@@ -188,9 +205,10 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
         fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, batch, int32(constants[0, c]))
     for c in range(3):
         fill_plane(registers, C.REGISTER_FOG * 4 + c, batch, int32(draw[R.FOG_RED + c]))
-    fill_plane(registers, C.REGISTER_FOG * 4 + 3, batch, int32(255))
+    one = one_of(int32(draw[R.BITS]))
+    fill_plane(registers, C.REGISTER_FOG * 4 + 3, batch, one)
     for u in range(4):
-        unbound_texture(registers, u, batch)
+        unbound_texture(registers, u, batch, one)
     (order, ends), recorded = bands, int64(0)
     for band in range(first_band, ends.shape[0], band_step):
         begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
@@ -302,6 +320,8 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                         if draw[R.NEEDS_COLOR]:
                             owned = Segments(lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS], segments)
                             shade(p, position, owned, in_rows, scratch)
+                            if draw[R.BITS] != draw[R.BUFFER_BITS]:
+                                narrow(results, position, draw)
                         per_fragment(draw, position, in_rows, results, shaded, depth, alive, factors, target)
                         record_batch(record, recorded, in_rows, ints[R.OWNER], alive)
                         recorded += position

@@ -7,12 +7,12 @@ are their edge functions times 1/w.
 """
 
 import numpy as np
-from numba import float64, int16, int32, int64, uint8, uint64, void
+from numba import float64, int16, int32, int64, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import SEGMENTS, THREE
-from fixedpipe.raster.fixed import float_depth, power_below, reciprocal_29, step_24, truncate_24
+from fixedpipe.raster.fixed import float_depth, one_of, power_below, reciprocal_29, step_24, truncate_24
 from fixedpipe.raster.floats import LEAST_SINGLE, SMALLEST
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
 from fixedpipe.raster.portable.arrays import EDGES, FOG_FACTORS
@@ -148,19 +148,23 @@ def iteration_weights(edges, count, floats):
         floats[R.Q2, i] = (1.0 - q0) - q1 if last else q2
 
 
-@kernel("void(f8[:,::1],i8,i4[:,::1])")
-def color_weights(floats, count, ints):
-    """8-bit weights W0 and W2 of vertices 0 and 2, from Q0 and Q2."""
+@kernel("void(f8[:,::1],i8,i4[:,::1],i4)")
+def color_weights(floats, count, ints, bits):
+    """Weights W0 and W2 of vertices 0 and 2 of so many bits, from Q0 and Q2."""
     separate_loop()
+    whole = float64(int32(int32(1) << bits))
     for i in range(count):
-        ints[R.W0, i] = int32(floats[R.Q0, i] * 256.0)  # not negative: truncation is floor
-        ints[R.W2, i] = int32(floats[R.Q2, i] * 256.0)
+        ints[R.W0, i] = int32(floats[R.Q0, i] * whole)  # not negative: truncation is floor
+        ints[R.W2, i] = int32(floats[R.Q2, i] * whole)
 
 
-@kernel(void(SEGMENTS, int32[:, ::1], uint8[:, :, ::1], int64, int64, int32[:, ::1], int16[:, ::1], int64))
-def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane):
-    """One colour channel into a plane of ``out``: ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, or the provoking
-    vertex's.
+_COLORS = int16[:, :, ::1]
+
+
+@kernel(void(SEGMENTS, int32[:, ::1], _COLORS, int64, int64, int32[:, ::1], int16[:, ::1], int64, int32))
+def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane, bits):
+    """One colour channel of ``bits`` bits into a plane of ``out``, or the provoking vertex's. Of eight:
+    ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``.
 
     Measured: over a million pixels (3D_primitive, Texture_perspective captures).
     """
@@ -175,21 +179,21 @@ def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane):
         c2 = int32(colors[triangles[t, 2], side, channel])
         if flat:
             c0 = c1 = c2 = int32(colors[triangles[t, 3], side, channel])
-        if c0 == c1 and c1 == c2:  # the weights sum to 256: the sum below is then exactly c0
+        if c0 == c1 and c1 == c2:  # the weights sum to 1: the sum below is then exactly c0
             for i in range(count):
                 out[p, at + uint64(i)] = int16(c0)
         else:
             d0 = int32(c0 - c1)
             d2 = int32(c2 - c1)
-            base = int32(int32(c1 * int32(256)) + int32(128))
+            base = int32(int32(c1 << bits) + int32(int32(1) << int32(bits - 1)))
             for i in range(count):
                 k = at + uint64(i)
                 total = int32(base + int32(int32(ints[R.W0, k] * d0) + int32(ints[R.W2, k] * d2)))
-                out[p, k] = int16(total >> int32(8))
+                out[p, k] = int16(total >> bits)
 
 
-@kernel(void(SEGMENTS, int32[:, ::1], uint8[:, :, ::1], int64, int64, EDGES, int16[:, ::1], int64))
-def iterate_exact_color(segments, triangles, colors, channel, flat, edges, out, plane):
+@kernel(void(SEGMENTS, int32[:, ::1], _COLORS, int64, int64, EDGES, int16[:, ::1], int64, int32))
+def iterate_exact_color(segments, triangles, colors, channel, flat, edges, out, plane, bits):
     """One colour channel into a plane of ``out``, rounded to nearest:
     ``floor((2 ((e0 c0 + e1 c1) + e2 c2) + D) / (2 D))`` with ``D = (e0 + e1) + e2``.
 
@@ -197,7 +201,7 @@ def iterate_exact_color(segments, triangles, colors, channel, flat, edges, out, 
     its quotient lies further from the next integer than float64 rounds it.
     """
     separate_loop()
-    p, (e0, e1, e2) = uint64(plane), edges
+    p, one, (e0, e1, e2) = uint64(plane), float64(one_of(bits)), edges
     starts, owners, backs = segments.starts, segments.owners, segments.backs
     for s in range(segments.count):
         t = owners[s]
@@ -214,7 +218,7 @@ def iterate_exact_color(segments, triangles, colors, channel, flat, edges, out, 
             whole = (e0[k] + e1[k]) + e2[k]
             value = np.floor((2.0 * total + whole) / (2.0 * whole))
             value = value if value > 0.0 else 0.0  # lines reach beyond their ends; no number becomes 0
-            out[p, k] = int16(value if value < 255.0 else 255.0)
+            out[p, k] = int16(value if value < one else one)
 
 
 @kernel(void(SEGMENTS, int32[:, ::1], float64[:, :, ::1], int64, int64, float64[:, ::1], int64))
@@ -243,12 +247,13 @@ def iterate_coordinate(segments, triangles, coordinates, unit, component, floats
             floats[p, k] = total * step
 
 
-@kernel(void(SEGMENTS, int32[:, ::1], FOG_FACTORS, float64[:, ::1], int64, int16[:, ::1], int64))
-def iterate_fog(segments, triangles, fog, floats, rising, out, plane):
-    """The fog factor's byte into a plane of ``out``: how many of the 255 thresholds (falling with k, or
-    rising) the coordinate keeps.
+@kernel(void(SEGMENTS, int32[:, ::1], FOG_FACTORS, float64[:, ::1], int64, int16[:, ::1], int64, int32))
+def iterate_fog(segments, triangles, fog, floats, rising, out, plane, bits):
+    """The fog factor, of ``bits`` bits, into a plane of ``out``: how many of the thresholds, as many as its
+    value of one (falling with k, or rising), the coordinate keeps.
     """
     separate_loop()
+    one = int64(one_of(bits))
     starts, owners, of_vertex, thresholds = segments.starts, segments.owners, fog.coordinates, fog.thresholds
     for s in range(segments.count):
         t = owners[s]
@@ -257,7 +262,7 @@ def iterate_fog(segments, triangles, fog, floats, rising, out, plane):
         d2 = of_vertex[triangles[t, 2]] - v1
         for i in range(starts[s], starts[s + 1]):
             c = (v1 + floats[R.B0, i] * d0) + floats[R.B2, i] * d2
-            low, high = 0, 255  # thresholds[k - 1] is T_k; the first `low` hold, those from `high` on do not
+            low, high = 0, one  # thresholds[k - 1] is T_k; the first `low` hold, those from `high` on do not
             while low < high:
                 middle = (low + high + 1) >> 1
                 holds = c >= thresholds[middle - 1] if rising else c <= thresholds[middle - 1]
@@ -270,7 +275,7 @@ def iterate_fog(segments, triangles, fog, floats, rising, out, plane):
 
 @kernel(void(SEGMENTS, int32[:, ::1], FOG_FACTORS, float64[:, ::1], int16[:, ::1], int64))
 def iterate_fog_table(segments, triangles, fog, floats, out, plane):
-    """The fog factor's byte into a plane of ``out``: the entry of a table of 8193 at floor(4096 v).
+    """The fog factor into a plane of ``out``: the entry of a table of 8193 at floor(4096 v).
 
     Measured: 374 of 374 squares and all pixels of 6 captures (FogGen, Fog, Fog_vsh).
     """

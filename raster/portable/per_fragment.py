@@ -2,7 +2,7 @@
 
 Fragments lie in columns; a run is a piece of one row of one triangle, so its pixels are distinct and a loop
 over it may be vectorised; runs follow each other in draw order. Colour is ``uint32[height, width]``, red in
-the low byte.
+the low byte; where components are wider, ``uint32[height, 4 * width]``.
 """
 
 from numba import int16, int32, int64, uint8, uint32, uint64, void
@@ -10,7 +10,7 @@ from numba import int16, int32, int64, uint8, uint32, uint64, void
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import BUFFERS, RUNS
-from fixedpipe.raster.fixed import clamp, divide_255
+from fixedpipe.raster.fixed import clamp, divide, one_of
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 
 
@@ -24,7 +24,7 @@ def passes(function, value, reference):
 
 @kernel("void(i2[::1],i8,i4,i4,u1[::1])")
 def alpha_test(alpha, count, function, reference, alive):
-    """Section 4.1.3, on bytes. Measured: alpha test captures."""
+    """Section 4.1.3, on whole numbers. Measured: alpha test captures."""
     separate_loop()
     for i in range(count):
         alive[i] = uint8(alive[i] & uint8(passes(function, int32(alpha[i]), reference)))
@@ -147,6 +147,12 @@ def logic(operation, s, d):
 
 
 @kernel
+def logic_of(operation, s, d, one):
+    """``logic`` on a component."""
+    return int32(logic(operation, uint32(s), uint32(d)) & uint32(one))
+
+
+@kernel
 def blend_factor(row, at, s, d, sa, da, saturate):
     """One channel's factor: the packed masks select its terms; the last one inverts it.
 
@@ -159,9 +165,9 @@ def blend_factor(row, at, s, d, sa, da, saturate):
 
 
 @kernel
-def blend_equation(equation, s, fs, d, fd):
-    """Section 4.1.6 on bytes: one rounding after the sum. Measured: 176504832 of 176504832 pixels (Blend
-    captures).
+def blend_equation(equation, s, fs, d, fd, bits):
+    """Section 4.1.6 on components of ``bits`` bits: one rounding after the sum. Measured: bytes, 176504832 of
+    176504832 pixels (Blend captures).
     """
     if equation == C.EQUATION_MIN:
         return min(s, d)
@@ -174,7 +180,7 @@ def blend_equation(equation, s, fs, d, fd):
         total = int32(destination - source)
     else:  # EQUATION_FUNC_ADD; the two signed ones are the surface's
         total = int32(source + destination)
-    return min(divide_255(max(total, int32(0))), int32(255))
+    return min(divide(max(total, int32(0)), bits), one_of(bits))
 
 
 @kernel
@@ -210,18 +216,18 @@ def blend_run(color, y, x, count, source, alive, start, factors, equation, mask)
             blend_factor(fs, 2 * R.FACTOR_SIZE, sb, db, sa, da, low),
             blend_factor(fd, 2 * R.FACTOR_SIZE, sb, db, sa, da, low),
         )
-        one = int32(255)
+        one, bits = int32(255), int32(8)
         fa, ea = (
             blend_factor(fs, 3 * R.FACTOR_SIZE, sa, da, sa, da, one),
             blend_factor(fd, 3 * R.FACTOR_SIZE, sa, da, sa, da, one),
         )
         r, g = (
-            uint32(blend_equation(equation, sr, fr, dr, er)),
-            uint32(blend_equation(equation, sg, fg, dg, eg)),
+            uint32(blend_equation(equation, sr, fr, dr, er, bits)),
+            uint32(blend_equation(equation, sg, fg, dg, eg, bits)),
         )
         b, a = (
-            uint32(blend_equation(equation, sb, fb, db, eb)),
-            uint32(blend_equation(equation, sa, fa, da, ea)),
+            uint32(blend_equation(equation, sb, fb, db, eb, bits)),
+            uint32(blend_equation(equation, sa, fa, da, ea, bits)),
         )
         packed = uint32(
             uint32(r | uint32(g << uint32(8))) | uint32(uint32(b << uint32(16)) | uint32(a << uint32(24)))
@@ -298,7 +304,7 @@ def to_surface(packed, keep, pad, alpha):
 
 
 @kernel
-def any_equation(equation, s, fs, d, fd):
+def any_equation(equation, s, fs, d, fd, bits):
     """As ``blend_equation``, and the signed two: the source as a two's complement, no factors.
 
     Measured: the Blend captures' SADD and SREVSUB. Not in ``blend_equation``, where it would cost every other
@@ -306,30 +312,31 @@ def any_equation(equation, s, fs, d, fd):
     """
     adds = equation == C.EQUATION_FUNC_ADD_SIGNED
     if adds or equation == C.EQUATION_FUNC_REVERSE_SUBTRACT_SIGNED:
-        signed = int32(s - int32(int32(s & int32(128)) << int32(1)))
-        return clamp(int32(d + (signed if adds else int32(-signed))), int32(0), int32(255))
-    return blend_equation(equation, s, fs, d, fd)
+        sign = int32(int32(1) << int32(bits - 1))
+        signed = int32(s - int32(int32(s & sign) << int32(1)))
+        return clamp(int32(d + (signed if adds else int32(-signed))), int32(0), one_of(bits))
+    return blend_equation(equation, s, fs, d, fd, bits)
 
 
 @kernel
-def blend_channel(equation, fs, fd, at, s, d, sa, da, saturate):
+def blend_channel(equation, fs, fd, at, s, d, sa, da, saturate, bits):
     """One channel of a blended colour; fs, fd int32[4 * FACTOR_SIZE]: factors of source and destination."""
     source = blend_factor(fs, at, s, d, sa, da, saturate)
     destination = blend_factor(fd, at, s, d, sa, da, saturate)
-    return uint32(any_equation(equation, s, source, d, destination))
+    return any_equation(equation, s, source, d, destination, bits)
 
 
 @kernel
 def blended(s, d, fs, fd, equation):
     """Two packed colours blended by any equation, into a packed colour."""
-    sa, da, one = byte_of(s, 24), byte_of(d, 24), int32(255)
+    sa, da, one, bits, size = byte_of(s, 24), byte_of(d, 24), int32(255), int32(8), R.FACTOR_SIZE
     low = min(sa, int32(one - da))
-    red = blend_channel(equation, fs, fd, 0, byte_of(s, 0), byte_of(d, 0), sa, da, low)
-    green = blend_channel(equation, fs, fd, R.FACTOR_SIZE, byte_of(s, 8), byte_of(d, 8), sa, da, low)
-    blue = blend_channel(equation, fs, fd, 2 * R.FACTOR_SIZE, byte_of(s, 16), byte_of(d, 16), sa, da, low)
-    alpha = blend_channel(equation, fs, fd, 3 * R.FACTOR_SIZE, sa, da, sa, da, one)
-    lower = uint32(red | uint32(green << uint32(8)))
-    return uint32(lower | uint32(uint32(blue << uint32(16)) | uint32(alpha << uint32(24))))
+    red = blend_channel(equation, fs, fd, 0, byte_of(s, 0), byte_of(d, 0), sa, da, low, bits)
+    green = blend_channel(equation, fs, fd, size, byte_of(s, 8), byte_of(d, 8), sa, da, low, bits)
+    blue = blend_channel(equation, fs, fd, 2 * size, byte_of(s, 16), byte_of(d, 16), sa, da, low, bits)
+    alpha = blend_channel(equation, fs, fd, 3 * size, sa, da, sa, da, one, bits)
+    lower = uint32(uint32(red) | uint32(uint32(green) << uint32(8)))
+    return uint32(lower | uint32(uint32(uint32(blue) << uint32(16)) | uint32(uint32(alpha) << uint32(24))))
 
 
 @kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,i4[:,::1],i8[::1])")
@@ -355,6 +362,59 @@ def surface_run(color, y, x, count, source, alive, start, factors, draw):
         color[row, at + uint64(i)] = merge(result, old, mask, alive[here + uint64(i)])
 
 
+@kernel
+def put_component(color, row, at, value, mask, living):
+    """Store a component of a wide pixel, where its ``mask`` is on and the fragment lives."""
+    if living & mask:
+        color[row, at] = uint32(value)
+
+
+@kernel("void(u4[:,::1],i8,i8,i8,i2[:,::1],u1[::1],i8,i8)")
+def wide_write_run(color, y, x, count, colors, alive, start, mask):
+    """Replace one run of a buffer whose pixels are four words, a component each."""
+    separate_loop()
+    row, here = uint64(y), uint64(start)
+    for i in range(count):
+        k, at, living = here + uint64(i), uint64(4 * (x + i)), int64(alive[here + uint64(i)])
+        put_component(color, row, at, colors[0, k], mask, living)
+        put_component(color, row, at + uint64(1), colors[1, k], mask >> 8, living)
+        put_component(color, row, at + uint64(2), colors[2, k], mask >> 16, living)
+        put_component(color, row, at + uint64(3), colors[3, k], mask >> 24, living)
+
+
+@kernel("void(u4[:,::1],i8,i8,i8,i2[:,::1],u1[::1],i8,i4[:,::1],i8[::1])")
+def wide_blend_run(color, y, x, count, colors, alive, start, factors, draw):
+    """Blend one run into such a buffer, or combine it by a logic operation."""
+    separate_loop()
+    row, here, size = uint64(y), uint64(start), R.FACTOR_SIZE
+    fs, fd = factors[0], factors[1]
+    mode, equation, operation = draw[R.BLEND], draw[R.BLEND_EQUATION], draw[R.LOGIC_OPERATION]
+    bits, mask = int32(draw[R.BUFFER_BITS]), draw[R.COLOR_MASK]
+    one = one_of(bits)
+    for i in range(count):
+        k, at = here + uint64(i), uint64(4 * (x + i))
+        sr, sg, sb, sa = int32(colors[0, k]), int32(colors[1, k]), int32(colors[2, k]), int32(colors[3, k])
+        dr, dg = int32(color[row, at]), int32(color[row, at + uint64(1)])
+        db, da = int32(color[row, at + uint64(2)]), int32(color[row, at + uint64(3)])
+        if mode == C.BLEND_ADD:
+            sr, sg = min(int32(sr + dr), one), min(int32(sg + dg), one)
+            sb, sa = min(int32(sb + db), one), min(int32(sa + da), one)
+        elif mode == C.BLEND_LOGIC:
+            sr, sg = logic_of(operation, sr, dr, one), logic_of(operation, sg, dg, one)
+            sb, sa = logic_of(operation, sb, db, one), logic_of(operation, sa, da, one)
+        else:  # BLEND_GENERAL
+            low = min(sa, int32(one - da))
+            sr = blend_channel(equation, fs, fd, 0, sr, dr, sa, da, low, bits)
+            sg = blend_channel(equation, fs, fd, size, sg, dg, sa, da, low, bits)
+            sb = blend_channel(equation, fs, fd, 2 * size, sb, db, sa, da, low, bits)
+            sa = blend_channel(equation, fs, fd, 3 * size, sa, da, sa, da, one, bits)
+        living = int64(alive[k])
+        put_component(color, row, at, sr, mask, living)
+        put_component(color, row, at + uint64(1), sg, mask >> 8, living)
+        put_component(color, row, at + uint64(2), sb, mask >> 16, living)
+        put_component(color, row, at + uint64(3), sa, mask >> 24, living)
+
+
 @kernel("void(u1[::1],i8)")
 def all_alive(alive, count):
     """Mark a batch's fragments alive."""
@@ -369,7 +429,7 @@ def all_alive(alive, count):
 def per_fragment(draw, count, runs, colors, packed, depth, alive, factors, buffers):
     """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch.
 
-    colors int16[4, batch] (0..255), depth int32[batch] (-1: outside its limits); scratch: packed
+    colors int16[4, batch] (0..one), depth int32[batch] (-1: outside its limits); scratch: packed
     uint32[batch]; alive uint8[batch]: what shading left where it DISCARDS, afterwards which fragments passed.
     factors int32[2, 4 * FACTOR_SIZE]: the blend factors of source and destination.
     """
@@ -383,7 +443,8 @@ def per_fragment(draw, count, runs, colors, packed, depth, alive, factors, buffe
         depth_limits(depth, count, alive)
     tested = draw[R.ALPHA_TEST] != 0 or draw[R.DISCARDS] != 0 or draw[R.DEPTH_CULL] != 0
     writes = draw[R.NEEDS_COLOR] and draw[R.COLOR_MASK] != 0
-    if writes:
+    wide = draw[R.BUFFER_BITS] != R.BITS_OF_BYTES
+    if writes and not wide:
         pack_colors(colors, count, packed)
     mask = uint32(draw[R.COLOR_MASK])
     mode = draw[R.BLEND]
@@ -399,7 +460,11 @@ def per_fragment(draw, count, runs, colors, packed, depth, alive, factors, buffe
             )
             tested = True
         if writes:
-            if draw[R.SURFACE]:
+            if wide and mode == C.BLEND_REPLACE:
+                wide_write_run(color, y, x, n, colors, alive, start, draw[R.COLOR_MASK])
+            elif wide:
+                wide_blend_run(color, y, x, n, colors, alive, start, factors, draw)
+            elif draw[R.SURFACE]:
                 surface_run(color, y, x, n, packed, alive, start, factors, draw)
             elif mode == C.BLEND_GENERAL:
                 blend_run(color, y, x, n, packed, alive, start, factors, draw[R.BLEND_EQUATION], mask)

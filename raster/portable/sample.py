@@ -1,18 +1,30 @@
 """Texture sampling over a batch (docs/numbers.md, sections 6 and 7).
 
-A texture's levels lie one behind another in one ``uint32`` array of packed register bytes (red in the low
-byte), rows bottom first; a cube map's level holds its six faces in order. Every fragment has its own level,
-so the size of a level is a column too. A nearest filter is a linear one with a fraction of zero.
+A texture's levels lie one behind another in one ``uint32`` array of packed texels (``portable.texels``), the
+second words of wide ones behind all the first, rows bottom first; a cube map's level holds its six faces in
+order. Every fragment has its own level, so the size of a level is a column too. A nearest filter is a linear
+one with a fraction of zero.
 """
 
 import numpy as np
-from numba import float64, int16, int32, int64, uint32, uint64
+from numba import float64, int32, int64, uint32, uint64
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS, TAU
 from fixedpipe.raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
+from fixedpipe.raster.portable.combine import convert_plane
 from fixedpipe.raster.portable.shadow import compare_texels
+from fixedpipe.raster.portable.texels import (
+    blend,
+    choose_magnified,
+    filter_linear,
+    filter_linear_hilo,
+    filter_linear_lanes,
+    unpack,
+    unpack_lanes,
+    unpack_signed,
+)
 
 # 2 ** (k / 128) for k = 0 .. 127, each the nearest float64: thresholds of the mantissa of rho squared.
 # Computed from the integer root: floor(2**(52 + k/128) + 1/2) by exact comparison of 128th powers.
@@ -256,91 +268,6 @@ def fetch_bordered(texels, ints, count, column, row, border, packed, out):
             packed[po, i] = texels[uint32(int32(ints[R.BASE, i] + int32(y * ints[R.WIDTH, i])) + x)]
 
 
-@kernel
-def lerp_packed(p, q, weight):
-    """(p (256 - w) + q w + 128) >> 8 on each byte of packed texels, w in 0..256.
-
-    Measured: 349524 of 349524 pixels (mip-mapped DXT captures). Two bytes at a time, 16 bits apart: a lane's
-    largest value is 255 * 256 + 128 < 65536.
-    """
-    mask, half, eight = uint32(0x00FF00FF), uint32(0x00800080), uint32(8)
-    w = uint32(weight)
-    v = uint32(uint32(256) - w)
-    even = uint32(uint32(uint32(p & mask) * v) + uint32(uint32(q & mask) * w))
-    odd = uint32(uint32(uint32(p >> eight) & mask) * v) + uint32(uint32(uint32(q >> eight) & mask) * w)
-    even = uint32(uint32(even + half) >> eight) & mask
-    odd = uint32(uint32(odd) + half) & uint32(0xFF00FF00)
-    return uint32(even | odd)
-
-
-@kernel("void(u4[:,::1],i4[:,::1],i8,i8)")
-def filter_linear(packed, ints, count, out):
-    """Both rows horizontally, each rounded to bytes, then vertically."""
-    separate_loop()
-    po = uint64(out)
-    for i in range(count):
-        a, b = ints[R.I_FRACTION, i], ints[R.J_FRACTION, i]
-        lower = lerp_packed(packed[R.P00, i], packed[R.P10, i], a)
-        upper = lerp_packed(packed[R.P01, i], packed[R.P11, i], a)
-        packed[po, i] = lerp_packed(lower, upper, b)
-
-
-@kernel("void(u4[:,::1],i4[:,::1],i8,i8,i8,i8)")
-def blend(packed, ints, first, second, fraction, count):
-    """From column ``first`` to ``second`` by the 8-bit column ``fraction``, into ``first``: between mipmap
-    levels (Measured: 61440 of 61440 pixels, LODBias) or layers.
-    """
-    separate_loop()
-    p0, p1, pf = uint64(first), uint64(second), uint64(fraction)
-    for i in range(count):
-        packed[p0, i] = lerp_packed(packed[p0, i], packed[p1, i], ints[pf, i])
-
-
-@kernel("void(u4[:,::1],i4[:,::1],i4,i8)")
-def choose_magnified(packed, ints, threshold, count):
-    """Take the magnified texel where lambda is not above the threshold, into TEXEL_0."""
-    separate_loop()
-    for i in range(count):
-        if ints[R.LOD, i] <= threshold:
-            packed[R.TEXEL_0, i] = packed[R.MAGNIFIED, i]
-
-
-@kernel("void(u4[:,::1],i8,i8,i2[:,::1],i8)")
-def unpack(packed, source, count, registers, plane):
-    """A packed column to four register planes from ``plane`` on."""
-    separate_loop()
-    ps, red, green, blue, alpha = (
-        uint64(source),
-        uint64(plane),
-        uint64(plane + 1),
-        uint64(plane + 2),
-        uint64(plane + 3),
-    )
-    for i in range(count):
-        p = packed[ps, i]
-        registers[red, i] = int16(p & uint32(255))
-        registers[green, i] = int16(uint32(p >> uint32(8)) & uint32(255))
-        registers[blue, i] = int16(uint32(p >> uint32(16)) & uint32(255))
-        registers[alpha, i] = int16(p >> uint32(24))
-
-
-@kernel("void(u4[:,::1],i8,u4,i8,i2[:,::1],i8)")
-def unpack_signed(packed, source, signed, count, registers, plane):
-    """As ``unpack``, where ``signed`` has 0x80 in components whose bytes are s + 128: these become 2 s.
-
-    Measured: 732800 of 732800 pixels (Texture_signed_component_tests).
-    """
-    separate_loop()
-    ps = uint64(source)
-    for c in range(4):
-        shift, pc = uint32(8 * c), uint64(plane + c)
-        twice = uint32(uint32(signed >> shift) & uint32(128)) != uint32(0)
-        factor, less = int32(2 if twice else 1), int32(256 if twice else 0)
-        for i in range(count):
-            byte = int32(uint32(packed[ps, i] >> shift) & uint32(255))
-            registers[pc, i] = int16(int32(byte * factor) - less)
-
-
 @kernel("void(i4[:,::1],i4,i4,i4,i8)")
 def select_level(ints, levels, rounding, step, count):
     """LEVEL of each fragment: (clamp(lambda) + rounding) >> 8, plus ``step``, at most the last."""
@@ -428,36 +355,11 @@ def fill_int(ints, column, count, value):
         ints[p, i] = value
 
 
-@kernel
-def lerp_hilo(p, q, weight):
-    """(p (256 - w) + q w + 128) >> 8 on a HILO texel's words: alpha and red, green and blue."""
-    w, eight = int64(weight), int64(8)
-    high = int64(p >> uint32(24)) * 256 + int64(p & uint32(255))
-    other = int64(q >> uint32(24)) * 256 + int64(q & uint32(255))
-    high = (high * (256 - w) + other * w + 128) >> eight
-    low = int64(p & uint32(0xFF00)) + int64(uint32(p >> uint32(16)) & uint32(255))
-    other = int64(q & uint32(0xFF00)) + int64(uint32(q >> uint32(16)) & uint32(255))
-    low = (low * (256 - w) + other * w + 128) >> eight
-    return uint32(((high >> eight) << 24) | (high & 255) | (low & 0xFF00) | ((low & 255) << 16))
-
-
-@kernel("void(u4[:,::1],i4[:,::1],i8,i8)")
-def filter_linear_hilo(packed, ints, count, out):
-    """As ``filter_linear``, on words of 16 bits. Measured: Bump_map's R16B16 captures."""
-    separate_loop()
-    po = uint64(out)
-    for i in range(count):
-        a, b = ints[R.I_FRACTION, i], ints[R.J_FRACTION, i]
-        lower = lerp_hilo(packed[R.P00, i], packed[R.P10, i], a)
-        upper = lerp_hilo(packed[R.P01, i], packed[R.P11, i], a)
-        packed[po, i] = lerp_hilo(lower, upper, b)
-
-
 @kernel("void(u4[::1],i4[:,::1],i8,i8,u4,i8,u4,u4,i8,u4[:,::1],i8)")
 def fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out):
     """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column.
 
-    ``function``: of a shadow comparison, UNCOMPARED_BYTES or UNCOMPARED_WORDS. ``held``, ``failed``: what a
+    ``function``: of a shadow comparison, or one of UNCOMPARED. ``held``, ``failed``: what a
     comparison gives.
     """
     separate_function()
@@ -481,7 +383,9 @@ def fetch_and_filter(texels, ints, linear, bordered, border, function, held, fai
             compare_texels(packed, column, ints, int32(function), held, failed, count)
     if function == C.UNCOMPARED_WORDS:
         filter_linear_hilo(packed, ints, count, out)
-    else:
+    elif function == C.UNCOMPARED_LANES:
+        filter_linear_lanes(packed, ints, count, out)
+    else:  # bytes, UNCOMPARED_BYTES or of a comparison
         filter_linear(packed, ints, count, out)
 
 
@@ -519,27 +423,31 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
         texel_coordinates(floats, R.T, R.T_SIZE, bias, scale, count)
         wrap_axis(wrap_t, floats, R.T_SIZE, count, linear, ints, R.J0)
     bordered = reads_border(wrap_s, linear) or (not flat and reads_border(wrap_t, linear))
-    border = uint32(unit[R.BORDER])
-    if not layered:
-        uncompared = int64(C.UNCOMPARED_WORDS if unit[R.HILO] else C.UNCOMPARED_BYTES)
-        function = unit[R.COMPARE_FUNCTION] if unit[R.COMPARE] else uncompared
-        held, failed = uint32(unit[R.COMPARE_HELD]), uint32(unit[R.COMPARE_FAILED])
-        fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out)
-        return
     wrap_r = unit[R.WRAP_R]
-    texel_coordinates(floats, R.P, R.P_SIZE, bias, scale, count)
-    wrap_axis(wrap_r, floats, R.P_SIZE, count, linear, ints, R.K0)
-    for k in range(2 if linear else 1):
-        layer, column = (R.K1, R.LAYER_1) if k == 1 else (R.K0, out)
-        layer_base(levels, ints, layer, count)
-        nothing, function = uint32(0), C.UNCOMPARED_BYTES
-        fetch_and_filter(
-            texels, ints, linear, bordered, border, function, nothing, nothing, count, packed, column
-        )
-        if reads_border(wrap_r, linear):
-            border_layer(ints, layer, border, count, packed, column)
-    if linear:
-        blend(packed, ints, out, R.LAYER_1, R.K_FRACTION, count)
+    if layered:
+        texel_coordinates(floats, R.P, R.P_SIZE, bias, scale, count)
+        wrap_axis(wrap_r, floats, R.P_SIZE, count, linear, ints, R.K0)
+    wide = unit[R.TEXEL_BITS] != R.BITS_OF_BYTES
+    plain = int64(C.UNCOMPARED_LANES if wide else C.UNCOMPARED_BYTES)
+    uncompared = int64(C.UNCOMPARED_WORDS) if unit[R.HILO] else plain
+    function = unit[R.COMPARE_FUNCTION] if unit[R.COMPARE] else uncompared
+    held, failed = uint32(unit[R.COMPARE_HELD]), uint32(unit[R.COMPARE_FAILED])
+    for word in range(2 if wide else 1):
+        words = texels[word * (texels.shape[0] // 2) :]  # the second words lie behind all the first
+        border, to = uint32(unit[R.BORDER + word]), out + word * R.WIDE
+        if not layered:
+            fetch_and_filter(words, ints, linear, bordered, border, function, held, failed, count, packed, to)
+            continue
+        for k in range(2 if linear else 1):
+            layer, column = (R.K1, R.LAYER_1) if k == 1 else (R.K0, to)
+            layer_base(levels, ints, layer, count)
+            fetch_and_filter(
+                words, ints, linear, bordered, border, plain, held, failed, count, packed, column
+            )
+            if reads_border(wrap_r, linear):
+                border_layer(ints, layer, border, count, packed, column)
+        if linear:
+            blend(packed, ints, to, R.LAYER_1, R.K_FRACTION, wide, count)
 
 
 @kernel("void(u4[::1],i4[:,::1],i8[::1],i8,f8[:,::1],i4[:,::1],u4[:,::1])")
@@ -553,6 +461,8 @@ def filter_unit(texels, levels, unit, count, floats, ints, packed):
     levels_count = int32(unit[R.LEVELS])
     mipmap, mag_linear, min_linear = unit[R.MIPMAP], unit[R.MAG_LINEAR], unit[R.MIN_LINEAR]
     fill_int(ints, R.LEVEL, count, int32(0))
+    wide = unit[R.TEXEL_BITS] != R.BITS_OF_BYTES
+    words = 2 * R.WIDE if wide else R.WIDE
     if mipmap == C.MIPMAP_NONE and mag_linear == min_linear:
         sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.TEXEL_0)
     else:
@@ -565,14 +475,21 @@ def filter_unit(texels, levels, unit, count, floats, ints, packed):
             select_level(ints, levels_count, int32(0), int32(1), count)
             sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_1)
             level_fraction(ints, levels_count, count)
-            blend(packed, ints, R.TEXEL_0, R.TEXEL_1, R.FRACTION, count)
-        choose_magnified(packed, ints, int32(unit[R.THRESHOLD]), count)
+            for word in range(0, words, R.WIDE):
+                blend(packed, ints, R.TEXEL_0 + word, R.TEXEL_1 + word, R.FRACTION, wide, count)
+        for word in range(0, words, R.WIDE):
+            choose_magnified(packed, ints, int32(unit[R.THRESHOLD]), word, count)
 
 
-@kernel("void(i8[::1],i8,u4[:,::1],i2[:,::1],i8)")
-def unpack_unit(unit, count, packed, registers, plane):
-    """TEXEL_0 to four planes of ``registers`` (int16[., batch]) from ``plane`` on."""
+@kernel("void(i8[::1],i8,u4[:,::1],i2[:,::1],i8,i4)")
+def unpack_unit(unit, count, packed, registers, plane, bits):
+    """TEXEL_0 to four planes of ``registers`` (int16[., batch]) from ``plane`` on, of ``bits`` bits."""
     if unit[R.SIGNED]:
         unpack_signed(packed, R.TEXEL_0, uint32(unit[R.SIGNED]), count, registers, plane)
+    elif unit[R.TEXEL_BITS] != R.BITS_OF_BYTES:
+        unpack_lanes(packed, R.TEXEL_0, count, registers, plane)
     else:
         unpack(packed, R.TEXEL_0, count, registers, plane)
+    if unit[R.TEXEL_BITS] != bits:
+        for c in range(4):
+            convert_plane(registers, plane + c, count, int32(unit[R.TEXEL_BITS]), bits)

@@ -13,7 +13,8 @@ from fixedpipe.raster.arrays import SEGMENTS
 from fixedpipe.raster.kernel import float_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.arrays import SCRATCH
 from fixedpipe.raster.portable.interpolate import iterate_coordinate
-from fixedpipe.raster.portable.sample import major_axis, on_face, unpack
+from fixedpipe.raster.portable.sample import major_axis, on_face
+from fixedpipe.raster.portable.texels import unpack
 
 
 @kernel

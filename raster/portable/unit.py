@@ -13,8 +13,9 @@ from fixedpipe.raster.portable.footprint import assemble_probes
 from fixedpipe.raster.portable.interpolate import iterate_coordinate
 from fixedpipe.raster.portable.level_of_detail import level_of_detail
 from fixedpipe.raster.portable.roughness import rough_footprints
-from fixedpipe.raster.portable.sample import cube_faces, divide_by_q, filter_unit, unpack, unpack_unit
+from fixedpipe.raster.portable.sample import cube_faces, divide_by_q, filter_unit, unpack_unit
 from fixedpipe.raster.portable.shadow import shadow_reference
+from fixedpipe.raster.portable.texels import unpack
 from fixedpipe.raster.portable.texture_shader import (
     copy_column,
     copy_texel,
@@ -27,10 +28,10 @@ from fixedpipe.raster.portable.texture_shader import (
 
 
 @kernel
-def unbound_texture(registers, unit, count):
-    """The register of a disabled unit: (0, 0, 0, 255). Measured: unbound textures (combiner captures)."""
+def unbound_texture(registers, unit, count, one):
+    """The register of a disabled unit: (0, 0, 0, 1). Measured: unbound textures (combiner captures)."""
     for c in range(4):
-        fill_plane(registers, (C.REGISTER_TEXTURE0 + unit) * 4 + c, count, int32(255 if c == 3 else 0))
+        fill_plane(registers, (C.REGISTER_TEXTURE0 + unit) * 4 + c, count, one if c == 3 else int32(0))
 
 
 @kernel(void(PASS, int64, int64, SEGMENTS, RUNS, SCRATCH))
@@ -101,7 +102,7 @@ def sample_unit(p, u, count, segments, runs, scratch):
         if row[R.MIPMAP] != C.MIPMAP_NONE or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
             level_of_detail(draw, runs, triangles, strokes, vertices, u, row, levels, ints)
         filter_unit(texels, levels, row, count, floats, ints, packed)
-    unpack_unit(row, count, packed, registers, (C.REGISTER_TEXTURE0 + u) * 4)
+    unpack_unit(row, count, packed, registers, (C.REGISTER_TEXTURE0 + u) * 4, int32(draw[R.BITS]))
     if draw[R.TEXTURE_SHADER]:
         if row[R.OPERATION] in C.OPERATIONS_WITH_SCALE:
             scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])

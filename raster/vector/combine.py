@@ -81,12 +81,13 @@ def divide_bytes(n):
     return upper_half(n + 128, 257)
 
 
-_OFFSET = 8192  # fixedpipe.raster.fixed.divide_255 adds it so that it divides positive numbers only
+BITS = int32(8)  # of registers: this engine has no other
+_OFFSET = 8192  # fixedpipe.raster.fixed.divide adds it so that it divides positive numbers only
 
 
 @kernel
 def divide_sum(n):
-    """``fixedpipe.raster.fixed.divide_255`` of 32-bit lanes, in 16 bits and without its last subtraction."""
+    """``fixedpipe.raster.fixed.divide`` of 32-bit lanes by 255, without its last subtraction, in 16 bits."""
     u = n + int32(128 + 255 * _OFFSET)
     return narrow_i16(shift_right(u + shift_right(u + shift_right(u, 8), 8), 8))
 
@@ -287,7 +288,8 @@ def combine(registers, plan, count, scratch, packed):
         elif operation == C.PLAN_MULTIPLY:
             a, b = OPERANDS, OPERANDS + R.INPUT_SIZE
             rounded = int64(1 if row[ROUNDING] == C.ROUNDING_DONE else 0)
-            portable.multiply(registers, row[a], row[b], count, row, a, b, scratch, row[TARGET], rounded)
+            to = row[TARGET]
+            portable.multiply(registers, row[a], row[b], count, row, a, b, scratch, to, rounded, BITS)
         elif operation == C.PLAN_SUM_OF_THREE:
             portable.sum_of_three(scratch, row[TARGET], count)
         elif operation == C.PLAN_SUM_OF_TWO:
@@ -298,5 +300,5 @@ def combine(registers, plan, count, scratch, packed):
         else:  # PLAN_FINISH
             bias, scale, lowest, rounding = row[BIAS], row[SCALE], row[LOWEST], row[ROUNDING]
             portable.finish(
-                scratch, row[SECOND], count, bias, scale, lowest, rounding, registers, row[TARGET]
+                scratch, row[SECOND], count, bias, scale, lowest, rounding, registers, row[TARGET], BITS
             )

@@ -84,7 +84,7 @@ def test_kept_rows_of_stages_are_those_that_are_packed_anew():
     for general, final, half, select in product(GENERAL, FINAL, (128, 127.5), MuxSelect):
         program = RegisterCombiners(general=general, final=final, mux_select=select)
         for _ in range(2):
-            rows, anew = kept(program, half, select), kept.__wrapped__(program, half, select)
+            rows, anew = kept(program, half, select, 8), kept.__wrapped__(program, half, select, 8)
             assert [a.tolist() for a in rows[:2]] == [a.tolist() for a in anew[:2]]
             assert rows[2:] == anew[2:]
         found.add(str([a.tolist() for a in rows[:2]]))

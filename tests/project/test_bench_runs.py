@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from bench import __main__ as command_line
-from bench import draws, figures, goals, history, ideals, limits, processor, starting, tables
+from bench import draws, figures, goals, history, ideals, limits, processor, starting, tables, wide
 from bench.peers import llvmpipe, mesa
 from bench.scenes import SCENES
 from fixedpipe.pipeline.commands import Draw
@@ -108,6 +108,7 @@ def test_every_scene_and_figure_has_its_goal_on_every_kind_of_processor():
     }
     both = {
         "draws": 100,
+        "wide": 8.5,
         "cold": 25,
         "cached": 1.2,
         "help": 0.1,
@@ -207,6 +208,7 @@ def test_every_figure_has_a_unit_and_a_direction():
         "states": ("µs", True, False),
         "draws": ("µs", True, False),
         "frames": ("frames/s", False, False),
+        "wide": ("Mfragments/s", False, False),
         "first": ("s", True, False),
         "cold": ("s", True, False),
         "cached": ("s", True, False),
@@ -254,6 +256,14 @@ def test_the_figures_whose_ideals_are_timed_can_be_drawn_on_their_machines():
     from fixedpipe.effects.figures import FIGURES
 
     assert all(machine in FIGURES[name].machines for name, machine in ideals.FIGURES.items())
+
+
+def test_frames_of_twelve_bits_are_those_of_both_engines():
+    for name in wide.MEASURED:
+        scene = SCENES[name]
+        kernels, columns = (machine.run(scene.frame(wide.EDGE, 1)) for machine in wide.machines(scene))
+        assert kernels.framebuffer.color_bits == wide.BITS
+        assert (kernels.framebuffer.color == columns.framebuffer.color).all()
 
 
 def test_long_figures_are_measured_only_where_they_are_named():

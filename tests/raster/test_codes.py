@@ -238,7 +238,7 @@ def test_logic_operations(operation, result):
 )
 def test_blend_equations(equation, result):
     one = np.int32(255)
-    assert any_equation(int(equation), np.int32(100), one, np.int32(50), one) == result
+    assert any_equation(int(equation), np.int32(100), one, np.int32(50), one, np.int32(8)) == result
 
 
 @pytest.mark.parametrize(

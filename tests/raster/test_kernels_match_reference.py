@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import int32, int64
 
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
@@ -37,7 +38,7 @@ from fixedpipe.pipeline.enums import (
     WrapMode,
 )
 from fixedpipe.pipeline.execution.machine import Machine
-from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer, to_byte
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer, to_code
 from fixedpipe.pipeline.native import pack
 from fixedpipe.pipeline.profiles import GEFORCE_256, NV2A
 from fixedpipe.pipeline.programs.fog import fog_thresholds
@@ -69,7 +70,8 @@ from fixedpipe.pipeline.textures.images import (
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import rows
 from fixedpipe.raster.arrays import Segments
-from fixedpipe.raster.fixed import divide_255, reciprocal_29, truncate_24
+from fixedpipe.raster.fixed import divide, reciprocal_29, truncate_24
+from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.arrays import Edges
 from fixedpipe.raster.portable.combine import final_combiner, general_combiner
 from fixedpipe.raster.portable.interpolate import (
@@ -79,7 +81,8 @@ from fixedpipe.raster.portable.interpolate import (
     iterate_exact_color,
     iteration_weights,
 )
-from fixedpipe.raster.portable.sample import POWERS_OF_TWO, lerp_packed, log2_q7, major_axis, on_face
+from fixedpipe.raster.portable.sample import POWERS_OF_TWO, log2_q7, major_axis, on_face
+from fixedpipe.raster.portable.texels import lerp_lanes, lerp_packed
 from tests.reference import combine, depth, fixed, fog, interpolate, per_fragment, sample, texel_formats
 from tests.support.combiner_strategies import final_combiners, general_combiners
 from tests.support.run_reference import run_reference
@@ -110,8 +113,27 @@ BYTES = range(256)
 
 def test_division_by_255_is_exact_for_every_sum_of_scaled_products():
     # Two dot products of 256 * 256 each, times four, is the largest numerator that a combiner meets.
-    limit = 4 * 6 * 256 * 256
-    assert all(divide_255(n) == fixed.divide_by_255(n) for n in range(-limit, limit + 1))
+    limit, eight = 4 * 6 * 256 * 256, np.int32(8)
+    assert all(divide(n, eight) == fixed.divide_by_255(n) for n in range(-limit, limit + 1))
+
+
+@kernel("i8(i8,i8,i4)")
+def wrong_steps(first, last, bits):
+    """How many of the quotients first..last begin elsewhere than at the least n that rounds to them."""
+    one, wrong = (1 << bits) - 1, 0
+    for quotient in range(first, last + 1):
+        least = int64(quotient * one - (one >> 1))  # the least n with 2 n + one >= 2 one quotient
+        wrong += divide(int32(least), bits) != quotient
+        wrong += divide(int32(least - 1), bits) != quotient - 1
+    return wrong
+
+
+@pytest.mark.parametrize("bits", range(rows.BITS_OF_BYTES, rows.MOST_BITS + 1))
+def test_division_is_exact_at_every_width(bits):
+    # It grows with n, being made of sums and shifts to the right: right where each quotient begins and just
+    # before, it is right between. The largest numerator is as above, of 2**bits * 2**bits.
+    last = 4 * 6 * 4**bits // (2**bits - 1)
+    assert wrong_steps(-last, last, np.int32(bits)) == 0
 
 
 @settings(max_examples=300)
@@ -126,7 +148,7 @@ def test_mantissas_are_cut_alike(value):
 def test_colors_become_bytes_alike():
     steps = [k / 510.0 for k in range(-20, 540)]
     for c in [*steps, *(math.nextafter(s, 9.0) for s in steps), *(math.nextafter(s, -9.0) for s in steps)]:
-        assert to_byte(c) == fixed.color_to_byte(c)
+        assert to_code(c) == fixed.color_to_byte(c)
 
 
 def lerp_bytes(p, q, weight):
@@ -141,6 +163,14 @@ def test_lerps_of_texels_are_alike():
         for q in range(0, 256, 17):
             for f in (*range(0, 256, 5), 1, 127, 128, 254):
                 assert lerp_bytes(p, q, f) == fixed.lerp_q8(p, q, f)
+
+
+def test_lerps_of_wide_texels_are_alike():
+    random = np.random.default_rng(7)
+    for p, q, r, s in random.integers(0, 1 << rows.MOST_BITS, (300, 4)).tolist():
+        for f in (0, 1, 127, 128, 254, 255):
+            found = int(lerp_lanes(np.uint32(p | r << 16), np.uint32(q | s << 16), f))
+            assert (found & 0xFFFF, found >> 16) == (fixed.lerp_q8(p, q, f), fixed.lerp_q8(r, s, f))
 
 
 @pytest.mark.slow
@@ -200,6 +230,7 @@ class Registers:
             np.empty((8, self.count), np.int32),
             np.empty((1, self.count), np.int32),
             np.empty((12, self.count), np.int16),
+            8,
         )
 
     def run_final(self, combiners):
@@ -215,6 +246,7 @@ class Registers:
             Register.SPARE0_PLUS_SECONDARY_COLOR in used,
             packed.draw[rows.COLOR_SUM],
             out,
+            8,
         )
         return out[:4]
 
@@ -791,7 +823,7 @@ def kernel_color_weights(n, inverse_w):
     floats = np.empty((rows.FLOAT_COLUMNS, count))
     ints = np.empty((rows.INT_COLUMNS, count), np.int32)
     iteration_weights(Edges(*columns), count, floats)
-    color_weights(floats, count, ints)
+    color_weights(floats, count, ints, 8)
     columns = (ints[rows.W0], ints[rows.W2], floats[rows.Q0], floats[rows.Q2])
     return [((a, 256 - a - b, b), p, q) for a, b, p, q in zip(*(c.tolist() for c in columns), strict=True)]
 
@@ -816,11 +848,12 @@ def test_color_weights_of_random_edge_values_in_perspective(seed, size):
 def kernel_exact_colors(n, inverse_w, colors):
     """The byte of each row of edge values, of a triangle whose vertices have ``colors``."""
     columns = [np.ascontiguousarray(c) for c in (np.array(n, np.float64) * inverse_w).T]
-    stored = np.zeros((3, 2, 8), np.uint8)
+    stored = np.zeros((3, 2, 8), np.int16)
     stored[:, 0, 5] = colors
     starts, zero = np.array([0, len(n)], np.int32), np.zeros(1, np.int32)
     triangle, out = np.array([[0, 1, 2, 2]], np.int32), np.zeros((2, len(n)), np.int16)
-    iterate_exact_color(Segments(starts, zero, zero, 1), triangle, stored, 5, 0, Edges(*columns), out, 1)
+    given = Segments(starts, zero, zero, 1), triangle, stored
+    iterate_exact_color(*given, 5, 0, Edges(*columns), out, 1, 8)
     return out[1].tolist()
 
 

@@ -59,7 +59,7 @@ from fixedpipe.pipeline.enums import (
     WrapMode,
 )
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, ConvolutionFilter, PixelMaps, PixelTransfer
-from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, NV2A
+from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, INFINITE_REALITY, NV2A, OCTANE
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import (
     IDENTITY,
@@ -134,7 +134,11 @@ _LONG = ((1, 4096), (4096, 1), (2048, 1), (1, 2048), (2048, 2), (4, 1024))
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A frame to draw. ``small``: the specification draws it in a fraction of a second."""
+    """A frame to draw.
+
+    small  the specification draws it in a fraction of a second, if it is not wide
+    wide   of a machine whose components have 8 to 12 bits
+    """
 
     seed: int
     profile: Profile
@@ -143,16 +147,18 @@ class Frame:
     depth_bits: int
     commands: tuple
     small: bool
+    wide: bool = False
 
 
-def random_frame(seed, *, size=None, profile=None, depth_bits=None, begins_cleared=False):
+def random_frame(seed, *, size=None, profile=None, depth_bits=None, begins_cleared=False, wide=False):
     """The frame of a seed: an int, 0 or more.
 
     size, profile, depth_bits   of the framebuffer and the machine; None: of the seed
     begins_cleared              whether everything a frame reads it has written before, so that a Machine that
                                 drew others gives the same
+    wide                        whether the machine's combiners, texels and framebuffer have 8 to 12 bits each
     """
-    return _Maker(seed).frame(size, profile, depth_bits, begins_cleared)
+    return _Maker(seed).frame(size, profile, depth_bits, begins_cleared, wide)
 
 
 _OP = TextureShaderOperation
@@ -215,9 +221,11 @@ class _Maker:
 
     # ----------------------------------------------------------------------------------- frames
 
-    def frame(self, size, profile, depth_bits, begins_cleared):
+    def frame(self, size, profile, depth_bits, begins_cleared, wide):
         self.small = self.chance(0.7) if size is None else size[0] * size[1] <= _SMALL_AREA
-        self.profile = profile or self.machine()
+        self.profile = profile or (self.wide_machine() if wide else self.machine())
+        if wide:
+            depth_bits = self.one_of(self.profile.framebuffers.depth_bits)
         self.plain = self.chance(0.4)  # common states alone
         self.window = self.width, self.height = size or self.size()
         if depth_bits is None:
@@ -233,7 +241,22 @@ class _Maker:
         if begins_cleared:  # what others may draw over before it is looked at
             commands.append(MakeCurrent(label="window"))
             commands += [self.read(name, whole=True) for name in ("RGBA", "DEPTH_COMPONENT", "STENCIL_INDEX")]
-        return Frame(self.seed, self.profile, *self.window, self.window_depth, tuple(commands), self.small)
+        drawn = self.window_depth, tuple(commands), self.small, wide
+        return Frame(self.seed, self.profile, *self.window, *drawn)
+
+    def wide_machine(self):
+        """One of twelve bits that was built, or one that no one built, of widths that kernels have."""
+        if self.chance(0.3):
+            octane = OCTANE.with_precision(combiner_bits=12, framebuffer_bits=12)
+            return self.one_of((INFINITE_REALITY, OCTANE, octane))
+        bits = [self.one_of((8, 9, 10, 11, 12, 12)) for _ in range(3)]
+        combiners, texels, framebuffer = bits if self.chance(0.5) else bits[:1] * 3
+        machine = self.machine()
+        if texels != 8:  # stages may read words of 16 bits, which such texels do not hold
+            machine = machine.changed(texture_shader_operations=frozenset())
+        return machine.with_precision(
+            combiner_bits=combiners, texture_bits=texels, framebuffer_bits=framebuffer
+        )
 
     def machine(self):
         """One that was built, or one that no one built, with every arithmetic that a profile has."""

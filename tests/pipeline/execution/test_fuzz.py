@@ -16,11 +16,16 @@ ON_X86 = platform.machine().lower() in ("x86_64", "amd64")
 # A number of frames, the same on every machine: about ten minutes against the specification in all, at twenty
 # frames a second. Seeds that no other run of the suite draws.
 NATIVE_FRAMES, AVX2_FRAMES, GENERIC_FRAMES, THREADS_FRAMES, CHECKED_FRAMES = 5000, 2500, 2500, 5000, 600
-NATIVE_SEED, AVX2_SEED, GENERIC_SEED, THREADS_SEED, CHECKED_SEED = (k * 10**6 for k in range(1, 6))
+WIDE_FRAMES = 1000
+NATIVE_SEED, AVX2_SEED, GENERIC_SEED, THREADS_SEED, CHECKED_SEED, WIDE_SEED = (k * 10**6 for k in range(1, 7))
 
 
 def test_hundreds_of_frames_are_equal():
     assert fuzz.fuzz(frames=200).specified > 100
+
+
+def test_frames_of_wide_machines_are_equal():
+    assert fuzz.fuzz(frames=150, wide=True).frames == 150
 
 
 def test_python_threads_draw_at_once():
@@ -78,6 +83,16 @@ def run(frames, first_seed, *options, **environment):
 @pytest.mark.slow
 def test_thousands_of_frames_are_equal():
     run(NATIVE_FRAMES, NATIVE_SEED)
+
+
+@pytest.mark.slow
+def test_a_thousand_frames_of_wide_machines_are_equal():
+    run(WIDE_FRAMES, WIDE_SEED, "--wide")
+
+
+@pytest.mark.slow
+def test_wide_kernels_stay_inside_their_arrays():
+    run(CHECKED_FRAMES, WIDE_SEED, "--wide", NUMBA_BOUNDSCHECK=1)
 
 
 @pytest.mark.slow

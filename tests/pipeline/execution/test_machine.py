@@ -1217,7 +1217,7 @@ def draw_random_bytes(monkeypatch, seeds):
     for seed in seeds:
         random = np.random.default_rng(seed)
         primitives = window_primitives(random, 24, 40, width, height)
-        monkeypatch.setattr(stage, "process", lambda *_, given=primitives: given)
+        monkeypatch.setattr(stage, "process", lambda *_, given=primitives, rounded: given)
         machine = Machine(GEFORCE_256, width, height, batch=16, threads=1)
         whole = [
             np.full((height + 2 * margin, *b.shape[1:]), 9, b.dtype) for b in buffers(machine.framebuffer)

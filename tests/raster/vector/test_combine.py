@@ -89,10 +89,10 @@ def portable_colors(planes, packed, kinds, count):
                 )
             if stage < draw[R.STAGES]:
                 general_combiner(
-                    registers, packed.program[stage], count, packed.arithmetic, products, total, results
+                    registers, packed.program[stage], count, packed.arithmetic, products, total, results, 8
                 )
         uses = draw[R.USES_E_TIMES_F], draw[R.USES_SPARE0_PLUS_SECONDARY]
-        final_combiner(registers, packed.final, count, *uses, draw[R.COLOR_SUM], results)
+        final_combiner(registers, packed.final, count, *uses, draw[R.COLOR_SUM], results, 8)
     pack_colors(results, count, out)
     return out
 

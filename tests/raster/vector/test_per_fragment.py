@@ -96,6 +96,7 @@ RUNS = [
 def new_draw(**entries):
     draw = np.zeros(R.DRAW_SIZE, np.int64)
     draw[R.NEEDS_COLOR], draw[R.COLOR_MASK] = 1, 0xFFFFFFFF
+    draw[R.BITS] = draw[R.BUFFER_BITS] = R.BITS_OF_BYTES
     draw[R.SURFACE_KEEP], draw[R.SURFACE_PAD], draw[R.SURFACE_ALPHA] = SURFACE_WORDS[ColorFormat.A8R8G8B8]
     for name, value in entries.items():
         draw[getattr(R, name)] = value
@@ -113,7 +114,7 @@ def with_stencil(draw, operations, reference=127):
 
 def factors_of(source, destination):
     color = (10, 200, 128, 255)
-    return np.array([_pack_factor(source, color), _pack_factor(destination, color)], np.int32)
+    return np.array([_pack_factor(factor, color, 255) for factor in (source, destination)], np.int32)
 
 
 PLAIN = factors_of(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA)

@@ -35,7 +35,14 @@ def random_texture(rng, width, height, count=1, faces=1):
 
 def unit_row(**entries):
     unit = np.zeros(rows.UNIT_SIZE, np.int64)
-    values = {"ENABLED": 1, "TARGET": 1, "LEVELS": 1, "MIN_LOD": -(1 << 18), "MAX_LOD": 1 << 18}
+    values = {
+        "ENABLED": 1,
+        "TARGET": 1,
+        "LEVELS": 1,
+        "TEXEL_BITS": 8,
+        "MIN_LOD": -(1 << 18),
+        "MAX_LOD": 1 << 18,
+    }
     for name, value in {**values, **entries}.items():
         unit[getattr(rows, name)] = value
     return unit
@@ -76,7 +83,7 @@ def portable(texels, levels, unit, s, t, count=COUNT, **columns):
     for name, column in columns.items():
         ints[getattr(rows, name)] = column
     sample.filter_unit(texels, levels, unit, count, floats, ints, packed)
-    sample.unpack_unit(unit, count, packed, registers, PLANE)
+    sample.unpack_unit(unit, count, packed, registers, PLANE, 8)
     return registers[PLANE : PLANE + 4, :count]
 
 
