@@ -74,7 +74,7 @@ PACKAGES = {
         ),
     },
     "pipeline/inspection": {
-        "raster": "codes columns",
+        "raster": "codes witness columns",
         "pipeline": (
             "enums state textures commands profiles notations description vertices framebuffers validation "
             "native columns execution ideal"

@@ -15,6 +15,7 @@ class FrameAsked:
         from fixedpipe.pipeline.profiles import IDEAL
 
         self.title, self.machine, self.size, self.commands_of = title, machine, size, commands_of
+        self.exact, self.unclamped = (), ()  # stages that are computed otherwise
         self.commands, self.ideal = commands_of(machine), commands_of(IDEAL)
 
     def change(self, what_if):
@@ -24,6 +25,7 @@ class FrameAsked:
         from fixedpipe.pipeline.profiles import IDEAL
 
         machine, commands_of = self.machine, self.commands_of
+        self.exact, self.unclamped = tuple(what_if["replaced"]), tuple(what_if["unclamped"])
         with refusals():
             for part, bits in what_if["bits"]:
                 machine = changes.with_bits(machine, part, bits)
@@ -113,7 +115,13 @@ def what_if_options(command):
     """The options of a subcommand that change a frame, each of which may be given several times."""
     options = (
         click.option("--bits", multiple=True, metavar="PART=N", help="Another width: 4 to 16 bits."),
-        click.option("--without", multiple=True, metavar="CLAMP", help="The machine without this clamp."),
+        click.option(
+            "--without",
+            multiple=True,
+            metavar="CLAMP[@STAGE]",
+            help="The machine without this clamp, or a stage without it.",
+        ),
+        click.option("--replace", multiple=True, metavar="STAGE=IDEAL", help="A stage that does not round."),
         click.option("--constant", multiple=True, metavar="K=R,G,B,A", help="Constant colour 0 or 1."),
         click.option(
             "--texture", multiple=True, metavar="NAME=FILE", help="A picture instead of a 2D texture."
@@ -124,13 +132,16 @@ def what_if_options(command):
     return command
 
 
-def what_if_of(bits, without, constant, texture):
+def what_if_of(bits, without, replace, constant, texture):
     """What ``what_if_options`` are given, for ``FrameAsked.change``; None: nothing. Raises Refusal."""
-    if not (bits or without or constant or texture):
+    if not (bits or without or replace or constant or texture):
         return None
+    example = '"general combiner 0=IDEAL"'
     return {
         "bits": [_assigned("--bits", text, "combiner=12", str, int) for text in bits],
-        "without": without,
+        "without": [text for text in without if "@" not in text],
+        "unclamped": [_stage_of_clamp(text) for text in without if "@" in text],
+        "replaced": [_assigned("--replace", text, example, str, _the_ideal)[0] for text in replace],
         "constants": [_assigned("--constant", text, "1=0.5,0.5,0.5,1", int, _color) for text in constant],
         "textures": [_assigned("--texture", text, "normals=bumps.png", str, _picture) for text in texture],
     }
@@ -148,6 +159,28 @@ def _assigned(option, text, example, name, value):
     except ValueError:
         pass
     raise Refusal(f"{option} is {text!r}; give it as in {option} {example}.")
+
+
+# The clamps that a stage has of its own.
+_CLAMPS = {"GENERAL_COMBINER": "general combiner", "FINAL_COMBINER": "final combiner"}
+
+
+def _stage_of_clamp(text):
+    from fixedpipe.effects.refusal import Refusal
+
+    clamp, _, stage = text.partition("@")
+    if not stage.startswith(_CLAMPS.get(clamp.upper(), "?")):
+        raise Refusal(
+            f'--without is {text!r}; of one stage give "GENERAL_COMBINER@general combiner 0" (or 1, ...) or '
+            '"FINAL_COMBINER@final combiner".'
+        )
+    return stage
+
+
+def _the_ideal(text):
+    if text.upper() != "IDEAL":
+        raise ValueError
+    return text
 
 
 def _color(text):

@@ -14,9 +14,10 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
     "--map",
     "kind",
     metavar="KIND",
-    help="clamps, overdraw, lambda, primitive, error, depth or stencil.",
+    help="clamps, overdraw, lambda, primitive, texels, error, bits, depth or stencil.",
 )
 @click.option("--attribution", is_flag=True, help="Was it the clamp, the filter or the bits? By rank.")
+@click.option("--stages", is_flag=True, help="With --attribution: was it this stage of the passes, or that?")
 @click.option("--out", metavar="FILE", help="Of a map: its picture; the commands' maps below one another.")
 @click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own, or the script's.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
@@ -34,10 +35,12 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     stage adds, by cause. --registers: of every register after every stage the least, greatest and mean value,
     the shares that were clamped, how many codes it used, how many bits it leaves unused. --map: a picture of
     what happened where. --attribution: the error of the whole picture, and what is left of it when one thing
-    of the machine is as exact as it can be.
+    of the machine is as exact as it can be; with --stages, one stage of all passes, or of --command K.
 
     --bits, --without, --constant and --texture look into the frame with something changed; alone, they say
-    what that does to its error. PART: combiner, texture, framebuffer, filter_fraction.
+    what that does to its error. PART: combiner, texture, framebuffer, filter_fraction. --replace, and
+    --without CLAMP@STAGE, are of one stage and say that alone. STAGE: "texture unit 0", "general combiner 1",
+    "final combiner" and others, as --attribution --stages names them.
 
     A script defines `commands`, `profile` (a Profile or its name), `width` and `height`.
     """
@@ -51,7 +54,7 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
         )
         if given
     ]  # fmt: skip
-    what_if = what_if_of(of["bits"], of["without"], of["constant"], of["texture"])
+    what_if = what_if_of(*(of[name] for name in ("bits", "without", "replace", "constant", "texture")))
     if len(asked) > 1 or not (asked or what_if):
         raise Refusal(
             "Give one of --pixel, --registers, --map and --attribution, or a change alone; given: "
@@ -61,7 +64,12 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     if pixel is None:
         names = ("surface", "json_file", "html_file")
         refuse_ignored(context, names, f"{(*asked, 'a change')[0]} is of the window, and a table or picture")
-    if attribution or not asked:
+    of_stages = what_if is not None and bool(what_if["replaced"] or what_if["unclamped"])
+    if of_stages and asked:
+        raise Refusal(f"A stage that is computed otherwise is told of its error alone; leave {asked[0]} out.")
+    if of["stages"] and not attribution:
+        raise Refusal("--stages is of --attribution; give both.")
+    if (attribution or not asked) and not (of["stages"] or of_stages):
         refuse_ignored(context, ("number",), "the error is the whole picture's")
     if kind is None:
         refuse_ignored(context, ("out",), "it is a map's picture; give --map KIND")
@@ -71,6 +79,9 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     before = None if asked else frame_error_of(frame)
     if what_if is not None:
         frame.change(what_if)
+    if number is not None and number >= len(frame.commands) and not pixel:
+        last = len(frame.commands) - 1
+        raise Refusal(f"There is no command {number}; the commands' numbers are 0 to {last}.")
     if where is not None:
         _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"])
     elif registers:
@@ -78,9 +89,9 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     elif kind:
         _tell_maps(frame, kind, number, out)
     elif attribution:
-        _tell_attribution(frame)
+        _tell_attribution(frame, of["stages"], number)
     else:
-        _tell_change(frame, before)
+        _tell_change(frame, before, number)
 
 
 def _tell_pixel(of, where, number, surface, json_file, html_file):
@@ -135,13 +146,16 @@ def _share(share):
     return f"{share:12.2%}" if share else f"{'':12}"
 
 
-def frame_error_of(of):
-    """The Error of a FrameAsked."""
+def frame_error_of(of, number=None):
+    """The Error of a FrameAsked; ``number``: of the command alone whose stages are computed otherwise."""
     from fixedpipe.effects.refusal import refusals
-    from fixedpipe.pipeline.inspection.what_if import frame_error
+    from fixedpipe.pipeline.inspection.what_if import frame_error, with_stages
 
+    given = of.commands, of.machine, *of.size
     with refusals():
-        return frame_error(of.commands, of.machine, *of.size)
+        if of.exact or of.unclamped:
+            return with_stages(*given, exact=of.exact, unclamped=of.unclamped, number=number)
+        return frame_error(*given)
 
 
 _ERRORS = f"{'':28}{'shown':>9}{'red':>9}{'green':>9}{'blue':>9}{'largest':>9}{'computed':>10}"
@@ -152,19 +166,22 @@ def _errors(what, error, last=""):
     return f"{what:28}{numbers}{255 * error.computed:10.3f}{last}"
 
 
-def _tell_change(of, before):
-    after = frame_error_of(of)
+def _tell_change(of, before, number):
+    after = frame_error_of(of, number)
     click.echo(f"{of.title}\nMachine minus ideal, root mean square, 1/255 of full intensity\n\n{_ERRORS}")
     click.echo(_errors("as it is", before))
     click.echo(_errors("changed", after))
 
 
-def _tell_attribution(of):
+def _tell_attribution(of, stages, number):
     from fixedpipe.effects.refusal import refusals
-    from fixedpipe.pipeline.inspection.what_if import attribution
+    from fixedpipe.pipeline.inspection.what_if import attribution, stage_attribution
 
     with refusals():
-        own, found = attribution(of.commands_of, of.machine, *of.size)
+        if stages:
+            own, found = stage_attribution(of.commands, of.machine, *of.size, number=number)
+        else:
+            own, found = attribution(of.commands_of, of.machine, *of.size)
     click.echo(
         f"{of.title}\nMachine minus ideal, root mean square, 1/255 of full intensity\n\n{_ERRORS}     goes"
     )

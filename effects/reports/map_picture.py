@@ -11,27 +11,28 @@ _COLORS = "viridis"  # perceptual: equal steps look equal, and grey in print
 def maps_png(maps, title, legend):
     """Maps below one another, by one scale: the bytes of a PNG file; None where matplotlib is not installed.
 
-    ``maps``: (name, values) each, float64 [h, w], top row first, no number where there is nothing;
-    ``legend``: what the values are.
+    ``maps``: (name, values) each, float64 [h, w] of any size, top row first, no number where there is
+    nothing; ``legend``: what the values are.
     """
     try:
         import matplotlib
     except ImportError:
         return None
-    height, width = maps[0][1].shape
-    scale = max(1, 512 // max(width, height))  # small windows are shown larger, pixel by pixel
+    scales = [max(1, 512 // max(values.shape)) for _, values in maps]  # small ones are shown pixel by pixel
+    heights = [scale * values.shape[0] for scale, (_, values) in zip(scales, maps, strict=True)]
+    width = max(scale * values.shape[1] for scale, (_, values) in zip(scales, maps, strict=True))
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        size = (width * scale + 240) / _DOTS, (height * scale + 90) * len(maps) / _DOTS
+        size = (width + 240) / _DOTS, (sum(heights) + 90 * len(maps)) / _DOTS
         figure = Figure(figsize=size, dpi=_DOTS, layout="constrained")
         figure.suptitle(title, fontsize=9, wrap=True)
         colors = matplotlib.colormaps[_COLORS].with_extremes(bad="0.85")
         known = [values[~np.isnan(values)] for _, values in maps]
         bounds = min(v.min(initial=0.0) for v in known), max(v.max(initial=0.0) for v in known)
-        every = figure.subplots(len(maps), squeeze=False)[:, 0]
+        every = figure.subplots(len(maps), squeeze=False, height_ratios=heights)[:, 0]
         for axes, (name, values) in zip(every, maps, strict=True):
             masked, (low, high) = np.ma.masked_invalid(values), bounds
             shown = axes.imshow(masked, cmap=colors, interpolation="nearest", vmin=low, vmax=high)

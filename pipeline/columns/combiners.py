@@ -35,12 +35,15 @@ def arithmetic_of(profile, bits, environments=False):
 
 
 class Registers(dict):
-    """Registers of k fragments, int64 [4, k] each; textures are sampled when they are first read."""
+    """Registers of k fragments, int64 [4, k] each; textures are sampled when they are first read.
+    ``otherwise``: an Otherwise, in whose units they are.
+    """
 
-    def __init__(self, samplers, fragments, bits, taps=None):
+    def __init__(self, samplers, fragments, bits, taps=None, otherwise=None):
         super().__init__()
         self._samplers, self._fragments, self._bits = samplers, fragments, bits
         self._taps = taps or {}  # of units that are read before they are filtered
+        self._otherwise = otherwise
 
     def look_up(self, lookup):
         """A dependent lookup: a unit's register takes the texel at another register's red, green, blue."""
@@ -53,11 +56,14 @@ class Registers(dict):
         count, unit = len(self._fragments.x), register - Register.TEXTURE0
         if not 0 <= unit < 4:
             raise KeyError(register)
+        bits, grid = self._bits, 1
+        if self._otherwise is not None:
+            bits, grid = self._otherwise.width_of(unit, bits)
         if unit < len(self._samplers) and self._samplers[unit] is not None:
             tap = self._taps.get(unit)
-            self[register] = self._samplers[unit].register(self._fragments, self._bits, tap)
+            self[register] = self._samplers[unit].register(self._fragments, bits, tap) * grid
         else:  # Measured: a disabled unit's register is (0, 0, 0, 1)
-            self[register] = filled((0, 0, 0, numbers.one_of(self._bits)), count)
+            self[register] = filled((0, 0, 0, numbers.one_of(bits) * grid), count)
         return self[register]
 
 
@@ -110,22 +116,34 @@ def _portion(portion, registers, alpha, select, a, saw):
     return values
 
 
-def combine(program, registers, count, a, saw=nobody):
-    """Fragments' colours, int64 [4, count], from a combiner program (section 8). ``saw``: who watches."""
+def combine(program, registers, count, a, saw=nobody, otherwise=None):
+    """Fragments' colours, int64 [4, count], from a combiner program (section 8). ``saw``: who watches;
+    ``otherwise``: an Otherwise, with registers in its units.
+    """
 
-    def constants(pair):
-        return {r: filled(numbers.fixed(c, a.one), count) for r, c in zip(_CONSTANTS, pair, strict=True)}
+    def arithmetic_at(stage):
+        return a if otherwise is None else otherwise.arithmetic(a, stage)
 
-    program_constants = constants((program.constant_color0, program.constant_color1))
+    def constant(color):
+        of = arithmetic_at("constant colors")
+        return filled(numbers.fixed(color, of.one // of.grid) * of.grid, count)
+
+    program_constants = {
+        register: constant(color)
+        for register, color in zip(
+            _CONSTANTS, (program.constant_color0, program.constant_color1), strict=True
+        )
+    }
     registers[Register.ZERO] = filled((0, 0, 0, 0), count)
     for number, stage in enumerate(program.general):
         registers.update(program_constants)
         for register, color in zip(_CONSTANTS, (stage.constant_color0, stage.constant_color1), strict=True):
             if color is not None:
-                registers[register] = filled(numbers.fixed(color, a.one), count)
+                registers[register] = constant(color)
         saw("general combiner", number=number, stage=stage, registers=registers)
-        rgb = _portion(stage.rgb, registers, False, program.mux_select, a, saw)
-        alpha = _portion(stage.alpha, registers, True, program.mux_select, a, saw)
+        own = arithmetic_at(f"general combiner {number}")
+        rgb = _portion(stage.rgb, registers, False, program.mux_select, own, saw)
+        alpha = _portion(stage.alpha, registers, True, program.mux_select, own, saw)
         for to, value in rgb:
             registers[to] = np.concatenate([value, registers[to][3:]])
         for to, value in alpha:
@@ -140,7 +158,7 @@ def combine(program, registers, count, a, saw=nobody):
             registers.look_up(stage.lookup)
         saw("combined", number=number, registers=registers)
     registers.update(program_constants)
-    return _final(program, registers, count, a, saw)
+    return _final(program, registers, count, arithmetic_at("final combiner"), saw)
 
 
 _CONSTANTS = (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
@@ -155,7 +173,7 @@ def _final(program, registers, count, a, saw):
 
     used = {v.register for v in (final.a, final.b, final.c, final.d, final.g)}
     if Register.E_TIMES_F in used:
-        product = numbers.quotient(value(final.e) * value(final.f), a.one)
+        product = arithmetic.product(value(final.e) * value(final.f), a)
         saw(
             "E times F",
             read=[read_components(registers, v, False) for v in (final.e, final.f)],
@@ -190,7 +208,7 @@ def without_combiners(state, registers, count, a, saw=nobody):
         saw("color sum", whole=whole, total=rgb)
     if state.fog is not None:
         fog = registers[Register.FOG]
-        before, rgb = rgb, numbers.with_fog(rgb, fog[:3], fog[3], a.one)
+        before, rgb = rgb, numbers.with_fog(rgb, fog[:3], fog[3], a.one, a.grid)
         saw("fog", before=before, fog=fog, color=rgb)
     color = np.concatenate([rgb, primary[3:]])
     return np.clip(color, 0, a.one) if a.clamps_final else color

@@ -82,12 +82,14 @@ def has_kernels(profile):
 # ------------------------------------------------------------------------------ per-fragment operations
 
 
-def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody):
+def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody, otherwise=None):
     """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests.
-    ``saw``: who watches.
+    ``saw``: who watches; ``otherwise``: an Otherwise, with fragments in its units.
     """
     bits = fragment_bits(profile, framebuffer)
-    samplers = unit_samplers(state, textures, profile, saw)
+    samplers, finest = unit_samplers(state, textures, profile, saw), bits
+    if otherwise is not None:
+        samplers, finest = otherwise.samplers(samplers), 2 * bits
     color, depth = np.empty((len(fragments.x), 4), np.int64), fragments.depth
     if state.texture_shader is not None:
         depth = np.empty(len(color), np.int64)
@@ -98,24 +100,31 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
         with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
             if state.texture_shader is not None:
                 registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits, saw)
-            shaded = shade(some, state, profile, bits, textures, samplers, registers, saw)
-        color[part] = numbers.convert(shaded, numbers.one_of(bits), numbers.one_of(framebuffer.color_bits))
+            given = some, state, profile, bits, textures, samplers, registers
+            shaded = shade(*given, saw=saw, otherwise=otherwise)
+        color[part] = numbers.convert(shaded, numbers.one_of(finest), numbers.one_of(framebuffer.color_bits))
     return write(replace(fragments, depth=depth), color, state, profile, framebuffer, saw)
 
 
 # --------------------------------------------------------------------------------------------- Draws
 
 
-def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=nobody):
+def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=nobody, otherwise=None):
     """Draw the fragments ``covered`` (triangle, x, y, int [k] each) of window primitives with float colours:
-    bool [k], which passed all tests. ``saw``: who watches.
+    bool [k], which passed all tests. ``saw``: who watches; ``otherwise``: an Otherwise.
     """
-    bits = fragment_bits(profile, framebuffer)
-    draw = IteratedPrimitives(primitives, state, profile, framebuffer, textures, bits, saw)
+    bits, given = fragment_bits(profile, framebuffer), (primitives, state, profile, framebuffer, textures)
+    draw, finer = IteratedPrimitives(*given, bits, saw), None
+    if otherwise is not None:
+        otherwise.check(profile, bits)
+        finer = IteratedPrimitives(*given, 2 * bits)
     passed = np.zeros(len(covered.x), bool)
     for start in range(0, len(passed), _CHUNK):
         part = slice(start, start + _CHUNK)
+        pixels = covered.triangle[part], covered.x[part], covered.y[part]
         with np.errstate(all="ignore"):
-            fragments = draw.fragments(covered.triangle[part], covered.x[part], covered.y[part])
-        passed[part] = shade_and_write(fragments, state, profile, framebuffer, textures, saw)
+            fragments = draw.fragments(*pixels)
+            if otherwise is not None:
+                fragments = otherwise.finer(fragments, finer.fragments(*pixels), bits)
+        passed[part] = shade_and_write(fragments, *given[1:], saw, otherwise)
     return passed

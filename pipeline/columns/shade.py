@@ -29,14 +29,15 @@ def _fog_register(fog, coordinates, profile, count, one):
     return np.concatenate([filled(color, count), factor[None]])
 
 
-def shade(fragments, state, profile, bits, textures, samplers, made, saw=nobody):
+def shade(fragments, state, profile, bits, textures, samplers, made, *, saw=nobody, otherwise=None):
     """Colours of fragments, int64 [k, 4] in units of ``bits``: texture units, combiners, color sum, fog.
 
-    ``made``: registers of texture units by number that a texture shader made; ``saw``: who watches.
+    ``made``: registers of texture units by number that a texture shader made; ``saw``: who watches;
+    ``otherwise``: an Otherwise, whose units are then those of what is given and returned.
     """
     if state.evaluate_before_filtering:
         return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, saw)
-    return _shade(fragments, state, profile, bits, textures, samplers, made, None, saw)
+    return _shade(fragments, state, profile, bits, textures, samplers, made, None, saw, otherwise)
 
 
 def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, saw):
@@ -64,21 +65,23 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
     return mixed(levels, between, LAMBDA_BITS)
 
 
-def _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw):
+def _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw, otherwise=None):
     count, one = len(fragments.x), numbers.one_of(bits)
-    registers = Registers(samplers, fragments, bits, taps)
-    registers.update({Register.TEXTURE0 + unit: register for unit, register in made.items()})
+    grid = 1 if otherwise is None else one + 2
+    registers = Registers(samplers, fragments, bits, taps, otherwise)
+    registers.update({Register.TEXTURE0 + unit: register * grid for unit, register in made.items()})
     registers[Register.PRIMARY_COLOR] = fragments.primary.T.astype(np.int64)
     registers[Register.SECONDARY_COLOR] = fragments.secondary.T.astype(np.int64)
-    registers[Register.FOG] = _fog_register(state.fog, fragments.fog, profile, count, one)
+    registers[Register.FOG] = _fog_register(state.fog, fragments.fog, profile, count, one) * grid
     program, environments = state.register_combiners, state.register_combiners is None
     if environments:
         program = environment_program(state, textures, profile, has_color_sum(state))
     a = arithmetic_of(profile, bits, environments)
     saw("program", program=program, environments=environments)
     if program is None:
-        return without_combiners(state, registers, count, a, saw).T
+        own = a if otherwise is None else otherwise.arithmetic(a, "final combiner")
+        return without_combiners(state, registers, count, own, saw).T
     registers[Register.SPARE1] = filled((0, 0, 0, 0), count)
     nothing = np.zeros((3, count), np.int64)
     registers[Register.SPARE0] = np.concatenate([nothing, registers[Register.TEXTURE0][3:]])
-    return combine(program, registers, count, a, saw).T
+    return combine(program, registers, count, a, saw, otherwise).T

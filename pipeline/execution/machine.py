@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.columns.engine import column_draw, needs_columns
+from fixedpipe.pipeline.columns.otherwise import Otherwise
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
 from fixedpipe.pipeline.commands import (
     Accum,
@@ -123,6 +124,9 @@ class Machine:
     witness : callable
         Told of each command, and of what the column engine does for it (``fixedpipe.raster.witness``): with
         ``engine="columns"``, of every fragment.
+    otherwise : callable or None
+        Of each Draw, which of its stages are computed otherwise than this machine does, an Otherwise, or
+        None; with ``engine="columns"`` alone.
     """
 
     profile: Profile
@@ -138,6 +142,7 @@ class Machine:
     samples: int | None = None
     color_bits: int | None = None
     witness: Callable[..., None] = nobody
+    otherwise: Callable[[Draw], Otherwise | None] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.profile, Profile):
@@ -159,6 +164,10 @@ class Machine:
             raise ValueError(
                 f'There is no engine {self.engine!r}; give "portable" or "columns", or None for the fastest '
                 "that covers a Draw."
+            )
+        if self.otherwise is not None and self.engine != "columns":
+            raise ValueError(
+                'Stages are computed otherwise by the column engine alone; give engine="columns".'
             )
         if self.color_bits is None:
             self.color_bits = self.profile.framebuffers.color_bits[0]
@@ -319,7 +328,9 @@ class Machine:
         else:
             covered = covered_triangles(primitives, state, profile, target)
             lost = primitives.dropped
-        passed = column_draw(primitives, covered, state, profile, target, self.textures, self.witness)
+        otherwise = None if self.otherwise is None else self.otherwise(command)
+        given = primitives, covered, state, profile, target, self.textures
+        passed = column_draw(*given, self.witness, otherwise)
         columns = (covered.triangle, covered.x, covered.y, passed)
         return Fragments(*(np.asarray(column, np.int32) for column in columns)), lost
 

@@ -1,5 +1,6 @@
 """Maps: what happened where in a frame, a number for each pixel and command."""
 
+import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -19,26 +20,31 @@ KINDS = {
     "overdraw": "how many fragments were shaded",
     "lambda": "lambda of the lowest texture unit that asks for it, of the last fragment",
     "primitive": "which primitive of its Draw the last fragment is of",
+    "texels": "how often each texel was read: a map of each texture, unit and level, faces below one another",
     "error": "the largest difference of red, green and blue from the guided ideal, as seen, in 1/255",
+    "bits": "how many bits of red, green and blue the guided ideal agrees with, of the worst of them",
     "depth": "what the depth buffer holds, 1.0 = the farthest",
     "stencil": "what the stencil buffer holds",
 }
 # What is left when a command has run; the others are told while it runs.
-_LEFT = {"error", "depth", "stencil"}
+_BESIDE_IDEAL = {"error", "bits"}
+_LEFT = {*_BESIDE_IDEAL, "depth", "stencil"}
 _DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """A map of a command: float64 [h, w], top row first; no number where no fragment fell."""
+    """A map of a command: float64 [h, w], top row first; no number where no fragment fell, or of texels where
+    none was read.
+    """
 
     command: int
     label: str
     values: NDArray[np.float64]
 
     def numbers(self) -> dict[str, float]:
-        """The share of the framebuffer's pixels that have a value, of those with one above zero, and of the
-        values the median, the 95th percentile and the greatest.
+        """The share of the framebuffer's pixels, or of texels, that have a value, of those with one above
+        zero, and of the values the least, the median, the 95th percentile and the greatest.
         """
         known = self.values[~np.isnan(self.values)]
         if not len(known):
@@ -47,6 +53,7 @@ class Map:
         return {
             "reached": len(known) / self.values.size,
             "above zero": float((known > 0).mean()),
+            "least": float(known.min()),
             "median": middle,
             "95 %": high,
             "greatest": float(known.max()),
@@ -58,7 +65,7 @@ class _Drawn:
 
     def __init__(self, kind, width, height):
         self.kind, self.size, self.number, self.maps = kind, (height, width), -1, {}
-        self.triangle = self.read = None
+        self.triangle = self.read = self.level = None
 
     def __call__(self, stage, /, **columns):
         tell = _TOLD.get(stage)
@@ -66,18 +73,20 @@ class _Drawn:
             tell(self, **columns)
 
     def _command(self, command):
-        self.number, self.label = self.number + 1, command.label
+        self.number, self.command = self.number + 1, command
 
     def _iteration(self, triangle, **columns):
         self.triangle = triangle
 
     def _shaded(self, part, fragments, bits):
+        if self.kind == "texels":
+            return
         if fragments.x.max(initial=-1) >= self.size[1] or fragments.y.max(initial=-1) >= self.size[0]:
             self.at = None  # of a pbuffer larger than the window
             return
         self.at, self.read = (fragments.y, fragments.x), None
         if self.number not in self.maps:
-            self.maps[self.number] = Map(self.number, self.label, np.full(self.size, np.nan))
+            self.maps[self.number] = Map(self.number, self.command.label, np.full(self.size, np.nan))
         values = self.maps[self.number].values
         values[self.at] = np.where(np.isnan(values[self.at]), 0.0, values[self.at])
         if self.kind == "overdraw":
@@ -89,6 +98,27 @@ class _Drawn:
         if self.kind == "lambda" and self.read in (None, unit) and self.at is not None:
             self.read = unit
             self.maps[self.number].values[self.at] = limited / 256.0
+
+    def _level(self, unit, level, size, **columns):
+        self.level = unit, level, size
+
+    def _filter(self, columns, rows, layers, **fractions):
+        if self.kind != "texels" or self.level is None:
+            return
+        unit, level, (width, height, depth) = self.level
+        if (key := (self.number, unit, level)) not in self.maps:
+            name = self.command.state.texture_units[unit].texture
+            label = f"{self.command.label}: {name}, unit {unit}, level {level}"
+            self.maps[key] = Map(self.number, label, np.full((depth * height, width), np.nan))
+        values = self.maps[key].values.reshape(depth, height, width)[:, ::-1]  # rows of texels begin below
+        for taps in itertools.product(layers, rows, columns):
+            places = np.broadcast_arrays(*[index for index, _ in taps])
+            inside = np.ones(places[0].shape, bool)
+            for _, outside in taps:
+                inside &= True if outside is None else ~outside
+            at = tuple(place[inside] for place in places)
+            values[at] = np.nan_to_num(values[at])
+            np.add.at(values, at, 1.0)
 
     def _portion(self, **columns):
         self.begun = columns
@@ -108,6 +138,8 @@ _TOLD = {
     "iteration": _Drawn._iteration,
     "shaded": _Drawn._shaded,
     "lambda": _Drawn._lambda,
+    "level": _Drawn._level,
+    "filter": _Drawn._filter,
     "portion": _Drawn._portion,
     "outputs": _Drawn._outputs,
 }
@@ -140,15 +172,17 @@ def _left(commands, profile, width, height, kind, ideal, given):
             colors.append((len(maps), shown.color[..., :3].copy(), 2.0**shown.color_bits - 1.0))
         maps.append(Map(number, command.label, values))
 
-    result = runner.run(commands, trace=seen, record=kind == "error")
-    if kind == "error":
+    result = runner.run(commands, trace=seen, record=kind in _BESIDE_IDEAL)
+    if kind in _BESIDE_IDEAL:
         left = iter(colors)
 
         def compared(command, exact):
             if isinstance(command, _DRAWING) and (found := next(left)) is not None:
                 place, codes, one = found
                 difference = np.clip(codes / one, 0.0, 1.0) - np.clip(exact[..., :3], 0.0, 1.0)
-                maps[place].values[:] = 255.0 * np.abs(difference).max(axis=-1)
+                worst = np.abs(difference).max(axis=-1)
+                right = -np.log2(np.maximum(worst, 1.0 / (one + 1.0)))
+                maps[place].values[:] = 255.0 * worst if kind == "error" else right
 
         execute_ideal(commands if ideal is None else ideal, width, height, guide=result, trace=compared)
     return tuple(maps)
@@ -168,10 +202,11 @@ def frame_maps(
     window, in order.
 
     kind     of KINDS
-    ideal    of "error": what the ideal evaluates; None: the same commands
+    ideal    of "error" and "bits": what the ideal evaluates; None: the same commands
     machine  as ``execute`` takes it, but ``engine``
 
-    Raises what ``execute`` raises, and ValueError for another kind; of "error" what ``execute_ideal`` raises.
+    Raises what ``execute`` raises, and ValueError for another kind; of "error" and "bits" what
+    ``execute_ideal`` raises.
     """
     if kind not in KINDS:
         raise ValueError(f"There is no map {kind!r}; there are: {', '.join(KINDS)}.")
@@ -179,4 +214,4 @@ def frame_maps(
         return _left(tuple(commands), profile, width, height, kind, ideal, machine)
     drawn = _Drawn(kind, width, height)
     Machine(profile, width, height, engine="columns", witness=drawn, **machine).run(commands)
-    return tuple(drawn.maps.values())
+    return tuple(drawn.maps[key] for key in sorted(drawn.maps))

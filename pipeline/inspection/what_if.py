@@ -1,8 +1,9 @@
-"""What a frame's error would be if one thing were otherwise: a width, a clamp, a constant, a texture.
+"""What a frame's error would be if one thing were otherwise: a width, a clamp, a stage, a constant, a
+texture.
 
-The machine's own arithmetic draws the frame again (``Profile.changed``), beside the guided ideal of the same
-commands: docs/decisions/0025. A frame's commands are made by a function of the machine, since the texels of
-one with wider textures are rounded later.
+The machine's own arithmetic draws the frame again (``Profile.changed``, ``Otherwise``), beside the guided
+ideal of the same commands: docs/decisions/0025. A frame's commands are made by a function of the machine,
+since the texels of one with wider textures are rounded later.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,12 +13,14 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fixedpipe.pipeline.columns.otherwise import Otherwise
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import Clamp, TextureTarget
-from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.execution.machine import Machine, execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.raster.witness import nobody
 
 Commands: TypeAlias = tuple[Any, ...]
 
@@ -51,12 +54,26 @@ def _root_mean_square(difference):
     return float(np.sqrt(np.mean(difference * difference)))
 
 
-def frame_error(commands: Any, profile: Profile, width: int, height: int, *, ideal: Any = None) -> Error:
+def frame_error(
+    commands: Any,
+    profile: Profile,
+    width: int,
+    height: int,
+    *,
+    ideal: Any = None,
+    otherwise: Callable[[Draw], Otherwise | None] | None = None,
+    witness: Callable[..., None] = nobody,
+) -> Error:
     """Run ``commands`` on a machine, and the ideal guided by it: their Error.
 
-    ``ideal``: what the ideal evaluates; None: the same commands. Raises as ``execute`` and ``execute_ideal``.
+    ``ideal``: what the ideal evaluates; None: the same commands. ``otherwise``, ``witness``: as of a Machine.
+    Raises as ``execute`` and ``execute_ideal``, and ValueError for a machine too wide for ``otherwise``.
     """
-    result = execute(commands, profile, width, height, record=True)
+    if otherwise is None:
+        result = execute(commands, profile, width, height, record=True)
+    else:
+        asked = {"engine": "columns", "otherwise": otherwise, "witness": witness}
+        result = Machine(profile, width, height, **asked).run(commands, record=True)  # type: ignore[arg-type]
     exact = execute_ideal(commands if ideal is None else ideal, width, height, guide=result).color[..., :3]
     color = result.framebuffer.color[..., :3] / (2.0**result.framebuffer.color_bits - 1.0)
     seen = np.clip(color, 0.0, 1.0) - np.clip(exact, 0.0, 1.0)
@@ -157,3 +174,109 @@ def attribution(
 
     found = [(what, error(machine)) for what, machine in _changes(profile)]
     return error(profile), sorted(found, key=lambda one: one[1].shown)
+
+
+class _Stages:
+    """A witness of which stages the Draws of a frame have; ``number``: of one command alone."""
+
+    def __init__(self, number):
+        self.wanted, self.current, self.found = number, -1, set()
+
+    def __call__(self, stage, /, **columns):
+        if stage == "command":
+            self.current += 1
+        elif self.wanted not in (None, self.current):
+            return
+        elif stage == "shaded":
+            self.found |= {(0, "primary color"), (1, "secondary color"), (9, "final combiner")}
+        elif stage == "sampled":
+            self.found.add((3, f"texture unit {columns['sampler'].number}"))
+        elif stage == "program" and columns["program"] is not None:
+            self.found.add((2, "constant colors"))
+            general = columns["program"].general
+            self.found |= {(4, f"general combiner {number}") for number in range(len(general))}
+
+    def names(self):
+        """The names, in the order of a pass."""
+        return [name for _, name in sorted(self.found)]
+
+
+def _only_in(commands: Any, number: int | None, changed: Otherwise) -> Callable[[Draw], Otherwise]:
+    """What is computed otherwise in a Draw: all that is asked, or nothing if another command is meant. Of a
+    Draw that a frame has several times, in all of these.
+    """
+    if number is None:
+        return lambda draw: changed
+    meant, nothing = commands[number], Otherwise()
+    return lambda draw: changed if draw is meant else nothing
+
+
+def stage_names(
+    commands: Any, profile: Profile, width: int, height: int, *, number: int | None = None
+) -> list[str]:
+    """Names of the stages of a frame's Draws, or of command ``number`` alone, as an ``Otherwise`` has
+    them.
+    """
+    seen = _Stages(number)
+    Machine(profile, width, height, engine="columns", witness=seen).run(commands)
+    return seen.names()
+
+
+def with_stages(
+    commands: Any,
+    profile: Profile,
+    width: int,
+    height: int,
+    *,
+    exact: tuple[str, ...] = (),
+    unclamped: tuple[str, ...] = (),
+    ideal: Any = None,
+    number: int | None = None,
+) -> Error:
+    """The Error of a frame whose named stages are exact, or do not clamp, in all its Draws or in command
+    ``number`` alone. Raises ValueError for a stage that it has not, and as ``frame_error``.
+    """
+    there = stage_names(commands, profile, width, height, number=number)
+    for name in (*exact, *unclamped):
+        if name not in there:
+            raise ValueError(f"No Draw of it has a stage {name!r}; there are: {', '.join(there) or 'none'}.")
+    for name in unclamped:
+        if not name.startswith(("general combiner", "final combiner")):
+            raise ValueError(f"{name} has no clamp of its own; general combiners and the final one have.")
+    changed = Otherwise(frozenset(exact), frozenset(unclamped))
+    otherwise = _only_in(commands, number, changed)
+    return frame_error(commands, profile, width, height, ideal=ideal, otherwise=otherwise)
+
+
+def stage_attribution(
+    commands: Any,
+    profile: Profile,
+    width: int,
+    height: int,
+    *,
+    ideal: Any = None,
+    number: int | None = None,
+) -> tuple[Error, list[tuple[str, Error]]]:
+    """What of a frame's error goes when one stage of its passes is exact, or does not clamp.
+
+    ideal   what the ideal evaluates; None: the same commands
+    number  of the command whose stages are asked for; None: those of all Draws, each in all at once
+
+    Returns the machine's own Error, and (which stage, the Error then) with the least error first, as
+    ``attribution`` does. Rectangles of pixels are drawn as the machine draws them.
+    """
+    given = commands, profile, width, height
+    seen = _Stages(number)
+    own = frame_error(*given, ideal=ideal, otherwise=lambda draw: Otherwise(), witness=seen)
+    changes = [(name, Otherwise(exact=frozenset({name}))) for name in seen.names()]
+    changes += [
+        (f"clamp of {name}", Otherwise(unclamped=frozenset({name})))
+        for name in seen.names()
+        if name.startswith("general combiner") or name == "final combiner"
+    ]
+    changes.append(("all of these stages", Otherwise(exact=frozenset(seen.names()))))
+    found = [
+        (what, frame_error(*given, ideal=ideal, otherwise=_only_in(commands, number, changed)))
+        for what, changed in changes
+    ]
+    return own, sorted(found, key=lambda one: one[1].shown)

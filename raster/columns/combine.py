@@ -24,6 +24,8 @@ class Arithmetic:
     per_product, round_first   ``product_rounding`` PER_PRODUCT, ``round_before_scale``
     clamps_mapping, clamps_sum, clamps_final   which of the clamps are on
     holds                  (lowest, highest) that a register holds, by which mappings clamp
+    grid                   what is rounded becomes a multiple of so many units: 1, or of units that are finer
+                           than the machine's, how many of these make one of its own
     """
 
     one: int
@@ -37,6 +39,7 @@ class Arithmetic:
     clamps_sum: bool
     clamps_final: bool
     holds: tuple[int, int]
+    grid: int = 1
 
 
 def map_input(x, mapping, a):
@@ -72,16 +75,16 @@ def scaled(x, scale):
 
 def output(products, scale, biased, a):
     """One output of a portion from the exact sum of its products, or from each of them rounded."""
-    half = a.half if biased else 0
+    half, unit = a.half // a.grid if biased else 0, a.one * a.grid
     if a.per_product:
-        total = scaled(sum(quotient(n, a.one) for n in products) - half, scale)
+        total = scaled(sum(quotient(n, unit) for n in products) - half, scale)
     elif a.round_first:
-        total = scaled(quotient(sum(products), a.one) - half, scale)
+        total = scaled(quotient(sum(products), unit) - half, scale)
     else:
         n = sum(products)
-        total = (n + a.one) // (2 * a.one) if scale == C.SCALE_BY_ONE_HALF else quotient(n << scale, a.one)
+        total = (n + unit) // (2 * unit) if scale == C.SCALE_BY_ONE_HALF else quotient(n << scale, unit)
         total = total - (2 * half if scale == C.SCALE_BY_TWO else half)
-    return np.clip(total, a.low, a.high)
+    return np.clip(total * a.grid, a.low, a.high)
 
 
 def function_output(value, scale, biased, a):
@@ -92,7 +95,12 @@ def function_output(value, scale, biased, a):
 def takes_cd(spare0_alpha, lowest_bit, a):
     """Where a mux takes CD: SPARE0's alpha, clamped, has its highest bit, or its lowest, set."""
     alpha = np.clip(spare0_alpha, 0, a.one)
-    return (alpha & 1) == 1 if lowest_bit else alpha >= a.half
+    return ((alpha + a.grid // 2) // a.grid & 1) == 1 if lowest_bit else alpha >= a.half
+
+
+def product(n, a):
+    """A product of two numbers, or a sum of such, rounded."""
+    return quotient(n, a.one * a.grid) * a.grid
 
 
 def sum_of_three(products):
@@ -110,6 +118,6 @@ def map_final(x, invert, a):
 def final_color(a_, b, c, d, g, a):
     """RGBA [4, k] of the final combiner's mapped inputs: ``rn(A B + (one - A) C) + D`` and G."""
     weight = np.minimum(a_, a.one)
-    rgb = quotient(weight * b + (a.one - weight) * c, a.one) + d
+    rgb = product(weight * b + (a.one - weight) * c, a) + d
     color = np.concatenate([rgb, np.broadcast_to(g, (1, rgb.shape[1]))])
     return np.clip(color, 0, a.one) if a.clamps_final else color

@@ -46,6 +46,8 @@ def fog_factor(coordinate, thresholds, rising):
     return np.where(np.isnan(coordinate), 0, kept).astype(np.int64)  # what is not a number keeps none
 
 
-def with_fog(color, fog_color, factor, one):
-    """``rn(f C + (one - f) Cf)`` of columns [..., k]. Source: OpenGL 1.2.1 section 3.10."""
-    return quotient(factor * color + (one - factor) * fog_color, one)
+def with_fog(color, fog_color, factor, one, grid=1):
+    """``rn(f C + (one - f) Cf)`` of columns [..., k], a multiple of ``grid``. Source: OpenGL 1.2.1 section
+    3.10.
+    """
+    return quotient(factor * color + (one - factor) * fog_color, one * grid) * grid

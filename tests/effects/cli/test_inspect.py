@@ -94,6 +94,28 @@ def test_a_change_alone_tells_the_error_before_and_after(tmp_path):
     assert status == 0 and numbers(text, "changed") != numbers(text, "as it is")
 
 
+def test_what_a_stage_does_to_the_error_is_told():
+    status, text = said("F004-4", "--size", "32", "--attribution", "--stages")
+    assert status == 0
+    own, first = numbers(text, "as it is"), numbers(text, "general combiner 0")
+    assert first[-1] == pytest.approx(100 * (1 - first[0] / own[0]), abs=0.1) and first[-1] > 50
+    status, text = said("F004-4", "--size", "32", "--replace", "general combiner 0=IDEAL")
+    assert status == 0 and numbers(text, "changed") == first[:-1]
+    status, text = said("F004-4", "--size", "32", "--attribution", "--stages", "--command", "5")
+    assert status == 0 and own[0] > numbers(text, "general combiner 0")[0] > first[0]
+    clamp = "GENERAL_COMBINER@general combiner 0"
+    status, text = said("F004-4", "--size", "32", "--without", clamp, "--command", "5")
+    assert status == 0 and numbers(text, "as it is") == own
+
+
+def test_maps_of_texels_have_the_textures_sizes(tmp_path):
+    picture = tmp_path / "texels.png"
+    status, text = said("F004-4", "--size", "32", "--map", "texels", "--command", "5", "--out", str(picture))
+    assert status == 0 and "brushing t/ax, unit 0, level 0" in text and "unit 1, level 0" in text
+    with Image.open(picture) as image:
+        assert image.height > image.width / 4
+
+
 def test_a_pixel_of_a_changed_frame_is_told(tmp_path):
     codes = []
     for change in ((), ("--bits", "combiner=12")):
@@ -116,6 +138,14 @@ def test_a_pixel_of_a_changed_frame_is_told(tmp_path):
         (("--texture", "a=b.png"), "b.png"),
         (("--texture", "a=pyproject.toml"), "pyproject.toml"),
         (("--attribution", "--command", "3"), "--command"),
+        (("--replace", "combiner"), "--replace is 'combiner'; give it as in --replace \"general combiner 0"),
+        (("--replace", "final combiner=FLOAT"), "--replace is 'final combiner=FLOAT'"),
+        (("--replace", "general combiner 8=IDEAL"), "No Draw of it has a stage 'general combiner 8'"),
+        (("--without", "MAPPING@final combiner"), '"FINAL_COMBINER@final combiner"'),
+        (("--replace", "final combiner=IDEAL", "--registers"), "leave --registers out"),
+        (("--stages",), "Give one of"),
+        (("--stages", "--registers"), "--stages is of --attribution; give both."),
+        (("--attribution", "--stages", "--command", "99"), "There is no command 99"),
         (("--attribution", "--registers"), "Give one of --pixel, --registers, --map and --attribution"),
         ((), "Give one of --pixel, --registers, --map and --attribution"),
     ],

@@ -1,20 +1,24 @@
 """Maps and registers of whole frames say what the histories of their pixels say."""
 
+import re
 from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fixedpipe.pipeline.enums import Clamp, TextureFilter
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import Clamp, TextureFilter, WrapMode
 from fixedpipe.pipeline.inspection.ideal import record_ideal
 from fixedpipe.pipeline.inspection.inspect import history
 from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
 from fixedpipe.pipeline.inspection.recording import record
 from fixedpipe.pipeline.inspection.registers import register_uses
-from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_cube_map
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.pipeline.inspection.test_history import blended_frame, textured, triangle
 from tests.support.strategies import frames
@@ -133,6 +137,57 @@ def test_lambda_and_primitives_are_told():
     assert found.numbers()["greatest"] == 0.0 and found.numbers()["reached"] > 0.0
 
 
+READ = re.compile(r"texel \(column (\d+), row (\d+), layer (\d+)\)")
+
+
+@pytest.mark.parametrize("linear", [False, True])
+def test_texels_are_read_where_histories_say(linear):
+    kind = TextureFilter.LINEAR if linear else TextureFilter.NEAREST
+    commands = (
+        textured(),
+        triangle(PassState(texture_units=(TextureUnit("t", sampler=Sampler(kind, kind)),))),
+    )
+    counted = np.zeros((8, 8))
+    for found in histories(commands).values():
+        for _, fragment in fragments_of(found):
+            for quantity in (q for stage in fragment.stages for q in stage.read):
+                if said := READ.fullmatch(quantity.name):
+                    column, row, _ = map(int, said.groups())
+                    counted[7 - row, column] += 1
+    (found,) = frame_maps(commands, GEFORCE_256, SIZE, SIZE, "texels")
+    assert found.label == "draw: t, unit 0, level 0" and counted.sum() >= 10
+    assert (np.nan_to_num(found.values) == counted).all()
+    assert (np.isnan(found.values) == (counted == 0)).all()
+
+
+def test_a_border_is_no_texel():
+    wide = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST, *[WrapMode.CLAMP_TO_BORDER] * 2)
+    far = triangle(PassState(texture_units=(TextureUnit("t", sampler=wide),)))
+    far = replace(far, mesh=replace(far.mesh, texture_coordinates=(np.full((3, 2), 3.0),)))
+    (found,) = frame_maps((textured(), far), NV2A, SIZE, SIZE, "texels")
+    assert found.numbers() == {"reached": 0.0}
+
+
+def test_levels_and_faces_of_textures_have_maps():
+    mipmapped = TextureUnit("t", sampler=Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR))
+    commands = (textured(mipmaps=True), triangle(PassState(texture_units=(mipmapped,))))
+    found = frame_maps(commands, GEFORCE_256, SIZE, SIZE, "texels")
+    assert [each.values.shape for each in found] == [
+        (8 >> level, 8 >> level) for level in map(int, (each.label[-1] for each in found))
+    ]
+    cube = TexImage(label="cube", texture="t", image=texture_cube_map(np.zeros((6, 4, 4, 3)), mipmaps=True))
+    found, *_ = frame_maps((cube, commands[1]), GEFORCE_256, SIZE, SIZE, "texels")
+    assert found.label.endswith("level 0") and found.values.shape == (24, 4)
+
+
+def test_bits_are_those_of_the_error():
+    commands = blended_frame()
+    for error, bits in zip(
+        *(frame_maps(commands, GEFORCE_256, SIZE, SIZE, kind) for kind in ("error", "bits")), strict=True
+    ):
+        assert np.allclose(bits.values, np.minimum(8.0, -np.log2(np.maximum(error.values / 255.0, 1e-9))))
+
+
 def test_what_there_is_not_is_refused():
     with pytest.raises(ValueError, match=f"There is no map 'nono'; there are: {', '.join(KINDS)}."):
         frame_maps((), GEFORCE_256, SIZE, SIZE, "nono")
@@ -155,9 +210,9 @@ def test_a_pbuffer_larger_than_the_window_does_no_harm(kind):
 
     current = MakeCurrent(label="pbuffer", surface="p", width=64, height=64)
     commands = current, triangle(), MakeCurrent(label="window"), triangle()
-    if kind == "error":
+    if kind in ("error", "bits"):
         with pytest.raises(UnsupportedState, match="pbuffer"):
             frame_maps(commands, NV2A, 8, 8, kind)
         return
     maps = frame_maps(commands, NV2A, 8, 8, kind)
-    assert [each.command for each in maps] == [3]
+    assert [each.command for each in maps] == ([] if kind == "texels" else [3])

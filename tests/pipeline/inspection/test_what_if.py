@@ -1,20 +1,26 @@
 """What if one thing were otherwise: errors that can be reckoned, and what is left of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from fixedpipe.effects.figures import FIGURES
+from fixedpipe.pipeline.columns.otherwise import Otherwise
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import Mapping, Register, TextureFilter
+from fixedpipe.pipeline.enums import CombinerScale, Mapping, Register, TextureFilter
+from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.inspection.what_if import (
     attribution,
     frame_error,
+    stage_attribution,
     with_bits,
     with_constant,
+    with_stages,
     with_texture,
     without_clamp,
 )
-from fixedpipe.pipeline.profiles import GEFORCE_256, OCTANE
+from fixedpipe.pipeline.profiles import FUTURE, GEFORCE_256, OCTANE
 from fixedpipe.pipeline.state import (
     BlendFactor,
     Blending,
@@ -28,6 +34,7 @@ from fixedpipe.pipeline.state import (
     TextureUnit,
 )
 from fixedpipe.pipeline.textures.images import texture_2d, texture_cube_map
+from tests.support.random_frames import random_frame
 
 GREY = np.full((1, 1, 3), 0.5)
 SQUARE = [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]]
@@ -165,3 +172,99 @@ def test_constants_and_textures_take_the_places_of_others():
 def test_what_cannot_be_changed_is_said(change, sentence):
     with pytest.raises(ValueError, match=sentence):
         change()
+
+
+# ------------------------------------------------------------------------------------- one stage otherwise
+
+
+def of_stages(commands, profile=GEFORCE_256, size=4, **given):
+    own, found = stage_attribution(commands, profile, size, size, **given)
+    assert [error.shown for _, error in found] == sorted(error.shown for _, error in found)
+    return own, dict(found)
+
+
+def two_stages(first, second, constants):
+    """A square whose colour is what a second general combiner makes of the first one's SPARE0."""
+    draw = combined(first, constants=constants)
+    program = draw.state.register_combiners
+    program = replace(program, general=(*program.general, GeneralCombiner(rgb=second)))
+    return replace(draw, state=replace(draw.state, register_combiners=program))
+
+
+SPARE0, ONE = CombinerInput(Register.SPARE0), CombinerInput(Register.ZERO, mapping=Mapping.UNSIGNED_INVERT)
+TWICE = RGBPortion(a=SPARE0, b=ONE, c=SPARE0, d=ONE)
+
+
+def test_a_rounding_goes_where_its_stage_is_exact():
+    """51 times 153 is 30.6/255; rounded to 31 and doubled 62, doubled before it is rounded 61 of 61.2."""
+    product = RGBPortion(a=CombinerInput(Register.CONSTANT_COLOR0), b=CombinerInput(Register.CONSTANT_COLOR1))
+    draw = two_stages(product, TWICE, ((0.2,) * 4, (0.6,) * 4))
+    own, found = of_stages([draw])
+    assert own == frame_error([draw], GEFORCE_256, 4, 4)
+    assert own.shown == pytest.approx(0.8 / 255, rel=1e-9)
+    assert found["general combiner 0"].shown == pytest.approx(0.2 / 255, rel=1e-9)
+    rest = {
+        what: error
+        for what, error in found.items()
+        if what not in ("general combiner 0", "all of these stages")
+    }
+    assert all(error == own for error in rest.values()) and "clamp of general combiner 1" in rest
+    assert (
+        with_stages([draw], GEFORCE_256, 4, 4, exact=("general combiner 0",)) == found["general combiner 0"]
+    )
+    # Of a command that another one covers, nothing.
+    again = replace(draw, label="again")
+    assert of_stages([draw, again], number=0)[1]["general combiner 0"] == own
+    assert of_stages([draw, again], number=1)[1]["general combiner 0"].shown < own.shown / 3
+
+
+def test_a_clamp_goes_where_its_stage_has_none():
+    """0.8 and 0.8 are 1.6, clamped to 1; the half of it is 0.5 and not 0.8."""
+    both = RGBPortion(
+        a=CombinerInput(Register.CONSTANT_COLOR0), b=ONE, c=CombinerInput(Register.CONSTANT_COLOR0), d=ONE
+    )
+    half = RGBPortion(a=SPARE0, b=ONE, scale=CombinerScale.SCALE_BY_ONE_HALF)
+    draw = two_stages(both, half, ((0.8,) * 4, (0.0,) * 4))
+    own, found = of_stages([draw])
+    assert own.shown == pytest.approx(76 / 255, rel=1e-9)
+    least = min(found, key=lambda what: found[what].shown)
+    assert least == "clamp of general combiner 0" and found[least].shown == pytest.approx(0.0, abs=1e-12)
+    assert found["general combiner 0"].shown > 75 / 255
+    assert with_stages([draw], GEFORCE_256, 4, 4, unclamped=("general combiner 0",)) == found[least]
+
+
+def test_a_filter_and_a_half_are_their_stages():
+    ramp = texture_2d(np.array([[[0.0] * 3, [1.0] * 3]]))
+    sampler = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR)
+    doubled = RGBPortion(a=CombinerInput(Register.TEXTURE0), b=ONE, c=CombinerInput(Register.TEXTURE0), d=ONE)
+    unit = TextureUnit("ramp", sampler=sampler)
+    commands = [TexImage(label="ramp", texture="ramp", image=ramp), combined(doubled, texture_units=(unit,))]
+    own, found = of_stages(commands, size=7)
+    assert found["texture unit 0"].shown < 0.7 * own.shown
+    mapped = RGBPortion(a=CombinerInput(Register.PRIMARY_COLOR, mapping=Mapping.EXPAND_NORMAL))
+    own, found = of_stages([combined(mapped, color=(200 / 255,) * 3)])
+    assert own.shown == pytest.approx(1 / 255, rel=1e-9) and found["general combiner 0"].shown < 1e-12
+
+
+@pytest.mark.parametrize("wide", [False, True])
+def test_where_no_stage_is_named_the_bits_are_the_machines(wide):
+    for seed in range(30):
+        frame = random_frame(seed, wide=wide)
+        given = frame.profile, frame.width, frame.height, frame.depth_bits
+        own, same = (
+            Machine(*given, engine="columns", otherwise=otherwise).run(frame.commands).framebuffer
+            for otherwise in (None, lambda draw: Otherwise())
+        )
+        assert (own.color == same.color).all() and (own.depth == same.depth).all()
+
+
+def test_what_cannot_be_computed_otherwise_is_said():
+    draw = combined(RGBPortion(a=CombinerInput(Register.PRIMARY_COLOR)))
+    with pytest.raises(ValueError, match="has a stage 'general combiner 3'"):
+        with_stages([draw], GEFORCE_256, 4, 4, exact=("general combiner 3",))
+    with pytest.raises(ValueError, match="primary color has no clamp of its own"):
+        with_stages([draw], GEFORCE_256, 4, 4, unclamped=("primary color",))
+    with pytest.raises(ValueError, match="Future board has combiners of 16 bits"):
+        stage_attribution([draw], FUTURE, 4, 4)
+    with pytest.raises(ValueError, match="by the column engine alone"):
+        Machine(GEFORCE_256, 4, 4, otherwise=lambda draw: None)
