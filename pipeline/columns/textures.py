@@ -27,6 +27,7 @@ from fixedpipe.raster.witness import nobody
 
 LAMBDA_BITS = 8
 EXACT_BITS = 12  # more, and rounding does not show
+_REACH = 2.0**20  # of real texels: far beyond what a paper's tables hold, and filters of them are int64
 
 
 def unit_samplers(state, textures, profile, saw=nobody):
@@ -105,8 +106,8 @@ class UnitSampler:
 
     def exactly(self, fraction_bits, levels=None):
         """The same unit with EXACT_BITS more bits in a texel and ``fraction_bits`` of a filter's fraction:
-        nobody watches it. ``levels``: real texels for the texture's own. None where bytes mean something else
-        than a number: signed components, depths, HILO, color tables.
+        nobody watches it. ``levels``: real texels for the texture's own, which need not lie in [0, 1]. None
+        where bytes mean something else than a number: signed components, depths, HILO, color tables.
         """
         if self.signed is not None or self.hilo or self.compares or self.table is not None:
             return None
@@ -115,7 +116,7 @@ class UnitSampler:
             unit.levels = tuple(level.astype(np.int64) << EXACT_BITS for level in self.levels)
         else:
             unit.levels = tuple(
-                np.floor(np.clip(level, 0.0, 1.0) * one + 0.5).astype(np.int64)
+                np.floor(np.clip(np.nan_to_num(level), -_REACH, _REACH) * one + 0.5).astype(np.int64)
                 for level in levels[: len(self.levels)]
             )
         unit.one, unit.border, unit.fraction_bits = one, self.border << EXACT_BITS, fraction_bits

@@ -138,6 +138,7 @@ class IdealPixel:
             where = (triangle, self.x, self.y)
             where = tuple(np.array([value], np.int32) for value in where)
             seen.append(saw := witness())
+            saw("textures", levels=_levels(state, textures))
             with np.errstate(all="ignore"):
                 weights = weigh(mesh, state.polygon.front_face, *where)
                 color, _ = shade(state, textures, primitives, plan, weights, saw)
@@ -157,12 +158,22 @@ class IdealPixel:
         if found is None or found.stencil is not None:
             return [witness() for _ in touch.fragments]
         target, saw = self.buffers.buffer(state.draw_buffer), witness()
+        saw("textures", levels=_levels(state, textures))
         color = shade_rectangle(found, state, textures, self._plans, saw)
         saw("source", color=color, stored=target.color[0, 0].copy())
         if any(passed):
             write(state, target, np.zeros(1, np.int64), color, np.zeros(1))
         saw("written", color=target.color[0, 0].copy())
         return [saw]
+
+
+def _levels(state, textures):
+    """The real texels of each texture unit that reads some, a level each."""
+    return {
+        number: textures[unit.texture].ideal
+        for number, unit in enumerate(state.texture_units)
+        if unit is not None and unit.texture is not None
+    }
 
 
 class _Size:

@@ -12,9 +12,10 @@ _NAMES = ("A", "B", "C", "D", "AB", "CD")
 _PORTION = 7
 
 
-def ideal_numbers(told: list[tuple[str, dict[str, Any]]]) -> dict[Any, tuple[float, ...]]:
-    """The ideal's numbers: keys are names, ("register", Register) of what combiners first read, and of
-    general combiners (number, whether alpha, name of a variable or Register of an output).
+def ideal_numbers(told: list[tuple[str, dict[str, Any]]]) -> dict[Any, tuple[Any, ...]]:
+    """The ideal's numbers: keys are names, ("register", Register) of what combiners first read, ("levels",
+    unit) of its texture's real texels, and of general combiners (number, whether alpha, name of a variable or
+    Register of an output).
     """
     found, general = {}, 0
     for stage, columns in told:
@@ -22,6 +23,8 @@ def ideal_numbers(told: list[tuple[str, dict[str, Any]]]) -> dict[Any, tuple[flo
             found.update(_fragment(**columns))
         elif stage == "registers":
             found.update({("register", r): _numbers(c) for r, c in columns["registers"].items()})
+        elif stage == "textures":
+            found.update({("levels", unit): levels for unit, levels in columns["levels"].items()})
         elif stage == "combined":
             found.update(_combined(general, columns["file"], columns["computed"]))
             general += 1

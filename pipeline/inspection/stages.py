@@ -234,14 +234,20 @@ class _Reader:
         read, self.texels = (*self.texels, _coded("filtered", texel, one)), []
         quantity, parts = _coded(f"tex{unit}", register, self.one), None
         if self.sampler is not None and self.sampler.number == unit and self.ideal:
-            real = self.sampler.texture.ideal
-            parts = exact.texture(self.sampler, self.sampled, real)
+            parts = exact.texture(self.sampler, self.sampled, self._real_texels(unit))
         causes = {}
         if parts is not None:
             cut, whole, full = parts
             causes = {"exact": full, "texels": whole, "filter fraction": cut, "rounding": None}
         made = _beside(quantity, self._ideal_texture(unit), **causes)
         return Stage("texture", f"texture unit {unit}", "", read, (made,), number=unit)
+
+    def _real_texels(self, unit):
+        """What the texture that the ideal reads holds where it is as large; else what this one was made of."""
+        own, found = self.sampler.texture, self.ideal.get(("levels", unit))
+        if found is None or [level.shape for level in found] != [level.shape for level in own.levels]:
+            return own.ideal
+        return found
 
     def _ideal_texture(self, unit):
         return self.ideal.get(("register", Register.TEXTURE0 + unit), ())

@@ -3,6 +3,7 @@ ideal's; and what an error is said to be made of adds up to it.
 """
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -232,6 +233,27 @@ def test_a_filters_causes_add_up():
     assert any(added["filter fraction"]) and any(added["rounding"])
     # Three roundings of a half each, and one to the register.
     assert max(map(abs, added["rounding"])) <= 2.0
+
+
+def test_texels_that_were_clamped_when_they_were_stored_are_their_textures_error():
+    """A table of 1.5 that a machine stores as 1, and the ideal as it is (P1 of the catalogue)."""
+    linear = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR)
+    state = PassState(texture_units=(TextureUnit("t", sampler=linear),))
+    stored = TexImage(label="table", texture="t", image=texture_2d(np.full((4, 4, 3), 1.0)))
+    real = tuple(1.5 * level for level in stored.image.ideal)
+    meant = replace(stored, image=replace(stored.image, ideal=real))
+    commands = triangle(state, colors=(1.0, 1.0, 1.0, 1.0))
+    found = inspect((stored, commands), GEFORCE_256, 64, 64, (20, 40), ideal=(meant, commands))
+    fragment = found.touched[0].fragments[0]
+    (place,) = [n for n, stage in enumerate(fragment.stages) if stage.kind == "texture"]
+    error = fragment.stages[place].made[0].error
+    assert error.added["texels"] == pytest.approx((-127.5,) * 4, abs=0.1) and fragment.worst == place
+    assert error.brought == pytest.approx((0.0,) * 4, abs=0.1)
+    # A texture of another size is another texture: what it holds is brought.
+    smaller = replace(meant, image=replace(texture_2d(np.full((2, 2, 3), 1.0)), ideal=(real[0][:, :2, :2],)))
+    found = inspect((stored, commands), GEFORCE_256, 64, 64, (20, 40), ideal=(smaller, commands))
+    error = found.touched[0].fragments[0].stages[place].made[0].error
+    assert not any(error.added["texels"]) and error.brought == pytest.approx((-127.5,) * 4, abs=0.1)
 
 
 # ------------------------------------------------------------------------------------ what is written
