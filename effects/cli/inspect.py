@@ -14,7 +14,7 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
     "--map",
     "kind",
     metavar="KIND",
-    help="clamps, overdraw, lambda, primitive, texels, error, bits, depth or stencil.",
+    help="clamps, overdraw, lambda, primitive, texels, stages, error, bits, depth or stencil.",
 )
 @click.option("--attribution", is_flag=True, help="Was it the clamp, the filter or the bits? By rank.")
 @click.option("--stages", is_flag=True, help="With --attribution: was it this stage of the passes, or that?")

@@ -8,7 +8,7 @@ from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.pipeline.framebuffers.texture_copies import depth_texture
 from fixedpipe.pipeline.framebuffers.transfer import transfer_depths
 from fixedpipe.pipeline.ideal.buffers import transferred
-from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, pyramid, texture_2d
+from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, Texture, pyramid, texture_2d
 
 
 def with_ideal(texture):
@@ -50,6 +50,8 @@ def _copied(command, known, mipmaps, buffers, statistics):
         return depth_texture(target, internal_format, depths)
     dimensions = 1 if target is TextureTarget.TEXTURE_1D else 2
     region = transferred(buffers.rows(buffers.color, *box), command, statistics, dimensions)
+    if region is not None and not region.size:  # a rectangle of no pixels replaces none
+        return Texture(target, internal_format, (np.zeros((1, *region.shape), np.uint8),), (region[None],))
     return None if region is None else texture_2d(region, internal_format, mipmaps=mipmaps)
 
 

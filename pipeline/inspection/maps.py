@@ -12,7 +12,9 @@ from fixedpipe.pipeline.commands import Bitmap, Command, CopyPixels, Draw, DrawP
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.inspection.exact import unclamped
+from fixedpipe.pipeline.inspection.stage_errors import stage_errors
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.validation.frames import frame_of
 
 # What a map tells of a pixel, by its name.
 KINDS = {
@@ -23,6 +25,7 @@ KINDS = {
     "texels": "how often each texel was read: a map of each texture, unit and level, faces below one another",
     "error": "the largest difference of red, green and blue from the guided ideal, as seen, in 1/255",
     "bits": "how many bits of red, green and blue the guided ideal agrees with, of the worst of them",
+    "stages": "the largest difference of what each stage wrote from the guided ideal's, in 1/255",
     "depth": "what the depth buffer holds, 1.0 = the farthest",
     "stencil": "what the stencil buffer holds",
 }
@@ -202,16 +205,23 @@ def frame_maps(
     window, in order.
 
     kind     of KINDS
-    ideal    of "error" and "bits": what the ideal evaluates; None: the same commands
+    ideal    of "error", "bits" and "stages": what the ideal evaluates; None: the same commands
     machine  as ``execute`` takes it, but ``engine``
 
     Raises what ``execute`` raises, and ValueError for another kind; of "error" and "bits" what
-    ``execute_ideal`` raises.
+    ``execute_ideal`` raises, of "stages" what ``stage_errors`` does.
     """
     if kind not in KINDS:
         raise ValueError(f"There is no map {kind!r}; there are: {', '.join(KINDS)}.")
     if kind in _LEFT:
         return _left(tuple(commands), profile, width, height, kind, ideal, machine)
+    if kind == "stages":
+        commands = frame_of(commands)
+        errors = stage_errors(commands, profile, width, height, ideal=ideal, **machine)
+        return tuple(
+            Map(number, f"{commands[number].label}: {stage}", values)
+            for (number, stage), values in errors.items()
+        )
     drawn = _Drawn(kind, width, height)
     Machine(profile, width, height, engine="columns", witness=drawn, **machine).run(commands)
     return tuple(drawn.maps[key] for key in sorted(drawn.maps))

@@ -243,7 +243,7 @@ class _Reader:
         return Stage("texture", f"texture unit {unit}", "", read, (made,), number=unit)
 
     def _real_texels(self, unit):
-        """What the texture that the ideal reads holds where it is as large; else what this one was made of."""
+        """What the texture that the ideal reads holds, where it is as large; else what this was made of."""
         own, found = self.sampler.texture, self.ideal.get(("levels", unit))
         if found is None or [level.shape for level in found] != [level.shape for level in own.levels]:
             return own.ideal

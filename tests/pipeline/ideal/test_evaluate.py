@@ -978,6 +978,14 @@ def test_the_framebuffer_is_copied_into_textures_as_it_is():
     np.testing.assert_array_equal(result.pixels["rest"], [[-0.5, -0.5]])
 
 
+@pytest.mark.parametrize(("width", "height"), [(0, 0), (2, 0), (0, 1)])
+def test_a_rectangle_of_no_pixels_replaces_none(width, height):
+    given = TexImage(label="given", texture="u", image=texture_2d(np.full((2, 4, 4), 0.25)))
+    patch = CopyTexSubImage(label="none", texture="u", x_offset=1, y_offset=0, width=width, height=height)
+    result = execute_ideal((given, patch), 8, 4)
+    assert (result.textures["u"].ideal[0] == 0.25).all() and (result.textures["u"].levels[0] == 64).all()
+
+
 # --------------------------------------------------------------------------- beside the machine, guided
 
 

@@ -180,6 +180,48 @@ def test_levels_and_faces_of_textures_have_maps():
     assert found.label.endswith("level 0") and found.values.shape == (24, 4)
 
 
+@SOME
+@given(frames(SIZE, SIZE))
+@pytest.mark.filterwarnings("ignore")
+def test_errors_of_stages_agree_with_every_history(commands):
+    frame = record(commands, GEFORCE_256, SIZE, SIZE)
+    if (ideal := record_ideal(commands, frame)) is None:
+        return
+    drawn = {(each.command, each.label): each.values for each in frame_maps(commands, *ON_SIZE, "stages")}
+    told = {}
+    for y, x in np.ndindex(SIZE, SIZE):
+        for number, fragment in fragments_of(history(frame, (x, y), None, ideal)):
+            told |= {  # later fragments' are kept
+                (number, f"{commands[number].label}: {name}", x, y): error
+                for name, error in errors_of(fragment).items()
+            }
+    for (number, label, x, y), error in told.items():
+        assert drawn[number, label][y, x] == pytest.approx(error, abs=1e-6)
+    assert sum(int((~np.isnan(values)).sum()) for values in drawn.values()) == len(told)
+
+
+ON_SIZE = GEFORCE_256, SIZE, SIZE
+
+
+def errors_of(fragment):
+    """The greatest error of what each stage of a fragment made, by what a map calls it."""
+    found = defaultdict(float)
+    combined = any(stage.kind == "final combiner" for stage in fragment.stages)
+    for stage in fragment.stages if combined else ():
+        name = None
+        if stage.kind == "texture":
+            name = f"texture unit {stage.number}"
+        elif stage.kind.endswith("portion"):
+            name = f"general combiner {stage.number}"
+        elif stage.kind == "final combiner":
+            name = "final combiner"
+        for quantity in stage.made if name else ():
+            error = [abs(255 * (a - b)) for a, b in zip(quantity.values, quantity.ideal, strict=False)]
+            if error:  # the ideal computes it as well
+                found[name] = max(found[name], *error)
+    return found
+
+
 def test_bits_are_those_of_the_error():
     commands = blended_frame()
     for error, bits in zip(
@@ -210,6 +252,10 @@ def test_a_pbuffer_larger_than_the_window_does_no_harm(kind):
 
     current = MakeCurrent(label="pbuffer", surface="p", width=64, height=64)
     commands = current, triangle(), MakeCurrent(label="window"), triangle()
+    if kind == "stages":
+        with pytest.raises(ValueError, match="The ideal has no such frame: of pbuffers"):
+            frame_maps(commands, NV2A, 8, 8, kind)
+        return
     if kind in ("error", "bits"):
         with pytest.raises(UnsupportedState, match="pbuffer"):
             frame_maps(commands, NV2A, 8, 8, kind)

@@ -1,0 +1,157 @@
+"""How far from the guided ideal is what every stage made, over whole frames: a map of each stage."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Register
+from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.ideal.shade import plan_for, shade
+from fixedpipe.pipeline.ideal.weights import mesh_of, weigh
+from fixedpipe.pipeline.inspection.ideal import RecordedIdeal, record_ideal
+from fixedpipe.pipeline.inspection.recording import record
+from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.vertices.stage import process
+from fixedpipe.raster.columns import numbers
+
+
+@dataclass
+class _Chunk:
+    """Fragments that are shaded together: which they are, and what each stage of the machine made of them, by
+    its name: float64 [4, k] of which components ``kept`` holds were written.
+    """
+
+    where: tuple[NDArray[np.int32], ...]
+    one: float
+    made: dict[str, tuple[NDArray[Any], list[tuple[int, slice]]]] = field(default_factory=dict)
+
+
+class _Beside:
+    """A witness of a machine's frame that shades every Draw's fragments by the ideal as well.
+
+    ``errors``: by command's number and stage, in order, float64 [h, w].
+    """
+
+    def __init__(self, ideal: RecordedIdeal):
+        self.ideal, self.errors = ideal, {}
+        self.number, self.chunk, self.plans, self.draw = -1, None, {}, None
+
+    def __call__(self, stage, /, **columns):
+        tell = _TOLD.get(stage)
+        if tell is not None:
+            tell(self, **columns)
+
+    def _command(self, command):
+        self.number, self.chunk, self.draw, self.triangle = self.number + 1, None, None, None
+        if type(command) is Draw:
+            frame, meant = self.ideal.frame, self.ideal.commands[self.number]
+            primitives = process(meant.mesh, meant.state, IDEAL, frame.width, frame.height)
+            self.draw = meant.state, self.ideal.textures[self.number], primitives, mesh_of(primitives)
+
+    def _iteration(self, triangle, **columns):
+        self.triangle = triangle
+
+    def _shaded(self, part, fragments, bits):
+        self.chunk = None
+        if self.draw is not None and self.triangle is not None:
+            where = tuple(np.array(c, np.int32) for c in (self.triangle, fragments.x, fragments.y))
+            self.chunk = _Chunk(where, float(numbers.one_of(bits)))
+
+    def _texture(self, unit, register, **columns):
+        if self.chunk is not None:
+            whole = [(Register.TEXTURE0 + unit, slice(4))]
+            self.chunk.made[f"texture unit {unit}"] = {Register.TEXTURE0 + unit: register}, whole
+
+    def _stage(self, stage, **columns):
+        self.stage = stage
+
+    def _combined(self, number, registers):
+        if self.chunk is None:
+            return
+        written = []
+        for portion, components in ((self.stage.rgb, slice(3)), (self.stage.alpha, slice(3, 4))):
+            outputs = portion.ab_output, portion.cd_output, portion.sum_output
+            written += [(register, components) for register in outputs if register != Register.DISCARD]
+        kept = {register: registers[register].copy() for register, _ in written}
+        self.chunk.made[f"general combiner {number}"] = kept, written
+
+    def _final(self, color, **columns):
+        if self.chunk is None:
+            return
+        self.chunk.made["final combiner"] = {_COLOR: color}, [(_COLOR, slice(4))]
+        exact = self._by_the_ideal()
+        for name, (made, written) in self.chunk.made.items():
+            if name not in exact or not written:
+                continue
+            worst = np.zeros(len(self.chunk.where[0]))
+            for register, components in written:
+                own, meant = made[register][components] / self.chunk.one, exact[name][register][components]
+                worst = np.maximum(worst, 255.0 * np.abs(own - meant).max(axis=0))
+            _, x, y = self.chunk.where
+            self._map(name)[y, x] = worst
+
+    def _by_the_ideal(self):
+        """By stage, registers float64 [4, k] of the chunk's fragments."""
+        state, textures, primitives, mesh = self.draw
+        exact, stages = {}, []
+
+        def saw(stage, /, **columns):
+            if stage == "registers":
+                for unit in range(4):
+                    register = Register(Register.TEXTURE0 + unit)
+                    if register in columns["registers"]:
+                        exact[f"texture unit {unit}"] = {register: columns["registers"][register].T}
+            elif stage == "combined":
+                exact[f"general combiner {len(stages)}"] = columns["file"].copy()
+                stages.append(stage)
+            elif stage == "final combiner":
+                exact["final combiner"] = {_COLOR: columns["color"].T}
+
+        with np.errstate(all="ignore"):
+            weights = weigh(mesh, state.polygon.front_face, *self.chunk.where)
+            shade(state, textures, primitives, plan_for(state, textures, self.plans), weights, saw)
+        return exact
+
+    def _map(self, name):
+        size = self.ideal.frame.height, self.ideal.frame.width
+        return self.errors.setdefault((self.number, name), np.full(size, np.nan))
+
+
+_COLOR = "color"
+_TOLD = {
+    "command": _Beside._command,
+    "iteration": _Beside._iteration,
+    "shaded": _Beside._shaded,
+    "texture": _Beside._texture,
+    "general combiner": _Beside._stage,
+    "combined": _Beside._combined,
+    "final combiner": _Beside._final,
+}
+
+
+def stage_errors(
+    commands: Any, profile: Profile, width: int, height: int, *, ideal: Any = None, **machine: Any
+) -> dict[tuple[int, str], NDArray[np.float64]]:
+    """By command's number and stage, in the order of their making, how far what the stage wrote is from the
+    guided ideal's: float64 [h, w], top row first, in 1/255, of the component that differs most of the last
+    fragment; no number where there is none. The ideal's registers hold any number, so a clamp is an error.
+
+    ``ideal``: what the ideal evaluates; None: the same commands. ``machine``: as ``execute`` takes it.
+    Passes without combiners or environments, and rectangles of pixels, have no stages. Raises what
+    ``execute`` raises, and ValueError where the ideal has no such frame.
+    """
+    commands = tuple(commands)
+    frame = record(commands, profile, width, height, **machine)
+    recorded = record_ideal(commands if ideal is None else ideal, frame, commands)
+    if recorded is None:
+        raise ValueError(
+            "The ideal has no such frame: of pbuffers, of several samples, or of other commands than the "
+            "machine's; give samples=1, or its own commands."
+        )
+    seen = _Beside(recorded)
+    Machine(profile, width, height, engine="columns", witness=seen, **machine).run(commands)
+    return seen.errors
