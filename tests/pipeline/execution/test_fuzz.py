@@ -91,8 +91,9 @@ def test_a_thousand_frames_of_wide_machines_are_equal():
 
 
 @pytest.mark.slow
-def test_wide_kernels_stay_inside_their_arrays():
-    run(CHECKED_FRAMES, WIDE_SEED, "--wide", NUMBA_BOUNDSCHECK=1)
+def test_wide_kernels_stay_inside_their_arrays(tmp_path):
+    checked = {"NUMBA_BOUNDSCHECK": "1", "NUMBA_CACHE_DIR": str(tmp_path)}
+    run(CHECKED_FRAMES, WIDE_SEED, "--wide", **checked)
 
 
 @pytest.mark.slow
