@@ -252,7 +252,9 @@ def main(arguments):
             )
         if options.plot:
             plot(runs, options.plot)
-    except (OSError, ValueError) as problem:
+    except OSError as problem:
+        parser.error(f"{problem.filename}: {problem.strerror}; python -m bench --history FILE writes one.")
+    except ValueError as problem:
         parser.error(str(problem))
     newest, former, found = runs[-1], compared(runs), slower(runs)
     print(f"{newest['date']}, commit {newest['commit'] or 'unknown'}, {_where(newest)}.")

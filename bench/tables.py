@@ -164,7 +164,11 @@ def main(arguments):
             page.write_text(put_into(page.read_text(encoding="utf-8"), text), encoding="utf-8")
         else:
             print(text, end="")
-    except (OSError, ValueError) as problem:
+    except OSError as problem:
+        parser.error(
+            f"{problem.filename}: {problem.strerror}; give files that --json wrote, and a page that is there."
+        )
+    except ValueError as problem:
         parser.error(str(problem))
     except KeyError as problem:
         parser.error(

@@ -526,6 +526,16 @@ def test_the_tables_have_every_run_and_mark_what_misses_its_goal(tmp_path, capsy
     assert "Spread 2% or less." in text
 
 
+@pytest.mark.parametrize(
+    ("command", "advice"), [(tables.main, "give files that"), (history.main, "writes one")]
+)
+def test_a_file_that_is_not_there_is_named(tmp_path, capsys, command, advice):
+    with pytest.raises(SystemExit):
+        command([str(tmp_path / "none.json")])
+    said = capsys.readouterr().err
+    assert "none.json: No such file or directory; " in said and advice in said and "Errno" not in said
+
+
 def test_the_tables_go_between_the_pages_marks(tmp_path, capsys):
     file, page = tmp_path / "run.json", tmp_path / "page.md"
     file.write_text(json.dumps(_run(DATES[0])))
