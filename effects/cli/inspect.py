@@ -79,9 +79,6 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     before = None if asked else frame_error_of(frame)
     if what_if is not None:
         frame.change(what_if)
-    if number is not None and number >= len(frame.commands) and not pixel:
-        last = len(frame.commands) - 1
-        raise Refusal(f"There is no command {number}; the commands' numbers are 0 to {last}.")
     if where is not None:
         _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"])
     elif registers:

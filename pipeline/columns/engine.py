@@ -2,9 +2,8 @@
 
 The third engine (docs/numbers.md, section 13; docs/decisions/0007-column-engine.md). At the native widths its
 bits are the other two's, at those of up to 12 bits the portable one's; it alone draws at others, and it alone
-writes fragments that no primitive made
-(``shade_and_write``). The arithmetic is in ``fixedpipe.raster.columns``; this package reads states and brings
-columns together.
+writes fragments that no primitive made (``shade_and_write``). The arithmetic is in
+``fixedpipe.raster.columns``; this package reads states and brings columns together.
 """
 
 from dataclasses import replace
@@ -12,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.pipeline.columns.interpolate import IteratedPrimitives
+from fixedpipe.pipeline.columns.otherwise import MOST_BITS
 from fixedpipe.pipeline.columns.per_fragment import write
 from fixedpipe.pipeline.columns.shade import shade
 from fixedpipe.pipeline.columns.texture_shader import run_stages
@@ -88,8 +88,9 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
     """
     bits = fragment_bits(profile, framebuffer)
     samplers, finest = unit_samplers(state, textures, profile, saw), bits
+    filters = samplers
     if otherwise is not None:
-        samplers, finest = otherwise.samplers(samplers), 2 * bits
+        filters, finest = otherwise.samplers(samplers), 2 * bits
     color, depth = np.empty((len(fragments.x), 4), np.int64), fragments.depth
     if state.texture_shader is not None:
         depth = np.empty(len(color), np.int64)
@@ -100,7 +101,7 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
         with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
             if state.texture_shader is not None:
                 registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits, saw)
-            given = some, state, profile, bits, textures, samplers, registers
+            given = some, state, profile, bits, textures, filters, registers
             shaded = shade(*given, saw=saw, otherwise=otherwise)
         color[part] = numbers.convert(shaded, numbers.one_of(finest), numbers.one_of(framebuffer.color_bits))
     return write(replace(fragments, depth=depth), color, state, profile, framebuffer, saw)
@@ -112,12 +113,19 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
 def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=nobody, otherwise=None):
     """Draw the fragments ``covered`` (triangle, x, y, int [k] each) of window primitives with float colours:
     bool [k], which passed all tests. ``saw``: who watches; ``otherwise``: an Otherwise.
+
+    Raises ValueError for an ``otherwise`` on a machine that leaves no units finer than its own.
     """
     bits, given = fragment_bits(profile, framebuffer), (primitives, state, profile, framebuffer, textures)
     draw, finer = IteratedPrimitives(*given, bits, saw), None
     if otherwise is not None:
-        otherwise.check(profile, bits)
-        finer = IteratedPrimitives(*given, 2 * bits)
+        if bits > MOST_BITS or has_future(profile):
+            raise ValueError(
+                f"The {profile.name} has combiners of {bits} bits, or stages of the future board; stages are "
+                f"computed otherwise on machines of at most {MOST_BITS} bits, without those."
+            )
+        if otherwise.has_exact_colors:
+            finer = IteratedPrimitives(*given, 2 * bits)
     passed = np.zeros(len(covered.x), bool)
     for start in range(0, len(passed), _CHUNK):
         part = slice(start, start + _CHUNK)
@@ -125,6 +133,7 @@ def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=
         with np.errstate(all="ignore"):
             fragments = draw.fragments(*pixels)
             if otherwise is not None:
-                fragments = otherwise.finer(fragments, finer.fragments(*pixels), bits)
+                exactly = None if finer is None else finer.fragments(*pixels)
+                fragments = otherwise.finer(fragments, exactly, bits)
         passed[part] = shade_and_write(fragments, *given[1:], saw, otherwise)
     return passed

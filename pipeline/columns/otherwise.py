@@ -8,12 +8,15 @@ machine's.
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from fixedpipe.raster.columns import numbers
 
-_MOST_BITS = 12  # of the machine: products of numbers of twice as many are int64
+MOST_BITS = 12  # of the machine: products of numbers of twice as many are int64
 _FRACTION_BITS = 16  # of an exact filter's fractions
-# How far a register reaches whose clamp is off: products of two, six in a sum times four, are int64.
-_FAR = 1 << 28
+# How far a register reaches whose clamp is off: mapped by EXPAND_NORMAL it doubles; of products of two such
+# six in a sum, times four and doubled once more to be rounded, are int64.
+_FAR = 1 << 27
 
 
 @dataclass(frozen=True)
@@ -29,25 +32,26 @@ class Otherwise:
     exact: frozenset[str] = frozenset()
     unclamped: frozenset[str] = frozenset()
 
-    def check(self, profile, bits):
-        """Raises ValueError for a machine whose fragments, of ``bits`` bits, leave nothing finer."""
-        if bits > _MOST_BITS or len(profile.combiners.combiner_functions) > 1:
-            raise ValueError(
-                f"The {profile.name} has combiners of {bits} bits, or their functions; stages are computed "
-                f"otherwise on machines of at most {_MOST_BITS} bits, without those."
-            )
+    @property
+    def has_exact_colors(self):
+        """Whether iterated colours are among what is exact."""
+        return not self.exact.isdisjoint(("primary color", "secondary color"))
 
     def arithmetic(self, a, stage):
         """The Arithmetic of a stage in finer units, from the machine's own."""
         grid, exact, unclamped = a.one + 2, stage in self.exact, stage in self.unclamped
         one = a.one * grid
+
+        def reached(limit):
+            return max(-_FAR, min(_FAR, limit))
+
         return replace(
             a,
             one=one,
             half=(one + 1) // 2 if exact else a.half * grid,
             expanded=one if exact else a.expanded * grid,
-            low=-_FAR if unclamped else a.low * grid,
-            high=_FAR if unclamped else a.high * grid,
+            low=-_FAR if unclamped else reached(a.low * grid),
+            high=_FAR if unclamped else reached(a.high * grid),
             holds=(a.holds[0] * grid, a.holds[1] * grid),
             clamps_final=a.clamps_final and not unclamped,
             grid=1 if exact else grid,
@@ -70,9 +74,13 @@ class Otherwise:
 
     def finer(self, fragments, exactly, bits):
         """Fragments with colours in finer units: those of ``exactly``, the same fragments computed in them,
-        where they are exact.
+        where they are exact; None: none is.
         """
         grid = numbers.one_of(bits) + 2
-        primary = exactly.primary if "primary color" in self.exact else fragments.primary * grid
-        secondary = exactly.secondary if "secondary color" in self.exact else fragments.secondary * grid
+        primary, secondary = fragments.primary * grid, fragments.secondary * grid
+        if "primary color" in self.exact:
+            primary = exactly.primary
+        if "secondary color" in self.exact:
+            secondary = exactly.secondary
+        primary, secondary = (np.clip(color, -_FAR, _FAR) for color in (primary, secondary))
         return replace(fragments, primary=primary, secondary=secondary)

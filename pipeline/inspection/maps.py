@@ -14,7 +14,6 @@ from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.inspection.exact import unclamped
 from fixedpipe.pipeline.inspection.stage_errors import stage_errors
 from fixedpipe.pipeline.profiles.profile import Profile
-from fixedpipe.pipeline.validation.frames import frame_of
 
 # What a map tells of a pixel, by its name.
 KINDS = {
@@ -216,11 +215,9 @@ def frame_maps(
     if kind in _LEFT:
         return _left(tuple(commands), profile, width, height, kind, ideal, machine)
     if kind == "stages":
-        commands = frame_of(commands)
         errors = stage_errors(commands, profile, width, height, ideal=ideal, **machine)
         return tuple(
-            Map(number, f"{commands[number].label}: {stage}", values)
-            for (number, stage), values in errors.items()
+            Map(number, f"{label}: {stage}", values) for (number, label, stage), values in errors.items()
         )
     drawn = _Drawn(kind, width, height)
     Machine(profile, width, height, engine="columns", witness=drawn, **machine).run(commands)

@@ -15,14 +15,18 @@ from fixedpipe.pipeline.inspection.ideal import RecordedIdeal, record_ideal
 from fixedpipe.pipeline.inspection.recording import record
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.vertices.stage import process
 from fixedpipe.raster.columns import numbers
 
 
 @dataclass
 class _Chunk:
-    """Fragments that are shaded together: which they are, and what each stage of the machine made of them, by
-    its name: float64 [4, k] of which components ``kept`` holds were written.
+    """Fragments that are shaded together.
+
+    where  the triangle and the pixel of each, int32 [k]
+    one    the value of one of what the machine's stages made
+    made   by a stage's name: registers, int64 [4, k], and which components of which it wrote
     """
 
     where: tuple[NDArray[np.int32], ...]
@@ -33,7 +37,7 @@ class _Chunk:
 class _Beside:
     """A witness of a machine's frame that shades every Draw's fragments by the ideal as well.
 
-    ``errors``: by command's number and stage, in order, float64 [h, w].
+    ``errors``: by command's number, its label and stage, in order, float64 [h, w].
     """
 
     def __init__(self, ideal: RecordedIdeal):
@@ -46,7 +50,8 @@ class _Beside:
             tell(self, **columns)
 
     def _command(self, command):
-        self.number, self.chunk, self.draw, self.triangle = self.number + 1, None, None, None
+        self.number, self.label = self.number + 1, command.label
+        self.chunk = self.draw = self.triangle = None
         if type(command) is Draw:
             frame, meant = self.ideal.frame, self.ideal.commands[self.number]
             primitives = process(meant.mesh, meant.state, IDEAL, frame.width, frame.height)
@@ -118,7 +123,10 @@ class _Beside:
 
     def _map(self, name):
         size = self.ideal.frame.height, self.ideal.frame.width
-        return self.errors.setdefault((self.number, name), np.full(size, np.nan))
+        key = self.number, self.label, name
+        if key not in self.errors:
+            self.errors[key] = np.full(size, np.nan)
+        return self.errors[key]
 
 
 _COLOR = "color"
@@ -135,16 +143,16 @@ _TOLD = {
 
 def stage_errors(
     commands: Any, profile: Profile, width: int, height: int, *, ideal: Any = None, **machine: Any
-) -> dict[tuple[int, str], NDArray[np.float64]]:
-    """By command's number and stage, in the order of their making, how far what the stage wrote is from the
-    guided ideal's: float64 [h, w], top row first, in 1/255, of the component that differs most of the last
+) -> dict[tuple[int, str, str], NDArray[np.float64]]:
+    """By command's number, its label and stage, as they run, how far what the stage wrote is from the guided
+    ideal's: float64 [h, w], top row first, in 1/255, of the component that differs most of the last
     fragment; no number where there is none. The ideal's registers hold any number, so a clamp is an error.
 
     ``ideal``: what the ideal evaluates; None: the same commands. ``machine``: as ``execute`` takes it.
     Passes without combiners or environments, and rectangles of pixels, have no stages. Raises what
     ``execute`` raises, and ValueError where the ideal has no such frame.
     """
-    commands = tuple(commands)
+    commands = frame_of(commands)
     frame = record(commands, profile, width, height, **machine)
     recorded = record_ideal(commands if ideal is None else ideal, frame, commands)
     if recorded is None:

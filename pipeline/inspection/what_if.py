@@ -20,6 +20,7 @@ from fixedpipe.pipeline.execution.machine import Machine, execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.raster.witness import nobody
 
 Commands: TypeAlias = tuple[Any, ...]
@@ -177,49 +178,52 @@ def attribution(
 
 
 class _Stages:
-    """A witness of which stages the Draws of a frame have; ``number``: of one command alone."""
+    """A witness of which command runs, and of which stages its Draws have, and what they compute otherwise.
 
-    def __init__(self, number):
+    ``number``: of the command whose stages are meant, as they run; None: of all. ``changed``: what those
+    compute otherwise.
+    """
+
+    def __init__(self, number, changed=None):
         self.wanted, self.current, self.found = number, -1, set()
+        self._changed, self._draws, self._shades = changed or Otherwise(), False, False
 
     def __call__(self, stage, /, **columns):
         if stage == "command":
-            self.current += 1
-        elif self.wanted not in (None, self.current):
+            self.current, command = self.current + 1, columns["command"]
+            self._draws = type(command) is Draw
+            self._shades = self._draws and command.state.texture_shader is not None
+        elif not self._draws or self.wanted not in (None, self.current):
             return
         elif stage == "shaded":
             self.found |= {(0, "primary color"), (1, "secondary color"), (9, "final combiner")}
-        elif stage == "sampled":
+        elif stage == "sampled" and not self._shades:
             self.found.add((3, f"texture unit {columns['sampler'].number}"))
         elif stage == "program" and columns["program"] is not None:
             self.found.add((2, "constant colors"))
             general = columns["program"].general
             self.found |= {(4, f"general combiner {number}") for number in range(len(general))}
 
+    def otherwise(self, draw: Draw) -> Otherwise:
+        """As of a Machine that this watches: what the Draw that runs computes otherwise."""
+        return self._changed if self.wanted in (None, self.current) else Otherwise()
+
     def names(self):
-        """The names, in the order of a pass."""
+        """The names, in the order of a pass. Raises ValueError where there are none."""
+        if self.wanted is not None and self.wanted > self.current:
+            raise ValueError(
+                f"There is no command {self.wanted}; the commands' numbers are 0 to {self.current}."
+            )
+        if not self.found:
+            what = "No command" if self.wanted is None else f"Command {self.wanted} is no Draw that"
+            raise ValueError(f"{what} makes fragments, which have stages.")
         return [name for _, name in sorted(self.found)]
 
 
-def _only_in(commands: Any, number: int | None, changed: Otherwise) -> Callable[[Draw], Otherwise]:
-    """What is computed otherwise in a Draw: all that is asked, or nothing if another command is meant. Of a
-    Draw that a frame has several times, in all of these.
-    """
-    if number is None:
-        return lambda draw: changed
-    meant, nothing = commands[number], Otherwise()
-    return lambda draw: changed if draw is meant else nothing
-
-
-def stage_names(
-    commands: Any, profile: Profile, width: int, height: int, *, number: int | None = None
-) -> list[str]:
-    """Names of the stages of a frame's Draws, or of command ``number`` alone, as an ``Otherwise`` has
-    them.
-    """
-    seen = _Stages(number)
-    Machine(profile, width, height, engine="columns", witness=seen).run(commands)
-    return seen.names()
+def _stages_error(given, ideal, number, changed):
+    """The Error of a frame whose stages are ``changed``, and the _Stages that watched it."""
+    seen = _Stages(number, changed)
+    return frame_error(*given, ideal=ideal, otherwise=seen.otherwise, witness=seen), seen
 
 
 def with_stages(
@@ -234,18 +238,18 @@ def with_stages(
     number: int | None = None,
 ) -> Error:
     """The Error of a frame whose named stages are exact, or do not clamp, in all its Draws or in command
-    ``number`` alone. Raises ValueError for a stage that it has not, and as ``frame_error``.
+    ``number``, as they run, alone. Raises ValueError for a stage that it has not, and as ``frame_error``.
     """
-    there = stage_names(commands, profile, width, height, number=number)
-    for name in (*exact, *unclamped):
-        if name not in there:
-            raise ValueError(f"No Draw of it has a stage {name!r}; there are: {', '.join(there) or 'none'}.")
     for name in unclamped:
         if not name.startswith(("general combiner", "final combiner")):
             raise ValueError(f"{name} has no clamp of its own; general combiners and the final one have.")
-    changed = Otherwise(frozenset(exact), frozenset(unclamped))
-    otherwise = _only_in(commands, number, changed)
-    return frame_error(commands, profile, width, height, ideal=ideal, otherwise=otherwise)
+    given, seen = (frame_of(commands), profile, width, height), _Stages(number)
+    Machine(*given[1:], engine="columns", witness=seen).run(given[0])
+    there = seen.names()
+    for name in (*exact, *unclamped):
+        if name not in there:
+            raise ValueError(f"No Draw of it has a stage {name!r}; there are: {', '.join(there)}.")
+    return _stages_error(given, ideal, number, Otherwise(frozenset(exact), frozenset(unclamped)))[0]
 
 
 def stage_attribution(
@@ -260,23 +264,22 @@ def stage_attribution(
     """What of a frame's error goes when one stage of its passes is exact, or does not clamp.
 
     ideal   what the ideal evaluates; None: the same commands
-    number  of the command whose stages are asked for; None: those of all Draws, each in all at once
+    number  of the command, as they run, whose stages are asked for; None: those of all Draws, each in all at
+            once
 
     Returns the machine's own Error, and (which stage, the Error then) with the least error first, as
-    ``attribution`` does. Rectangles of pixels are drawn as the machine draws them.
+    ``attribution`` does. Rectangles of pixels, and units that a texture shader reads, are the machine's.
+    Raises as ``frame_error``, and ValueError for a command that has no stages.
     """
-    given = commands, profile, width, height
-    seen = _Stages(number)
-    own = frame_error(*given, ideal=ideal, otherwise=lambda draw: Otherwise(), witness=seen)
-    changes = [(name, Otherwise(exact=frozenset({name}))) for name in seen.names()]
+    given = frame_of(commands), profile, width, height
+    own, seen = _stages_error(given, ideal, number, None)
+    names = seen.names()
+    changes = [(name, Otherwise(exact=frozenset({name}))) for name in names]
     changes += [
         (f"clamp of {name}", Otherwise(unclamped=frozenset({name})))
-        for name in seen.names()
-        if name.startswith("general combiner") or name == "final combiner"
+        for name in names
+        if name.startswith(("general combiner", "final combiner"))
     ]
-    changes.append(("all of these stages", Otherwise(exact=frozenset(seen.names()))))
-    found = [
-        (what, frame_error(*given, ideal=ideal, otherwise=_only_in(commands, number, changed)))
-        for what, changed in changes
-    ]
+    changes.append(("all of these stages", Otherwise(exact=frozenset(names))))
+    found = [(what, _stages_error(given, ideal, number, changed)[0]) for what, changed in changes]
     return own, sorted(found, key=lambda one: one[1].shown)

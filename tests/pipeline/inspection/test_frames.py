@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.commands import HostStep, TexImage
 from fixedpipe.pipeline.enums import Clamp, TextureFilter, WrapMode
 from fixedpipe.pipeline.inspection.ideal import record_ideal
 from fixedpipe.pipeline.inspection.inspect import history
@@ -198,6 +198,15 @@ def test_errors_of_stages_agree_with_every_history(commands):
     for (number, label, x, y), error in told.items():
         assert drawn[number, label][y, x] == pytest.approx(error, abs=1e-6)
     assert sum(int((~np.isnan(values)).sum()) for values in drawn.values()) == len(told)
+
+
+def test_a_host_step_s_commands_have_maps_of_stages():
+    mapped = PassState(
+        texture_units=(TextureUnit("t", sampler=Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)),)
+    )
+    step = HostStep(label="step", reads=(), commands=lambda pixels: (triangle(mapped, label="issued"),))
+    found = frame_maps(iter([textured(), step]), *ON_SIZE, "stages")
+    assert {(each.command, each.label.split(":")[0]) for each in found} == {(2, "issued")}
 
 
 ON_SIZE = GEFORCE_256, SIZE, SIZE

@@ -7,7 +7,7 @@ import pytest
 
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.columns.otherwise import Otherwise
-from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.commands import Clear, Draw, HostStep, Mesh, TexImage
 from fixedpipe.pipeline.enums import CombinerScale, Mapping, Register, TextureFilter
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.inspection.what_if import (
@@ -216,6 +216,10 @@ def test_a_rounding_goes_where_its_stage_is_exact():
     again = replace(draw, label="again")
     assert of_stages([draw, again], number=0)[1]["general combiner 0"] == own
     assert of_stages([draw, again], number=1)[1]["general combiner 0"].shown < own.shown / 3
+    assert of_stages([draw, draw], number=0)[1]["general combiner 0"] == own
+    # Commands that a HostStep issues have numbers as well.
+    step = HostStep(label="step", reads=(), commands=lambda pixels: (draw,))
+    assert of_stages(iter([step]), number=1)[1]["general combiner 0"].shown < own.shown / 3
 
 
 def test_a_clamp_goes_where_its_stage_has_none():
@@ -231,6 +235,21 @@ def test_a_clamp_goes_where_its_stage_has_none():
     assert least == "clamp of general combiner 0" and found[least].shown == pytest.approx(0.0, abs=1e-12)
     assert found["general combiner 0"].shown > 75 / 255
     assert with_stages([draw], GEFORCE_256, 4, 4, unclamped=("general combiner 0",)) == found[least]
+
+
+def test_a_clamp_at_the_lower_end_goes_as_well():
+    """Minus 204 and minus 204, clamped to minus 256: times 128/255, beside 255, that is 126.498, to nearest
+    126; minus 408 halved beside 255 is 51.
+    """
+    minus = CombinerInput(Register.CONSTANT_COLOR0, mapping=Mapping.SIGNED_NEGATE)
+    second = RGBPortion(a=SIGNED_SPARE0, b=CombinerInput(Register.CONSTANT_COLOR1), c=ONE, d=ONE)
+    draw = two_stages(RGBPortion(a=minus, b=ONE, c=minus, d=ONE), second, ((0.8,) * 4, (0.5,) * 4))
+    own, found = of_stages([draw])
+    assert own.shown == pytest.approx(75 / 255, rel=1e-9)
+    assert found["clamp of general combiner 0"].shown < 1 / 255
+
+
+SIGNED_SPARE0 = CombinerInput(Register.SPARE0, mapping=Mapping.SIGNED_IDENTITY)
 
 
 def test_a_filter_and_a_half_are_their_stages():
@@ -262,6 +281,10 @@ def test_what_cannot_be_computed_otherwise_is_said():
     draw = combined(RGBPortion(a=CombinerInput(Register.PRIMARY_COLOR)))
     with pytest.raises(ValueError, match="has a stage 'general combiner 3'"):
         with_stages([draw], GEFORCE_256, 4, 4, exact=("general combiner 3",))
+    with pytest.raises(ValueError, match="There is no command 4; the commands' numbers are 0 to 0"):
+        stage_attribution([draw], GEFORCE_256, 4, 4, number=4)
+    with pytest.raises(ValueError, match="Command 0 is no Draw that makes fragments"):
+        stage_attribution([Clear(label="c"), draw], GEFORCE_256, 4, 4, number=0)
     with pytest.raises(ValueError, match="primary color has no clamp of its own"):
         with_stages([draw], GEFORCE_256, 4, 4, unclamped=("primary color",))
     with pytest.raises(ValueError, match="Future board has combiners of 16 bits"):
