@@ -1,4 +1,4 @@
-"""``fixedpipe compare``: where two frames part, at which command, pixel and stage."""
+"""``fixedpipe compare``: where two frames, or two histories of a pixel, part: at which command and stage."""
 
 import click
 
@@ -7,14 +7,15 @@ from fixedpipe.effects.cli.options import set_option
 
 
 @click.command(short_help="Where two machines' pictures part: command, pixel, stage.")
-@click.argument("what", metavar="ID|SCRIPT.py")
-@click.argument("other", metavar="[SCRIPT.py]", required=False)
+@click.argument("what", metavar="ID|SCRIPT.py|HISTORY.json")
+@click.argument("other", metavar="[SCRIPT.py|HISTORY.json]", required=False)
 @click.option("--machines", nargs=2, metavar="A B", help="The machines; a script may have its own.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
 @click.option("--out", metavar="FILE", help="A picture of the difference after the command where they part.")
 @set_option
 def compare(what, other, machines, size, out, settings):
-    """Draw figure ID on two machines, or two scripts' frames, and say where they part.
+    """Draw figure ID on two machines, or two scripts' frames, and say where they part; or say where two
+    histories of a pixel do, which `fixedpipe inspect --json` wrote: of two machines or versions.
 
     Commands are compared one after the other. Of the first after which the framebuffers differ it is told how
     many pixels do, by how much and where; of the pixel that differs most, which stage first made other
@@ -25,6 +26,11 @@ def compare(what, other, machines, size, out, settings):
     from fixedpipe.pipeline.inspection.compare import Run
     from fixedpipe.pipeline.inspection.compare import compare as compared
 
+    if what.endswith(".json") or (other or "").endswith(".json"):
+        if other is None:
+            raise Refusal(f"{what} is one history; give another one to compare it with.")
+        _compare_histories(what, other)
+        return
     if not machines and other is None:
         raise Refusal("Give two machines, as --machines GEFORCE_256 GEFORCE_3, or two scripts.")
     names = machines or (None, None)
@@ -64,6 +70,90 @@ def compare(what, other, machines, size, out, settings):
             raise Refusal("The picture needs matplotlib; install fixedpipe[plots], or leave --out out.")
         write_file(out, picture)
     click.get_current_context().exit(1)
+
+
+def _compare_histories(*paths):
+    """Two files of ``fixedpipe inspect --json``."""
+    from fixedpipe.effects.cli.options import refuse_ignored
+    from fixedpipe.effects.refusal import Refusal
+
+    context = click.get_current_context()
+    refuse_ignored(context, ("machines", "size", "out", "settings"), "what is compared is in the files")
+    found = [_history(path) for path in paths]
+    pixels = [tuple(each[name] for name in ("width", "height", "x", "y", "surface")) for each in found]
+    if pixels[0] != pixels[1]:
+        texts = [f"({x}, {y}) of {width}x{height}" for width, height, x, y, _ in pixels]
+        raise Refusal(f"The histories are of pixels {' and '.join(texts)}; give two of the same pixel.")
+    parted = _where_histories_part(*found)
+    if parted is None:
+        click.echo("The histories are the same.")
+        return
+    where, values = parted
+    click.echo(f"They part at {where}")
+    for path, value in zip(paths, values, strict=True):
+        click.echo(f"  {path}: {value}")
+    context.exit(1)
+
+
+def _history(path):
+    """A history as JSON has it. Raises Refusal where the file is none."""
+    import json
+
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.user_pictures.inputs import read_text
+
+    text = read_text(path)
+    try:
+        found = json.loads(text)
+        found["touched"], found["width"], found["height"], found["x"], found["y"], found["surface"]
+    except (ValueError, KeyError, TypeError):
+        raise Refusal(
+            f"{path} is no history of a pixel; fixedpipe inspect ID --pixel X,Y --json writes one."
+        ) from None
+    return found
+
+
+def _where_histories_part(first, second):
+    """(place in words, the values there) of the first number or word that differs; None: none does."""
+    place = _first_difference(first, second, ())
+    if place is None:
+        return None
+    words, values = [], [first, second]
+    for key in place:
+        values = [each[key] if _holds(each, key) else None for each in values]
+        named = next((each for each in values if isinstance(each, dict)), {})
+        title = next((named[name] for name in ("label", "title", "name") if name in named), None)
+        if isinstance(key, int):
+            words.append(title or f"number {key}")
+        elif key not in _GROUPS:
+            words.append(key)
+    said = ["nothing" if each is None else "more" if isinstance(each, dict) else each for each in values]
+    return ", ".join(words), said
+
+
+def _first_difference(first, second, place):
+    """The keys and indices that lead to the first part that differs, in the order of the computation."""
+    if isinstance(first, dict) and isinstance(second, dict):
+        keys = [key for key in {**first, **second} if key not in _NOT_COMPARED]
+    elif isinstance(first, list) and isinstance(second, list):
+        keys = range(max(len(first), len(second)))
+    else:
+        return None if first == second and type(first) is type(second) else place
+    for key in keys:
+        if not (_holds(first, key) and _holds(second, key)):
+            return (*place, key)
+        found = _first_difference(first[key], second[key], (*place, key))
+        if found is not None:
+            return found
+    return None
+
+
+def _holds(value, key):
+    return key in value if isinstance(value, dict) else isinstance(value, list) and key < len(value)
+
+
+# Lists of what is told by its own title; a history's machine may be another's.
+_GROUPS, _NOT_COMPARED = ("touched", "stages"), ("profile", "label")
 
 
 _SCALES = {"color": (255, "/255"), "depth": (1, ""), "stencil": (1, "")}

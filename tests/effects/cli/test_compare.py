@@ -1,5 +1,7 @@
 """``fixedpipe compare``: machines and scripts, what it says, its exit status, and what it refuses."""
 
+import json
+
 import pytest
 from click.testing import CliRunner
 from PIL import Image
@@ -51,6 +53,44 @@ def test_two_scripts_are_compared(script, tmp_path):
     other.write_text(SCRIPT.replace("0.7]]", "0.9]]"))
     status, text = said(script, other)
     assert (status, "They part at command 0: all of it" in text) == (1, True), text
+
+
+def test_two_histories_are_compared(script, tmp_path):
+    first, second = tmp_path / "first.json", tmp_path / "second.json"
+    asked = CliRunner().invoke(main, ["inspect", str(script), "--pixel", "3,5", "--json", str(first)])
+    assert asked.exit_code == 0, asked.output
+    history = json.loads(first.read_text())
+    second.write_text(json.dumps({**history, "profile": "another name"}))
+    assert said(first, second) == (0, "The histories are the same.\n")
+    stage = history["touched"][0]["fragments"][0]["stages"][-1]
+    code, stage["made"][0]["codes"][1] = stage["made"][0]["codes"][1], -5
+    second.write_text(json.dumps(history))
+    status, text = said(first, second)
+    assert status == 1
+    assert "They part at all of it, fragments, number 0, " in text
+    assert f", {stage['title']}, made, {stage['made'][0]['name']}, codes, number 1\n" in text
+    assert f"{first}: {code}\n" in text and f"{second}: -5\n" in text
+    history["touched"][0]["fragments"][0]["stages"].pop()
+    first.write_text(json.dumps(history))
+    status, text = said(second, first)
+    assert (status, f"{second}: more\n  {first}: nothing\n" in text) == (1, True), text
+
+
+def test_what_is_no_pair_of_histories_is_refused(script, tmp_path):
+    history, other, none = tmp_path / "a.json", tmp_path / "b.json", tmp_path / "none.json"
+    for path, pixel in ((history, "3,5"), (other, "4,5")):
+        CliRunner().invoke(main, ["inspect", str(script), "--pixel", pixel, "--json", str(path)])
+    (tmp_path / "list.json").write_text("[]")
+    for arguments, sentence in (
+        ((history,), "is one history; give another one"),
+        ((history, other), "of pixels (3, 5) of 16x16 and (4, 5) of 16x16; give two of the same pixel"),
+        ((history, none), "none.json"),
+        ((history, tmp_path / "list.json"), "list.json is no history of a pixel"),
+        ((history, script), "frame.py is no history of a pixel"),
+        ((history, other, "--out", "x.png"), "--out"),
+    ):
+        status, text = said(*arguments)
+        assert (status, sentence in text) == (2, True), text
 
 
 @pytest.mark.parametrize(
