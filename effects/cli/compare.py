@@ -115,43 +115,36 @@ def _history(path):
 
 def _where_histories_part(first, second):
     """(place in words, the values there) of the first number or word that differs; None: none does."""
-    place = _first_difference(first, second, ())
-    if place is None:
-        return None
-    words, values = [], [first, second]
-    for key in place:
-        values = [each[key] if _holds(each, key) else None for each in values]
-        named = next((each for each in values if isinstance(each, dict)), {})
-        title = next((named[name] for name in ("label", "title", "name") if name in named), None)
-        if isinstance(key, int):
-            words.append(title or f"number {key}")
-        elif key not in _GROUPS:
-            words.append(key)
-    said = ["nothing" if each is None else "more" if isinstance(each, dict) else each for each in values]
-    return ", ".join(words), said
-
-
-def _first_difference(first, second, place):
-    """The keys and indices that lead to the first part that differs, in the order of the computation."""
-    if isinstance(first, dict) and isinstance(second, dict):
-        keys = [key for key in {**first, **second} if key not in _NOT_COMPARED]
-    elif isinstance(first, list) and isinstance(second, list):
-        keys = range(max(len(first), len(second)))
-    else:
-        return None if first == second and type(first) is type(second) else place
-    for key in keys:
-        if not (_holds(first, key) and _holds(second, key)):
-            return (*place, key)
-        found = _first_difference(first[key], second[key], (*place, key))
-        if found is not None:
-            return found
+    leaves = [dict(_leaves(history, ())) for history in (first, second)]
+    for place in {**leaves[0], **leaves[1]}:
+        values = [each.get(place, "nothing") for each in leaves]
+        if repr(values[0]) != repr(values[1]):
+            return ", ".join(place), values
     return None
 
 
-def _holds(value, key):
-    return key in value if isinstance(value, dict) else isinstance(value, list) and key < len(value)
+def _leaves(value, place):
+    """(place in words, number or word) of everything in a history, in the order of the computation."""
+    parts = next((of(value) for kind, of in _PARTS if isinstance(value, kind)), ())
+    if not parts:
+        yield place, value
+    for key, part in parts:
+        if key not in _NOT_COMPARED:
+            yield from _leaves(part, (*place, *_step(key, part)))
 
 
+def _step(key, part):
+    """A step on the way to a number: of a list's item its title and place, of other things their name."""
+    if key in _GROUPS:
+        return ()
+    if not isinstance(key, int):
+        return (key,)
+    titled = part if isinstance(part, dict) else {}
+    title = next((titled[name] for name in ("label", "title", "name") if name in titled), "")
+    return (f"{title} [{key}]".strip(),)
+
+
+_PARTS = ((dict, dict.items), (list, lambda items: tuple(enumerate(items))))
 # Lists of what is told by its own title; a history's machine may be another's.
 _GROUPS, _NOT_COMPARED = ("touched", "stages"), ("profile", "label")
 

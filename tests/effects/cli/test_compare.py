@@ -67,13 +67,13 @@ def test_two_histories_are_compared(script, tmp_path):
     second.write_text(json.dumps(history))
     status, text = said(first, second)
     assert status == 1
-    assert "They part at all of it, fragments, number 0, " in text
-    assert f", {stage['title']}, made, {stage['made'][0]['name']}, codes, number 1\n" in text
+    assert "They part at all of it [0], fragments, [0], " in text
+    assert f", {stage['title']} [" in text and f", made, {stage['made'][0]['name']} [0], codes, [1]\n" in text
     assert f"{first}: {code}\n" in text and f"{second}: -5\n" in text
     history["touched"][0]["fragments"][0]["stages"].pop()
     first.write_text(json.dumps(history))
     status, text = said(second, first)
-    assert (status, f"{second}: more\n  {first}: nothing\n" in text) == (1, True), text
+    assert (status, f"{second}: {stage['kind']}\n  {first}: nothing\n" in text) == (1, True), text
 
 
 def test_what_is_no_pair_of_histories_is_refused(script, tmp_path):
