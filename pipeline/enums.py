@@ -441,6 +441,20 @@ class Mapping(IntEnum):
     SIGNED_NEGATE = C.MAPPING_SIGNED_NEGATE
 
 
+class Meaning(IntEnum):
+    """What a program means by a combiner variable, where a machine holds it by other means. Machines compute
+    the same with each; the ideal goes by it.
+
+    PLAIN: what the register holds. SATURATED: that, clamped to [0, 1]; a machine's registers end at 1, the
+    ideal's do not. SIGNED_CONSTANT: a constant with components of both signs, c, stored as (c + 256/255)/2,
+    which a machine's EXPAND_NORMAL makes of bytes.
+    """
+
+    PLAIN = 0
+    SATURATED = 1
+    SIGNED_CONSTANT = 2
+
+
 class ComponentUsage(IntEnum):
     """Which components of a register a variable takes (NV_register_combiners, section 3.8.12.2)."""
 

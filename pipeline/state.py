@@ -38,6 +38,7 @@ from fixedpipe.pipeline.enums import (
     LineRasterization,
     LogicOperation,
     Mapping,
+    Meaning,
     MuxSelect,
     PixelFragmentSource,
     PixelTexGenAlpha,
@@ -477,11 +478,14 @@ class TextureShaderStage:
 
 @dataclass(frozen=True, slots=True)
 class CombinerInput:
-    """A combiner variable: register, mapping, component usage."""
+    """A combiner variable: register, mapping, component usage; ``meaning``: what a pixel shader means by it,
+    of which the ideal alone takes notice.
+    """
 
     register: Register = Register.ZERO
     mapping: Mapping = Mapping.UNSIGNED_IDENTITY
     usage: ComponentUsage = ComponentUsage.RGB
+    meaning: Meaning = Meaning.PLAIN
 
 
 _ONE_RGB = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)

@@ -15,6 +15,7 @@ from fixedpipe.pipeline.enums import (
     CombinerScale,
     ComponentUsage,
     Mapping,
+    Meaning,
     Register,
 )
 from fixedpipe.pipeline.state import CombinerInput, RegisterCombiners
@@ -32,7 +33,8 @@ _SCALE = {
 # The future board's: a register's range, and an exponent whose power is beyond it.
 _FARTHEST, _LARGEST_EXPONENT = 256.0, 21.0
 
-# An input mapping in real numbers is max(most, factor * max(least, x) + offset).
+# An input mapping in real numbers is max(most, factor * max(least, x) + offset); of what a program saturates,
+# x is at most 1.
 # The mappings called unsigned yield nothing negative; none of the others has an upper clamp.
 # Source: NV_register_combiners, table 4.
 _ANY = -np.inf
@@ -46,16 +48,22 @@ _MAPPINGS = {
     Mapping.HALF_BIAS_NORMAL: (0.0, 1.0, -0.5, _ANY),
     Mapping.HALF_BIAS_NEGATE: (0.0, -1.0, 0.5, _ANY),
 }
+# Of a constant of both signs, as the notations store it.
+_SIGNED_CONSTANT = {
+    Mapping.EXPAND_NORMAL: (0.0, 2.0, -256 / 255, _ANY),
+    Mapping.EXPAND_NEGATE: (0.0, -2.0, 256 / 255, _ANY),
+}
 
 _BLOCK = 64
 _REGISTERS = C.REGISTER_DISCARD  # those that a file holds come before it
 
 # Rows of whole numbers: of four variables the register, or _SAME where it is a colour that all fragments
 # share, and the component, or _OWN for each its own; then of a portion what follows. Rows of reals: of four
-# variables a mapping, then of each such a colour, then of a portion bias and scale.
+# variables a mapping, then of each such a colour, then of a portion bias and scale, then of each variable the
+# greatest number that is mapped.
 _SAME = _OWN = -1
 _AB_DOT, _CD_DOT, _MUX, _AB_TO, _CD_TO, _SUM_TO, _BLUE_TO_ALPHA, _PORTION = range(8, 16)
-_COLORS, _BIAS, _FACTOR, _REALS = 16, 32, 33, 34
+_COLORS, _BIAS, _FACTOR, _GREATEST, _REALS = 16, 32, 33, 34, 38
 # Of the final combiner's second row: whether E F or SPARE0 + SECONDARY_COLOR is asked.
 _ASKS_PSEUDO = 8
 
@@ -67,8 +75,9 @@ _WINDOW = types.UniTuple(int64, 2)  # of a file: the first fragment, and how man
 
 
 @kernel
-def _mapped(x, least, factor, offset, most):
+def _mapped(x, least, greatest, factor, offset, most):
     x = least if x < least else x
+    x = greatest if x > greatest else x
     x = factor * x + offset
     return most if x < most else x
 
@@ -81,15 +90,17 @@ def _read(file, window, row, reals, variable, first, last, out):
     register, component = row[2 * variable], row[2 * variable + 1]
     least, factor = reals[4 * variable], reals[4 * variable + 1]
     offset, most = reals[4 * variable + 2], reals[4 * variable + 3]
+    greatest = reals[_GREATEST + variable]
     for c in range(first, last):
         k = c if component == _OWN else component
         if register == _SAME:
-            value = _mapped(reals[_COLORS + 4 * variable + k], least, factor, offset, most)
+            value = _mapped(reals[_COLORS + 4 * variable + k], least, greatest, factor, offset, most)
             for i in range(count):
                 out[c, i] = value
         else:
             for i in range(count):
-                out[c, i] = _mapped(file[register, k, start + uint64(i)], least, factor, offset, most)
+                x = file[register, k, start + uint64(i)]
+                out[c, i] = _mapped(x, least, greatest, factor, offset, most)
 
 
 @kernel(void(_FILE, int64, int64, int64, int64, int64))
@@ -136,7 +147,7 @@ def _store(file, window, rows, reals, computed):
         for k in range(3):
             to, at = rows[portion, _AB_TO + k], uint64(portion * _COMPUTED + _AB + k)
             if to != C.REGISTER_DISCARD:
-                last = 4 if portion or (k == 0 and rows[portion, _BLUE_TO_ALPHA]) else 3
+                last = 4 if portion or (rows[portion, _BLUE_TO_ALPHA] >> k) & 1 else 3
                 for c in range(3 * portion, last):
                     source = uint64(c if portion else min(c, 2))
                     for i in range(count):
@@ -278,7 +289,9 @@ def _plan_variables(variables, colors, row, numbers, read):
             raise ValueError(f"The ideal machine has no component usage {variable.usage.name}.")
         same = variable.register in colors
         row[2 * k : 2 * k + 2] = _SAME if same else variable.register, _COMPONENTS[variable.usage]
-        numbers[4 * k : 4 * k + 4] = _MAPPINGS[variable.mapping]
+        mappings = _SIGNED_CONSTANT if variable.meaning is Meaning.SIGNED_CONSTANT else _MAPPINGS
+        numbers[4 * k : 4 * k + 4] = mappings[variable.mapping]
+        numbers[_GREATEST + k] = 1.0 if variable.meaning is Meaning.SATURATED else np.inf
         if same:
             numbers[_COLORS + 4 * k : _COLORS + 4 * k + 4] = colors[variable.register]
         else:
@@ -293,7 +306,8 @@ def _plan_portion(portion, colors, row, numbers, read):
     row[_CD_DOT] = getattr(portion, "cd_dot_product", False)
     row[_MUX] = portion.mux_sum
     row[[_AB_TO, _CD_TO, _SUM_TO]] = portion.ab_output, portion.cd_output, portion.sum_output
-    row[_BLUE_TO_ALPHA] = getattr(portion, "ab_blue_to_alpha", False)
+    of_ab, of_cd = (getattr(portion, f"{half}_blue_to_alpha", False) for half in ("ab", "cd"))
+    row[_BLUE_TO_ALPHA] = of_ab + 2 * of_cd
     numbers[_BIAS] = -0.5 if portion.bias is CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF else 0.0
     numbers[_FACTOR] = _SCALE[portion.scale]
     if portion.mux_sum:

@@ -34,43 +34,37 @@ _TEXTURE_OPERATIONS = {
     "texm3x3spec": {_CUBE_MAP: _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP},
     "texm3x3vspec": {_CUBE_MAP: _OP.DOT_PRODUCT_REFLECT_CUBE_MAP},
 }
-# NV_texture_shader3 has operations for the first three; fixedpipe.pipeline.enums has not.
-_WITHOUT_OPERATION = {
-    "texreg2rgb": "DEPENDENT_RGB_TEXTURE; use texreg2ar or texreg2gb of a 2D texture",
+# Source: NV_texture_shader3, which came with the GeForce 4 Ti; no profile has its operations.
+_OF_GEFORCE_4_TI = {
+    "texreg2rgb": "DEPENDENT_RGB_TEXTURE_3D or _CUBE_MAP; use texreg2ar or texreg2gb of a 2D texture",
     "texdp3": "DOT_PRODUCT_PASS_THROUGH; compute the dot product with dp3, of texcoord's result",
     "texdp3tex": "DOT_PRODUCT_TEXTURE_1D; use texm3x2pad and texm3x2tex of a 2D texture",
-    "texm3x3": "one that keeps the product of a matrix; look it up with texm3x3tex",
+    "texm3x3": "the product of a matrix as a color; look it up with texm3x3tex",
 }
 WITHOUT_RESULT = ("texkill", "texm3x2pad", "texm3x3pad", "texm3x2depth")
 # The instructions that may follow a first row, and a second one.
 _AFTER_PAD = {
     "texm3x2pad": (("texm3x2tex", "texm3x2depth"),),
-    "texm3x3pad": (("texm3x3pad",), ("texm3x3tex", "texm3x3spec", "texm3x3vspec")),
+    "texm3x3pad": (("texm3x3pad",), ("texm3x3tex", "texm3x3spec", "texm3x3vspec", "texm3x3")),
 }
 _LAST_ROWS = {name for rows in _AFTER_PAD.values() for name in rows[-1]}
 
 
 class ConstantPlace(NamedTuple):
     """Where constant register ``constant`` went: ``register`` of general combiner ``stage``, or, register
-    None, the constant eye of texture shader stage ``stage``.
+    None, the constant eye of texture shader stage ``stage``. ``components``: which of the register's it is,
+    "rgba", or "rgb" or "a" where another constant is the others.
     """
 
     constant: int
     stage: int
     register: Register | None
+    components: str = "rgba"
 
 
 def texture_stages(listing, targets, colors):
     """The stages of all units up to the last that an instruction names, or None, and where eyes came from."""
-    by_unit, eyes = {}, []
-    for instruction in listing.texture:
-        unit = instruction.destination[1]
-        if unit in by_unit:
-            raise instruction.token.error(
-                f"{instruction.name} gives t{unit} a second time; each texture register has one instruction. "
-                "Give this one another register."
-            )
-        by_unit[unit] = instruction
+    by_unit, eyes = {instruction.destination[1]: instruction for instruction in listing.texture}, []
     _check_rows(by_unit)
     stages = []
     for unit in range(max(by_unit, default=-1) + 1):
@@ -114,9 +108,9 @@ def _check_rows(by_unit):
 def _texture_stage(instruction, target, colors):
     """A stage, and the number of the constant that is its eye, or None."""
     name = instruction.name
-    if name in _WITHOUT_OPERATION:
+    if name in _OF_GEFORCE_4_TI:
         raise instruction.token.error(
-            f"{name} needs a texture shader operation that there is not, {_WITHOUT_OPERATION[name]}."
+            f"{name} is an operation of the GeForce 4 Ti, which no profile is: {_OF_GEFORCE_4_TI[name]}."
         )
     operations = _TEXTURE_OPERATIONS[name]
     if target is None or None in operations:

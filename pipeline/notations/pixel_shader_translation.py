@@ -12,7 +12,8 @@ secondary color, and an arithmetic instruction, or a pair, is one general combin
 EXPAND_NORMAL, HALF_BIAS_NORMAL, UNSIGNED_INVERT and the NEGATE ones. The final combiner gives r0, with fog.
 Three things have no field of their own:
 
-- ``_sat``: the register keeps [-1, 1]; who reads it maps by UNSIGNED_IDENTITY, which clamps negative values.
+- ``_sat``: the register keeps [-1, 1]; who reads it maps by UNSIGNED_IDENTITY, which clamps negative values,
+  and says that it means a saturated one, by which the ideal goes.
 - The alpha of a ``dp3``: an alpha portion has no dot product. As red, green and blue are equal, who reads the
   alpha takes another component, and only where that is impossible (``cnd``, red, green and blue overwritten)
   is blue copied, by an alpha portion that is free or by one more general combiner, or, where there would be
@@ -30,68 +31,52 @@ Source: NV_register_combiners, NV_texture_shader; the DirectX 8.1 reference; nvp
 distributed with OGRE 3D, for the correspondence.
 """
 
-from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
-from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Mapping, Register
+from fixedpipe.pipeline.enums import CombinerScale, Mapping, Meaning, Register
+from fixedpipe.pipeline.notations.pixel_shader_combiners import (
+    ALPHA,
+    BLUE,
+    CONSTANTS,
+    EXPANDED,
+    MAPPINGS,
+    NEGATED,
+    ONE_OR_MINUS_ONE,
+    R0,
+    REGISTERS,
+    RGB,
+    SCALES,
+    SIGNED,
+    Dot,
+    Operand,
+    Stage,
+    copy_of_blue,
+    one_operand,
+    product,
+    stored,
+)
+from fixedpipe.pipeline.notations.pixel_shader_notes import validator_notes
 from fixedpipe.pipeline.notations.pixel_shader_textures import WITHOUT_RESULT, ConstantPlace, texture_stages
-from fixedpipe.pipeline.notations.pixel_shaders import grouped, half_read, halves_read, read
+from fixedpipe.pipeline.notations.pixel_shaders import (
+    grouped,
+    half_read,
+    halves_read,
+    read,
+    too_many_combiners,
+)
 from fixedpipe.pipeline.notations.register_combiner_words import (
+    MAPPINGS_OF_ONE,
     MAX_GENERAL_COMBINERS,
-    UNUSED_ALPHA,
-    UNUSED_RGB,
     UNUSED_STAGE,
 )
 from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,
     FinalCombiner,
-    GeneralCombiner,
     RegisterCombiners,
     RGBPortion,
     TextureShaderStage,
 )
-
-_RGB, _ALPHA, _BLUE = ComponentUsage.RGB, ComponentUsage.ALPHA, ComponentUsage.BLUE
-
-_REGISTERS = {
-    ("r", 0): Register.SPARE0,
-    ("r", 1): Register.SPARE1,
-    ("v", 0): Register.PRIMARY_COLOR,
-    ("v", 1): Register.SECONDARY_COLOR,
-    ("t", 0): Register.TEXTURE0,
-    ("t", 1): Register.TEXTURE1,
-    ("t", 2): Register.TEXTURE2,
-    ("t", 3): Register.TEXTURE3,
-}
-_R0 = ("r", 0)
-_CONSTANTS = (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
-_SCALES = {
-    "": CombinerScale.NONE,
-    "x2": CombinerScale.SCALE_BY_TWO,
-    "x4": CombinerScale.SCALE_BY_FOUR,
-    "d2": CombinerScale.SCALE_BY_ONE_HALF,
-}
-_MAPPINGS = {
-    ("", ""): Mapping.SIGNED_IDENTITY,
-    ("-", ""): Mapping.SIGNED_NEGATE,
-    ("", "bx2"): Mapping.EXPAND_NORMAL,
-    ("-", "bx2"): Mapping.EXPAND_NEGATE,
-    ("", "bias"): Mapping.HALF_BIAS_NORMAL,
-    ("-", "bias"): Mapping.HALF_BIAS_NEGATE,
-    ("1-", ""): Mapping.UNSIGNED_INVERT,
-}
-_SIGNED = (Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE)
-_NEGATED = {
-    Mapping.SIGNED_IDENTITY: Mapping.SIGNED_NEGATE,
-    Mapping.EXPAND_NORMAL: Mapping.EXPAND_NEGATE,
-    Mapping.HALF_BIAS_NORMAL: Mapping.HALF_BIAS_NEGATE,
-}
-_NEGATED |= {negated: mapping for mapping, negated in _NEGATED.items()}
-_EXPANDED = {
-    Mapping.SIGNED_IDENTITY: Mapping.EXPAND_NORMAL,
-    Mapping.SIGNED_NEGATE: Mapping.EXPAND_NEGATE,
-}
 
 
 @dataclass(frozen=True)
@@ -127,52 +112,14 @@ def parse(text, targets=None, constants=None, start=(1, 1)):
         if len(translation.stages) <= MAX_GENERAL_COMBINERS:
             break
     else:
-        raise translation.stages[MAX_GENERAL_COMBINERS].token.error(
-            f"the {len(translation.stages)} general combiners that this program takes are more than the "
-            f"{MAX_GENERAL_COMBINERS} of any machine, from here on. Split it into passes."
-        )
+        raise too_many_combiners(translation.stages[MAX_GENERAL_COMBINERS].token)
     places = (*eyes, *translation.constant_places())
-    notes = tuple(dict.fromkeys(translation.notes))
+    told = sorted(dict.fromkeys((*listing.notes, *validator_notes(listing), *translation.notes)))
+    notes = tuple(f"line {line}: {sentence}" for line, sentence in told)
     return PixelShader(listing.version, stages, translation.combiners(), places, notes)
 
 
 # -------------------------------------------------------------------------------- general combiners
-
-
-@dataclass
-class _Stage:
-    """A general combiner in the making; ``places``: which constant registers hold which of the program's."""
-
-    token: object
-    colors: dict
-    rgb: RGBPortion | None = None
-    alpha: AlphaPortion | None = None
-    places: dict = field(default_factory=dict)
-
-    def build(self):
-        own = {f"constant_color{place}": self.colors[number] for number, place in self.places.items()}
-        return GeneralCombiner(rgb=self.rgb or UNUSED_RGB, alpha=self.alpha or UNUSED_ALPHA, **own)
-
-
-class _Operand(NamedTuple):
-    """An input, and whether it is still to be negated, for it has a mapping that cannot be."""
-
-    input: CombinerInput
-    negated: bool = False
-
-
-@dataclass
-class _Dot:
-    """Where an alpha stays in blue: the general combiner of the dot product, and the one from which on the
-    register's own alpha may be written.
-    """
-
-    stage: int
-    free_from: int
-
-
-def _one(half):
-    return _Operand(CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, _RGB if half == "rgb" else _ALPHA))
 
 
 class _Translation:
@@ -187,32 +134,39 @@ class _Translation:
         self.equal = set()  # registers whose four components are equal
         self.saturated = set()  # (register, half) that readers have to clamp
         self.written = {(("v", n), half) for n in (0, 1) for half in ("rgb", "a")}
-        self.texture = {i.destination[1]: i.name for i in listing.texture}
+        self.texture = {i.unit: i.name for i in listing.texture}
+        # (register, half) that are 1.  Source: texcoord, whose fourth component is.
+        self.ones = {(("t", unit), "a") for unit, name in self.texture.items() if name == "texcoord"}
         for unit in range(4):
             if not self.texture or self.texture.get(unit, WITHOUT_RESULT[0]) not in WITHOUT_RESULT:
                 self.written |= {(("t", unit), half) for half in ("rgb", "a")}
 
     def run(self):
         for number, group in enumerate(self.groups):
+            if len(self.stages) > MAX_GENERAL_COMBINERS:
+                return
             if group[0].name in ("cmp", "dp4"):
                 self.over_two_combiners(number, group[0])
             else:
                 self.over_one_combiner(number, group)
         for half in ("rgb", "a"):
-            if (_R0, half) not in self.written:
-                self.unwritten(self.listing.end, _R0, half)
+            if (R0, half) not in self.written:
+                self.unwritten(self.listing.end, R0, half)
 
     def unwritten(self, token, register, half):
         name, what = "".join(map(str, register)), "alpha" if half == "a" else "color"
-        value = "texture 0's alpha" if (register, half) == (_R0, "a") else "zero"
+        value = "texture 0's alpha" if (register, half) == (R0, "a") else "zero"
         self.notes.append(
-            f"line {token.line}: {name}'s {what} is read before anything is written to it, which Direct3D "
-            f"refuses; the register begins as {value}."
+            (
+                token.line,
+                f"{name}'s {what} is read before anything is written to it, which Direct3D refuses; the "
+                f"register begins as {value}.",
+            )
         )
 
     def combiners(self):
         zero = CombinerInput()
-        usage = _BLUE if _R0 in self.dots else _ALPHA
+        usage = BLUE if R0 in self.dots else ALPHA
         final = FinalCombiner(
             b=CombinerInput(Register.SPARE0),
             d=zero,
@@ -225,13 +179,16 @@ class _Translation:
 
     def constant_places(self):
         return tuple(
-            ConstantPlace(constant, number, _CONSTANTS[place])
+            ConstantPlace(constant, number, CONSTANTS[place], half if shared else "rgba")
             for number, stage in enumerate(self.stages)
-            for constant, place in stage.places.items()
+            for place, halves in enumerate(stage.places)
+            for shared in [len(set(halves.values())) > 1]
+            for half, constant in halves.items()
+            if shared or half == next(iter(halves))
         )
 
     def new_stage(self, token):
-        return _Stage(token, {number: _stored(self.color(number)) for number in range(8)})
+        return Stage(token, {number: stored(self.color(number)) for number in range(8)})
 
     def color(self, number):
         return self.colors.get(number, (0.0, 0.0, 0.0, 0.0))
@@ -256,7 +213,7 @@ class _Translation:
         for instruction in group:
             if instruction.name == "cnd":
                 self.check_condition(instruction)
-                self.alpha_of_its_own(_R0, instruction.token)
+                self.alpha_of_its_own(R0, instruction.token)
         endangered = self.endangered(number, group)
         if "a" in halves:
             for register in endangered:
@@ -268,18 +225,18 @@ class _Translation:
             elif instruction.name != "dp3":
                 stage.alpha = self.portion(stage, half, instruction)
         if endangered and "a" not in halves:
-            stage.alpha = _copy_of_blue(endangered[0])
+            stage.alpha = copy_of_blue(endangered[0])
         self.stages.append(stage)
         for half, instruction in halves.items():
             self.note(half, instruction)
         for instruction in group:
             if instruction.name == "dp3" and "a" in instruction.mask:
                 self.equal.add(instruction.destination)
-                self.dots[instruction.destination] = _Dot(len(self.stages) - 1, len(self.stages))
+                self.dots[instruction.destination] = Dot(len(self.stages) - 1, len(self.stages))
 
     def check_condition(self, instruction):
         source = instruction.sources[0]
-        if source.register != _R0 or source.selector != "a" or source.sign or source.modifier:
+        if source.register != R0 or source.selector != "a" or source.sign or source.modifier:
             raise source.token.error(
                 f"{source.token.text} as the condition of cnd, which is r0.a; write r0.a, and compute it "
                 "before."
@@ -289,6 +246,7 @@ class _Translation:
     def note(self, half, instruction):
         register = instruction.destination
         self.written.add((register, half))
+        self.ones.discard((register, half))
         self.equal.discard(register)
         self.dots.pop(register, None)
         if instruction.saturate:
@@ -298,7 +256,7 @@ class _Translation:
 
     def portion(self, stage, half, instruction):
         name, sources = instruction.name, instruction.sources
-        one = _one(half)
+        one = one_operand(half)
 
         def operand(source, **changes):
             return self.operand(stage, half, source._replace(**changes))
@@ -318,9 +276,9 @@ class _Translation:
             ab, cd = self.interpolated(stage, half, sources)
         else:
             cd, ab, mux = (operand(sources[1]), one), (operand(sources[2]), one), True
-        a, b = _product(instruction, *ab)
-        c, d = _product(instruction, *cd) if cd else (CombinerInput(usage=one.input.usage),) * 2
-        output = _REGISTERS[instruction.destination]
+        a, b = product(instruction, *ab)
+        c, d = product(instruction, *cd) if cd else (CombinerInput(usage=one.input.usage),) * 2
+        output = REGISTERS[instruction.destination]
         given = {"ab_dot_product": dot} if half == "rgb" else {}
         return (RGBPortion if half == "rgb" else AlphaPortion)(
             a=a,
@@ -329,7 +287,7 @@ class _Translation:
             d=d,
             ab_output=Register.DISCARD if summed else output,
             sum_output=output if summed else Register.DISCARD,
-            scale=_SCALES[instruction.scale],
+            scale=SCALES[instruction.scale],
             mux_sum=mux,
             **given,
         )
@@ -372,22 +330,22 @@ class _Translation:
                 "dp4 of a part of its destination, whose other part has to hold a product meanwhile; "
                 "write the whole register."
             )
-        target = _REGISTERS[instruction.destination]
+        target = REGISTERS[instruction.destination]
         plain = instruction._replace(scale="", name="dp3")
         first = self.new_stage(instruction.token)
         first.rgb = self.portion(first, "rgb", plain)
         first.alpha = self.portion(first, "a", plain._replace(name="mul"))
         second = self.new_stage(instruction.token)
-        halves = {"rgb": (RGBPortion, _RGB, _RGB), "alpha": (AlphaPortion, _ALPHA, _BLUE)}
+        halves = {"rgb": (RGBPortion, RGB, RGB), "alpha": (AlphaPortion, ALPHA, BLUE)}
         for name, (kind, usage, dot) in halves.items():
             one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage)
             portion = kind(
                 a=CombinerInput(target, Mapping.SIGNED_IDENTITY, dot),
                 b=one,
-                c=CombinerInput(target, Mapping.SIGNED_IDENTITY, _ALPHA),
+                c=CombinerInput(target, Mapping.SIGNED_IDENTITY, ALPHA),
                 d=one,
                 sum_output=target,
-                scale=_SCALES[instruction.scale],
+                scale=SCALES[instruction.scale],
             )
             setattr(second, name, portion)
         self.stages += [first, second]
@@ -407,15 +365,15 @@ class _Translation:
         for register in self.endangered(number, self.groups[number]):
             self.alpha_of_its_own(register, instruction.token)
         reads = halves_read(instruction._replace(sources=instruction.sources[1:]))
-        own = instruction.destination == _R0 and "a" in instruction.mask
-        if _R0 not in self.dots and ((_R0, "a") in reads or (not own and self.needed(number, _R0, "a"))):
+        own = instruction.destination == R0 and "a" in instruction.mask
+        if R0 not in self.dots and ((R0, "a") in reads or (not own and self.needed(number, R0, "a"))):
             raise instruction.token.error(
                 "cmp needs the alpha of r0, where register combiners compare, and the program still reads "
                 "r0.a; move that to r1.a before."
             )
         first = self.new_stage(instruction.token)
-        one = _one("a")
-        a, b = _product(instruction, self.operand(first, "a", tested), one)
+        one = one_operand("a")
+        a, b = product(instruction, self.operand(first, "a", tested), one)
         first.alpha = AlphaPortion(
             a=a,
             b=b,
@@ -425,10 +383,10 @@ class _Translation:
             scale=CombinerScale.SCALE_BY_ONE_HALF,
         )
         self.stages.append(first)
-        if _R0 in self.dots:
-            self.dots[_R0].free_from = len(self.stages)
+        if R0 in self.dots:
+            self.dots[R0].free_from = len(self.stages)
         else:
-            self.saturated.discard((_R0, "a"))
+            self.saturated.discard((R0, "a"))
         second = self.new_stage(instruction.token)
         for half in instruction.mask:
             portion = self.portion(second, half, instruction)
@@ -446,7 +404,7 @@ class _Translation:
                 return True
             if any(i.destination == register and half in i.mask for i in group):
                 return False
-        return register == _R0
+        return register == R0
 
     def endangered(self, number, group):
         """The registers whose alpha is in a blue that the group overwrites, and is still needed."""
@@ -468,10 +426,10 @@ class _Translation:
             return
         for stage in self.stages[dot.free_from :]:
             if stage.alpha is None:
-                stage.alpha = _copy_of_blue(register)
+                stage.alpha = copy_of_blue(register)
                 return
         stage = self.new_stage(token)
-        stage.alpha = _copy_of_blue(register)
+        stage.alpha = copy_of_blue(register)
         self.stages.append(stage)
 
     # ------------------------------------------------------------------------------------- operands
@@ -495,75 +453,44 @@ class _Translation:
             )
         component = half_read(half, source)
         self.check_written(source, component)
-        usage = _ALPHA if component == "a" else (_BLUE if half == "a" else _RGB)
-        mapping = _MAPPINGS[source.sign, source.modifier]
+        usage = ALPHA if component == "a" else (BLUE if half == "a" else RGB)
+        mapping = MAPPINGS[source.sign, source.modifier]
         if source.letter == "c":
             return self.constant(stage, source, usage, mapping, unsigned)
+        if (source.register, component) in self.ones:
+            one = one_operand(half).input
+            if mapping in ONE_OR_MINUS_ONE:
+                return Operand(one, mapping in (Mapping.SIGNED_NEGATE, Mapping.EXPAND_NEGATE))
+            return Operand(replace(one, mapping=MAPPINGS_OF_ONE[mapping]))
         if component == "a" and source.register in self.dots:
-            usage = _BLUE if half == "a" else _RGB
+            usage = BLUE if half == "a" else RGB
         negated = False
-        if mapping in _SIGNED and (unsigned or (source.register, component) in self.saturated):
+        saturated = unsigned or (source.register, component) in self.saturated
+        if mapping in SIGNED and saturated:
             negated, mapping = mapping is Mapping.SIGNED_NEGATE, Mapping.UNSIGNED_IDENTITY
-        return _Operand(CombinerInput(_REGISTERS[source.register], mapping, usage), negated)
+        meaning = Meaning.SATURATED if saturated else Meaning.PLAIN
+        return Operand(CombinerInput(REGISTERS[source.register], mapping, usage, meaning), negated)
 
     def constant(self, stage, source, usage, mapping, unsigned):
         color = self.color(source.number)
-        read_values = color[3:] if usage is _ALPHA else color[:3]
+        read_values = color[3:] if usage is ALPHA else color[:3]
+        meaning = Meaning.PLAIN
         if any(value < 0 for value in read_values):
-            if mapping not in _SIGNED or unsigned:
+            if mapping not in SIGNED or unsigned:
                 raise source.token.error(
                     f"c{source.number} is {color}; a combiner's constants are in [0, 1], and what stands "
                     "for a negative one has to be read without a modifier. Change the constant instead."
                 )
-            mapping = (_EXPANDED if max(read_values) > 0 else _NEGATED)[mapping]
-        if source.number not in stage.places:
-            if len(stage.places) == 2:
-                raise source.token.error(
-                    f"c{source.number} is the third constant of one general combiner, which has two; move "
-                    "one to a register with mov first."
-                )
-            stage.places[source.number] = len(stage.places)
-        if unsigned and mapping in _SIGNED:
+            of_both = max(read_values) > 0
+            mapping = (EXPANDED if of_both else NEGATED)[mapping]
+            meaning = Meaning.SIGNED_CONSTANT if of_both else Meaning.PLAIN
+        place = stage.place(source.number, "a" if usage is ALPHA else "rgb")
+        if place is None:
+            raise source.token.error(
+                f"the {'alpha' if usage is ALPHA else 'color'} of c{source.number} is the third that one "
+                "general combiner reads of constants, of which it has two; move one to a register with mov "
+                "first."
+            )
+        if unsigned and mapping in SIGNED:
             mapping = Mapping.UNSIGNED_IDENTITY
-        return _Operand(CombinerInput(_CONSTANTS[stage.places[source.number]], mapping, usage))
-
-
-def _stored(color):
-    """What a combiner's constant, in [0, 1], holds of a color in [-1, 1].
-
-    Magnitudes, for readers that negate; where red, green and blue differ in sign, what EXPAND_NORMAL maps to
-    them, in steps of 2/255.
-    """
-    color = [max(-1.0, min(1.0, value)) for value in color]
-    magnitudes = tuple(abs(value) for value in color)
-    if min(color[:3]) < 0 < max(color[:3]):
-        return (*(min((value + 256 / 255) / 2, 1.0) for value in color[:3]), magnitudes[3])
-    return magnitudes
-
-
-def _copy_of_blue(register):
-    given = _REGISTERS[register]
-    return AlphaPortion(
-        a=CombinerInput(given, Mapping.SIGNED_IDENTITY, _BLUE),
-        ab_output=given,
-        b=CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, _ALPHA),
-        sum_output=Register.DISCARD,
-    )
-
-
-def _product(instruction, first, second):
-    """The two inputs of a product, with the sign that either still owes."""
-    a, b = first.input, second.input
-    if first.negated == second.negated:
-        return a, b
-    if a.mapping in _NEGATED:
-        return replace(a, mapping=_NEGATED[a.mapping]), b
-    if b.mapping in _NEGATED:
-        return a, replace(b, mapping=_NEGATED[b.mapping])
-    if (b.register, b.mapping) == (Register.ZERO, Mapping.UNSIGNED_INVERT):
-        # Minus one; where EXPAND_NORMAL takes 128 as one half, it is -256/255.
-        return a, replace(b, mapping=Mapping.EXPAND_NORMAL)
-    raise instruction.token.error(
-        f"{instruction.name} of factors that the hardware cannot negate (1-, or what _sat wrote); negate "
-        "one of them with mov first."
-    )
+        return Operand(CombinerInput(CONSTANTS[place], mapping, usage, meaning))

@@ -13,7 +13,8 @@ included, separates words; comments run from ``;`` or ``//`` to the end of the l
 ``*/``; case does not matter. This module reads; ``pixel_shader_translation`` translates what it has read.
 
 Sources carry at most one of ``-`` and ``1-`` before the register, ``_bias`` or ``_bx2`` after it, and one of
-``.a`` (``.w``) and ``.b`` (``.z``) last; ``.rgb``, ``.rgba`` and the like are accepted and choose nothing.
+``.a`` (``.w``, ``.aaaa``) and ``.b`` (``.z``, ``.bbbb``) last; ``.rgb``, ``.rgba`` and the like are accepted
+and choose nothing.
 Destinations carry ``.rgb``, ``.a`` or nothing. Instructions carry ``_x2``, ``_x4`` or ``_d2``, and ``_sat``.
 An instruction after ``+`` is evaluated together with the one before it, which writes the other half.
 
@@ -24,8 +25,10 @@ as distributed with OGRE 3D.
 import re
 from typing import NamedTuple
 
+from fixedpipe.pipeline.notations.register_combiner_words import MAX_GENERAL_COMBINERS
 from fixedpipe.pipeline.notations.tokens import ProgramTextError, Reader, Token, scan
 
+_MOST_NOTES = 100
 REGISTER_COUNTS = {"r": 2, "c": 8, "t": 4, "v": 2}
 VERSIONS = ("1.0", "1.1", "1.2", "1.3")
 
@@ -69,7 +72,7 @@ _LATER = ("phase", "texcrd", "texld", "texdepth", "bem")
 _MASKS = {"": ("rgb", "a"), "rgba": ("rgb", "a"), "xyzw": ("rgb", "a")}
 _MASKS |= {"rgb": ("rgb",), "xyz": ("rgb",), "a": ("a",), "w": ("a",)}
 _SELECTORS = {"": None, "rgba": None, "xyzw": None, "rgb": None, "xyz": None}
-_SELECTORS |= {"a": "a", "w": "a", "b": "b", "z": "b"}
+_SELECTORS |= {written: {"w": "a", "z": "b"}.get(c, c) for c in "awbz" for written in (c, 3 * c, 4 * c)}
 
 
 class PixelShaderTextError(ProgramTextError):
@@ -108,15 +111,23 @@ class Instruction(NamedTuple):
     paired: bool
     token: Token
 
+    @property
+    def unit(self):
+        """The number of its destination: of a texture instruction the texture unit's."""
+        return self.destination[1]
+
 
 class Listing(NamedTuple):
-    """A program as written: version, {number: color} of its ``def``, its instructions, its end."""
+    """A program as written: version, {number: color} of its ``def``, its instructions, its end; ``notes``:
+    (line, sentence) on what Direct3D would refuse and nothing here needs.
+    """
 
     version: str
     constants: dict
     texture: tuple[Instruction, ...]
     arithmetic: tuple[Instruction, ...]
     end: Token
+    notes: tuple[tuple[int, str], ...] = ()
 
 
 _TOKEN = re.compile(
@@ -127,7 +138,7 @@ _TOKEN = re.compile(
       | (?P<mark> [,+-] )""",
     re.VERBOSE | re.DOTALL | re.IGNORECASE,
 )
-_OPERAND = re.compile(r"([a-z])([0-9]+)((?:_[a-z0-9]+)*)(?:\.([a-z]+))?")
+_OPERAND = re.compile(r"([a-z])([0-9])((?:_[a-z0-9]+)*)(?:\.([a-z]+))?")
 
 
 class _Reader(Reader):
@@ -143,6 +154,12 @@ class _Reader(Reader):
                 1,
             )
         super().__init__(scan(text, _TOKEN, PixelShaderTextError, start))
+        self.notes = []
+
+    def note(self, token, sentence):
+        """Say something of a line, once."""
+        if (token.line, sentence) not in self.notes and len(self.notes) < _MOST_NOTES:
+            self.notes.append((token.line, sentence))
 
     def word(self):
         """The next token, and its text in lower case."""
@@ -153,7 +170,7 @@ class _Reader(Reader):
 
     def listing(self):
         version = self.version()
-        constants, texture, arithmetic = {}, [], []
+        constants, texture, arithmetic, combiners = {}, [], [], 0
         while self.next.kind != "end":
             paired = self.next.text == "+"
             plus = self.take() if paired else None
@@ -172,13 +189,22 @@ class _Reader(Reader):
                         "up."
                     )
                 texture.append(self.texture(token, name, version))
+                if len(texture) > REGISTER_COUNTS["t"] or texture[-1].unit in [i.unit for i in texture[:-1]]:
+                    raise token.error(
+                        f"{base} gives t{texture[-1].unit} a second time; each texture register has one "
+                        "instruction. Give this one another register."
+                    )
             elif base in ARITHMETIC:
                 instruction = self.arithmetic(token, name, version, paired)
-                if instruction.name != "nop":
-                    arithmetic.append(instruction)
+                if instruction.name == "nop":
+                    continue
+                arithmetic.append(instruction)
+                combiners += not paired
+                if combiners > MAX_GENERAL_COMBINERS:
+                    raise too_many_combiners(token)
             else:
                 raise token.error(self.unknown(token, base))
-        return Listing(version, constants, tuple(texture), tuple(arithmetic), self.next)
+        return Listing(version, constants, tuple(texture), tuple(arithmetic), self.next, tuple(self.notes))
 
     @staticmethod
     def unknown(token, base):
@@ -220,7 +246,7 @@ class _Reader(Reader):
             raise token.error(f"{token.found} where the register of def belongs; it is c0 to c7.")
         number, color = int(match[1]), []
         if number in constants:
-            raise token.error(f"c{number} is defined twice; keep one of the two.")
+            self.note(token, f"c{number} is defined again, and this definition stays.")
         for _ in range(4):
             self.comma("def")
             sign = self.take().text if self.next.text in ("+", "-") else ""
@@ -229,7 +255,11 @@ class _Reader(Reader):
                 raise value.error(
                     f"{value.found} where a number belongs; def c0, 1, 0.5, 0, 1 has four of them."
                 )
-            color.append(float(sign + value.text.lower().rstrip("f")))
+            color.append(value.number(sign))
+            if abs(color[-1]) > 1:
+                self.note(
+                    token, f"c{number} is beyond [-1, 1], where a machine's constants end: it is clamped."
+                )
         constants[number] = tuple(color)
 
     # ------------------------------------------------------------------------------ instructions
@@ -299,7 +329,7 @@ class _Reader(Reader):
             sign = "-"
         elif first.kind == "number":
             self.take()
-            if float(first.text.rstrip("fF")) != 1.0 or self.next.text != "-":
+            if first.number() != 1.0 or self.next.text != "-":
                 raise first.error(
                     f"{first.found} where a source of {name} belongs; numbers come from def c0, ..., and "
                     "1-r0 is one minus a register."
@@ -333,6 +363,14 @@ def read(text, start=(1, 1)):
     Raises PixelShaderTextError with line and column, both from 1.
     """
     return _Reader(text, start).listing()
+
+
+def too_many_combiners(token):
+    """The error of what takes a ninth general combiner."""
+    return token.error(
+        f"from here on the program takes more than the {MAX_GENERAL_COMBINERS} general combiners of any "
+        "machine. Split it into passes."
+    )
 
 
 def half_read(half, source):

@@ -54,6 +54,18 @@ SCALE_WORDS = {scale: word for word, scale in SCALES.items()}
 
 ZERO_INPUTS = {usage: CombinerInput(Register.ZERO, usage=usage) for usage in ComponentUsage}
 ONE_INPUTS = {usage: CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage) for usage in ComponentUsage}
+# The mapping of ZERO that stands for a mapping of ``one``.  Source: nvparse's rc1.0_register.h.
+MAPPINGS_OF_ONE = {
+    Mapping.UNSIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
+    Mapping.UNSIGNED_INVERT: Mapping.UNSIGNED_IDENTITY,
+    Mapping.EXPAND_NORMAL: Mapping.UNSIGNED_INVERT,
+    Mapping.EXPAND_NEGATE: Mapping.EXPAND_NORMAL,
+    Mapping.HALF_BIAS_NORMAL: Mapping.HALF_BIAS_NEGATE,
+    Mapping.HALF_BIAS_NEGATE: Mapping.HALF_BIAS_NORMAL,
+    Mapping.SIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
+    Mapping.SIGNED_NEGATE: Mapping.EXPAND_NORMAL,
+}
+
 BLACK = (0.0, 0.0, 0.0, 0.0)
 
 

@@ -35,13 +35,13 @@ Source: the grammar, tokens and validation of nvparse's rc1.0 parser, as distrib
 """
 
 import re
-from itertools import pairwise
 from typing import NamedTuple
 
 from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
 from fixedpipe.pipeline.notations.register_combiner_words import (
     BLACK,
     MAPPING_WORDS,
+    MAPPINGS_OF_ONE,
     MAX_GENERAL_COMBINERS,
     ONE_INPUTS,
     REGISTER_NAMES,
@@ -72,18 +72,6 @@ _USAGES = {suffix[1:]: usage for usage, suffix in USAGE_SUFFIXES.items()}
 _MAPPINGS = {words: mapping for mapping, words in MAPPING_WORDS.items()}
 _FUNCTIONS = ("expand", "half_bias", "unsigned", "unsigned_invert")
 
-# The mapping of ZERO that stands for a mapping of ``one``.  Source: nvparse's rc1.0_register.h.
-_MAPPINGS_OF_ONE = {
-    Mapping.UNSIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
-    Mapping.UNSIGNED_INVERT: Mapping.UNSIGNED_IDENTITY,
-    Mapping.EXPAND_NORMAL: Mapping.UNSIGNED_INVERT,
-    Mapping.EXPAND_NEGATE: Mapping.EXPAND_NORMAL,
-    Mapping.HALF_BIAS_NORMAL: Mapping.HALF_BIAS_NEGATE,
-    Mapping.HALF_BIAS_NEGATE: Mapping.HALF_BIAS_NORMAL,
-    Mapping.SIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
-    Mapping.SIGNED_NEGATE: Mapping.EXPAND_NORMAL,
-}
-
 
 class CombinerTextError(ProgramTextError):
     """A text that is no ``!!RC1.0`` program; ``line`` and ``column`` (from 1) say where."""
@@ -102,15 +90,17 @@ _TOKEN = re.compile(
 
 
 def _tokens(text, start):
-    tokens = scan(text, _TOKEN, CombinerTextError, start)
-    for token, following in pairwise(tokens):
-        touching = (token.line, token.column + len(token.text)) == (following.line, following.column)
-        if token.kind == "number" and following.kind == "name" and touching:
-            raise token.error(
-                f"found a letter after the number {token.text}; numbers are written without an exponent, "
-                "0.001 for instance."
-            )
-    return tokens
+    before = None
+    for token in scan(text, _TOKEN, CombinerTextError, start):
+        if before is not None and (before.kind, token.kind) == ("number", "name"):
+            touching = (before.line, before.column + len(before.text)) == (token.line, token.column)
+            if touching:
+                raise before.error(
+                    f"found a letter after the number {before.text}; numbers are written without an "
+                    "exponent, 0.001 for instance."
+                )
+        before = token
+        yield token
 
 
 # ------------------------------------------------------------------------------------------- parser
@@ -191,7 +181,7 @@ class _Parser(Reader):
             raise token.error(
                 f"{token.found} where a number belongs; a color is four of them, (1, 0.5, 0, 1)."
             )
-        return float(token.text)
+        return token.number()
 
     def end_statement(self):
         if self.follows("."):
@@ -341,8 +331,7 @@ class _Parser(Reader):
     # ----------------------------------------------------------------------------- registers, inputs
 
     def register_token(self, what):
-        before = self.tokens[self.at - 1]
-        token = self.take()
+        before, token = self.last, self.take()
         name, _, component = token.text.partition(".")
         if token.kind != "name" or (name not in _REGISTERS and name != "one"):
             glued = before.text == "." and before.line == token.line and before.column == token.column - 1
@@ -363,7 +352,7 @@ class _Parser(Reader):
         self.positions[path] = token
         chosen = _USAGES[component] if component else usage
         if name == "one":
-            return CombinerInput(Register.ZERO, _MAPPINGS_OF_ONE[mapping], chosen)
+            return CombinerInput(Register.ZERO, MAPPINGS_OF_ONE[mapping], chosen)
         return CombinerInput(_REGISTERS[name], mapping, chosen)
 
     def function(self):

@@ -197,7 +197,7 @@ class _Parser(Reader):
                 raise token.error(
                     f"{token.found} where a number belongs; write 0.5 or -1, without an exponent."
                 )
-            values.append(float(token.text))
+            values.append(token.number())
         return values
 
     def previous(self, number):

@@ -1,6 +1,10 @@
 """What the notations ``!!RC1.0``, ``!!TS1.0`` and ``ps.1.x`` share: tokens, errors that say where."""
 
+from math import isfinite
 from typing import NamedTuple
+
+# Characters of a text that a sentence quotes.
+_QUOTED = 40
 
 
 class ProgramTextError(ValueError):
@@ -23,20 +27,37 @@ class Token(NamedTuple):
     @property
     def found(self):
         """The token in words, for a sentence that says what else belongs in its place."""
-        return "the text ends" if self.kind == "end" else f"found {self.text!r}"
+        if self.kind == "end":
+            return "the text ends"
+        rest = len(self.text) - _QUOTED
+        return (
+            f"found {self.text!r}"
+            if rest <= 0
+            else f"found {self.text[:_QUOTED]!r} and {rest} characters more"
+        )
 
     def error(self, sentence):
         """The notation's error, at this token."""
         return self.failure(sentence, self.line, self.column)
 
+    def number(self, sign=""):
+        """The value of a number; ``sign``: what stands before it. Raises the notation's error where it is
+        more than a float holds.
+        """
+        value = float(sign + self.text.lower().rstrip("f"))
+        if not isfinite(value):
+            raise self.error(f"{self.found}, a number beyond 10 to the power of 308; give a smaller one.")
+        return value
+
 
 def scan(text, pattern, failure, start=(1, 1)):
-    """The tokens of a text, those of kind "space" left out, an "end" token last.
+    """The tokens of a text one after the other, those of kind "space" left out, an "end" token last.
 
-    ``pattern``: one named group for each kind of token. ``start``: line and column of the text's first
+    They are found as they are asked for, so that a text of any length is read no further than its first
+    error. ``pattern``: one named group for each kind of token. ``start``: line and column of the text's first
     character. Raises ``failure`` where no kind fits.
     """
-    tokens, at, (line, column) = [], 0, start
+    at, (line, column) = 0, start
     line_start = 1 - column
     while at < len(text):
         match = pattern.match(text, at)
@@ -47,28 +68,26 @@ def scan(text, pattern, failure, start=(1, 1)):
             raise here.error(f"found the character {text[at]!r}, which the notation does not use; remove it.")
         word = match.group()
         if match.lastgroup != "space":
-            tokens.append(Token(match.lastgroup, word, line, at - line_start + 1, failure))
+            yield Token(match.lastgroup, word, line, at - line_start + 1, failure)
         if newlines := word.count("\n"):
             line += newlines
             line_start = at + word.rindex("\n") + 1
         at = match.end()
-    tokens.append(Token("end", "", line, at - line_start + 1, failure))
-    return tokens
+    yield Token("end", "", line, at - line_start + 1, failure)
 
 
 class Reader:
-    """Goes through a text's tokens, as ``scan`` gives them."""
+    """Goes through a text's tokens, as ``scan`` gives them.
+
+    ``next``: the token that comes, at last the one of kind "end" again and again; ``last``: the one before.
+    """
 
     def __init__(self, tokens):
-        self.tokens, self.at = tokens, 0
-
-    @property
-    def next(self):
-        """The token that comes, at last the one of kind "end" again and again."""
-        return self.tokens[self.at]
+        self.tokens = iter(tokens)
+        self.next = self.last = next(self.tokens)
 
     def take(self):
         """The token that comes, behind which the reader then is."""
-        token = self.next
-        self.at = min(self.at + 1, len(self.tokens) - 1)
-        return token
+        self.last = self.next
+        self.next = next(self.tokens, self.last)
+        return self.last

@@ -108,6 +108,7 @@ GEFORCE_256 = Profile(
             frozenset({CombinerFunction.NONE}), "Source: NV_register_combiners, which names none"
         ),
         combiner_lookup=known(False, _ASKED_FOR),
+        blue_to_alpha=known(False, "Source: NV_register_combiners, which has no such output"),
         combiner_flags=known(False, "Source: NV_register_combiners, which names none of them"),
     ),
     vertices=Vertices(

@@ -126,6 +126,12 @@ GEFORCE_3 = Profile(
             frozenset({CombinerFunction.NONE}), "Source: NV_register_combiners, which names none"
         ),
         combiner_lookup=known(False, _DRIVER),
+        blue_to_alpha=known(
+            True,
+            "Inferred: ps.1.1 has eight slots of arithmetic, and a dp3 of all four components takes one; "
+            "from the "
+            "NV2A: Combiner captures",
+        ),
         combiner_flags=known(False, "Source: NV_register_combiners2, which names none of them"),
     ),
     vertices=Vertices(

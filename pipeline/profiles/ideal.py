@@ -98,6 +98,7 @@ IDEAL = Profile(
         per_stage_constants=_given(True),
         combiner_functions=_given(frozenset(CombinerFunction)),
         combiner_lookup=_given(True),
+        blue_to_alpha=_given(True),
         combiner_flags=_given(False),
     ),
     vertices=Vertices(

@@ -119,6 +119,7 @@ NV2A = Profile(
             frozenset({CombinerFunction.NONE}), "Source: NV_register_combiners, which names none"
         ),
         combiner_lookup=known(False, _NOT_ASKED),
+        blue_to_alpha=known(True, "Measured: 110441 of 110441 pixels (Combiner captures)"),
         combiner_flags=known(True, "Measured: 110441 of 110441 pixels (Combiner captures)"),
     ),
     vertices=Vertices(

@@ -86,7 +86,8 @@ class Combiners(Section):
     per_stage_constants: bool  # NV_register_combiners2
     combiner_functions: frozenset[CombinerFunction]  # of the future board
     combiner_lookup: bool  # CombinerLookup
-    combiner_flags: bool  # muxes by the lowest bit, blue to alpha, inverted terms of the color sum
+    blue_to_alpha: bool  # ab_blue_to_alpha, cd_blue_to_alpha of RGB portions
+    combiner_flags: bool  # muxes by the lowest bit, inverted terms of the color sum
 
 
 @dataclass(frozen=True, kw_only=True)

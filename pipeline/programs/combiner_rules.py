@@ -174,8 +174,14 @@ def nv2a_flag(combiners):
         return "mux selection by the lowest bit (mux_select)"
     if combiners.invert_spare0 or combiners.invert_secondary_color:
         return "inverted terms of the color sum (invert_spare0, invert_secondary_color)"
-    if any(stage.rgb.ab_blue_to_alpha or stage.rgb.cd_blue_to_alpha for stage in combiners.general):
-        return "outputs of blue to alpha (ab_blue_to_alpha, cd_blue_to_alpha)"
+    return None
+
+
+def blue_to_alpha_stage(combiners):
+    """The number of the first general combiner with an output of blue to alpha, or None."""
+    for number, stage in enumerate(combiners.general):
+        if stage.rgb.ab_blue_to_alpha or stage.rgb.cd_blue_to_alpha:
+            return number
     return None
 
 

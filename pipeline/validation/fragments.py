@@ -3,6 +3,7 @@
 from fixedpipe.pipeline.enums import FogCoordinateSource, FogMode
 from fixedpipe.pipeline.programs.combiner_rules import (
     TEXTURE_REGISTERS,
+    blue_to_alpha_stage,
     combiner_problems,
     nv2a_flag,
     registers_named,
@@ -35,6 +36,15 @@ def register_combiners(walk, combiners):
                 "stages together. Set constant_color0 and constant_color1 of the RegisterCombiners, or "
                 "choose a profile with per-stage constants."
             )
+    if not profile.combiners.blue_to_alpha and (number := blue_to_alpha_stage(combiners)) is not None:
+        walk.refuse(
+            f"general combiner {number} writes its blue into an alpha too (ab_blue_to_alpha, "
+            "cd_blue_to_alpha; of a "
+            f"pixel shader, a dp3 whose alpha is read, where every combiner is taken); {profile.name} has no "
+            "such "
+            "output. Copy blue in an alpha portion of the next general combiner, or choose a profile with "
+            "blue_to_alpha."
+        )
     if not profile.combiners.combiner_flags and (flag := nv2a_flag(combiners)):
         walk.refuse(
             f"{profile.name} has no {flag}; leave it at its default, or choose a profile with combiner_flags."

@@ -60,11 +60,19 @@ def negated(text):
     return text[1:] if text.startswith("-") else f"-{text}"
 
 
-def read(registers, text, arithmetic):
-    """The four components of a source. Source: source register modifiers and selectors."""
+def read(registers, text, arithmetic, ones=()):
+    """The four components of a source. Source: source register modifiers and selectors.
+
+    ``ones``: texture registers whose alpha is the number 1 itself: _bx2 of it is 1, and _bias one half.
+    """
     match = re.fullmatch(r"(-?1-|-)?([rctv]\d)(_bx2|_bias)?(?:\.(\w+))?", text.replace(" ", ""))
     sign, name, modifier, selector = match.groups()
     values = list(registers[name])
+    if name in ones and modifier and selector in (None, "a", "w"):
+        alpha = ONE if modifier == "_bx2" else arithmetic.half
+        alpha = -alpha if sign == "-" else alpha
+        plain = read(registers, text, arithmetic)
+        return [alpha] * 4 if selector else [*plain[:3], alpha]
     if selector in ("a", "w"):
         values = [values[3]] * 4
     elif selector in ("b", "z"):
@@ -110,13 +118,13 @@ def totals(name, sources, registers, arithmetic):
 def evaluate(text, textures, primary, secondary, arithmetic):
     """r0, clamped to [0, 1], of a program with one instruction on each line.
 
-    ``textures``: four texels. Texture instructions are skipped.
+    ``textures``: four texels. Texture instructions are skipped, but for texcoord: its fourth component is 1.
     Source: the order of operations, and co-issued instructions, which read before either writes.
     """
     registers = {f"t{i}": list(texel) for i, texel in enumerate(textures)}
     registers |= {"v0": list(primary), "v1": list(secondary), "r0": [0] * 4, "r1": [0] * 4}
     lines = [line.split(";")[0].strip() for line in text.splitlines()[1:]]
-    pending = {}
+    pending, ones = {}, set()
     for line in filter(None, lines):
         paired = line.startswith("+")
         opcode, _, operands = line.lstrip("+ ").partition(" ")
@@ -124,15 +132,19 @@ def evaluate(text, textures, primary, secondary, arithmetic):
         name, *modifiers = opcode.split("_")
         if name == "def":
             registers[operands[0]] = constant(operands[1:])
+        if name == "texcoord":
+            ones.add(operands[0])
+            registers[operands[0]][3] = ONE
         if name in ("def", "nop") or name.startswith("tex"):
             continue
         if not paired:
             _write(registers, pending)
+            ones -= {name for name, k in pending if k == 3}
             pending = {}
         destination, _, mask = operands[0].partition(".")
         if name == "sub":
             operands[2] = negated(operands[2])
-        sources = [read(registers, operand, arithmetic) for operand in operands[1:]]
+        sources = [read(registers, operand, arithmetic, ones) for operand in operands[1:]]
         scale = next((m for m in modifiers if m != "sat"), "")
         values = totals(name, sources, registers, arithmetic)
         for k in COMPONENTS.get(mask, range(4)):

@@ -45,6 +45,7 @@ from fixedpipe.pipeline.enums import (
     MuxSelect,
     PixelTexGenMode,
     PrimitiveType,
+    Register,
     StencilOperation,
     TexelWord,
     TexGenMode,
@@ -614,7 +615,17 @@ def _combiners():
         **_COMBINERS,
     )
     yield Feature(
-        name="muxes by the lowest bit, blue to alpha, inverted color sum",
+        name="blue to alpha",
+        group="Register combiners",
+        has=lambda p: p.combiners.blue_to_alpha,
+        commands=_combined(
+            general=(GeneralCombiner(rgb=RGBPortion(ab_output=Register.SPARE1, ab_blue_to_alpha=True)),)
+        ),
+        asked="blue|register combiners",
+        **_COMBINERS,
+    )
+    yield Feature(
+        name="muxes by the lowest bit, inverted color sum",
         group="Register combiners",
         has=lambda p: p.combiners.combiner_flags,
         commands=_combined(mux_select=MuxSelect.LSB),

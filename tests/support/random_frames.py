@@ -710,7 +710,7 @@ class _Maker:
         rgb, alpha = self.portion(RGBPortion, units), self.portion(AlphaPortion, units)
         written = (rgb.ab_output, rgb.cd_output, rgb.sum_output)
         self.live += [register for register in written if register is not Register.DISCARD]
-        if self.profile.combiners.combiner_flags and self.chance(0.1):
+        if self.profile.combiners.blue_to_alpha and self.chance(0.1):
             written = {alpha.ab_output, alpha.cd_output, alpha.sum_output}
             rgb = replace(
                 rgb,

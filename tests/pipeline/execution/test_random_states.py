@@ -44,6 +44,7 @@ machines = st.builds(
     lambda **fields: GEFORCE_256.changed(
         max_general_combiners=8,
         per_stage_constants=True,
+        blue_to_alpha=True,
         combiner_flags=True,
         blend_equations=NV2A.fragments.blend_equations,
         surface_formats=NV2A.framebuffers.surface_formats,

@@ -1,0 +1,154 @@
+"""General combiners in the making, as pixel shaders become them: their constants, operands, and signs."""
+
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Mapping, Register
+from fixedpipe.pipeline.notations.register_combiner_words import UNUSED_ALPHA, UNUSED_RGB
+from fixedpipe.pipeline.state import AlphaPortion, CombinerInput, GeneralCombiner, RGBPortion
+
+RGB, ALPHA, BLUE = ComponentUsage.RGB, ComponentUsage.ALPHA, ComponentUsage.BLUE
+
+REGISTERS = {
+    ("r", 0): Register.SPARE0,
+    ("r", 1): Register.SPARE1,
+    ("v", 0): Register.PRIMARY_COLOR,
+    ("v", 1): Register.SECONDARY_COLOR,
+    ("t", 0): Register.TEXTURE0,
+    ("t", 1): Register.TEXTURE1,
+    ("t", 2): Register.TEXTURE2,
+    ("t", 3): Register.TEXTURE3,
+}
+R0 = ("r", 0)
+CONSTANTS = (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
+SCALES = {
+    "": CombinerScale.NONE,
+    "x2": CombinerScale.SCALE_BY_TWO,
+    "x4": CombinerScale.SCALE_BY_FOUR,
+    "d2": CombinerScale.SCALE_BY_ONE_HALF,
+}
+MAPPINGS = {
+    ("", ""): Mapping.SIGNED_IDENTITY,
+    ("-", ""): Mapping.SIGNED_NEGATE,
+    ("", "bx2"): Mapping.EXPAND_NORMAL,
+    ("-", "bx2"): Mapping.EXPAND_NEGATE,
+    ("", "bias"): Mapping.HALF_BIAS_NORMAL,
+    ("-", "bias"): Mapping.HALF_BIAS_NEGATE,
+    ("1-", ""): Mapping.UNSIGNED_INVERT,
+}
+SIGNED = (Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE)
+# What makes one of 1, or minus one.
+ONE_OR_MINUS_ONE = (*SIGNED, Mapping.EXPAND_NORMAL, Mapping.EXPAND_NEGATE)
+NEGATED = {
+    Mapping.SIGNED_IDENTITY: Mapping.SIGNED_NEGATE,
+    Mapping.EXPAND_NORMAL: Mapping.EXPAND_NEGATE,
+    Mapping.HALF_BIAS_NORMAL: Mapping.HALF_BIAS_NEGATE,
+}
+NEGATED |= {negated: mapping for mapping, negated in NEGATED.items()}
+EXPANDED = {
+    Mapping.SIGNED_IDENTITY: Mapping.EXPAND_NORMAL,
+    Mapping.SIGNED_NEGATE: Mapping.EXPAND_NEGATE,
+}
+
+
+@dataclass
+class Stage:
+    """A general combiner in the making.
+
+    ``places``: of each of the two constant registers the halves that are read, "rgb" and "a", and which of
+    the program's constants each of them is.
+    """
+
+    token: object
+    colors: dict
+    rgb: RGBPortion | None = None
+    alpha: AlphaPortion | None = None
+    places: tuple[dict, dict] = field(default_factory=lambda: ({}, {}))
+
+    def build(self):
+        """The GeneralCombiner."""
+        own = {}
+        for number, halves in enumerate(self.places):
+            if halves:
+                rgb = self.colors[halves.get("rgb", halves.get("a"))]
+                alpha = self.colors[halves.get("a", halves.get("rgb"))]
+                own[f"constant_color{number}"] = (*rgb[:3], alpha[3])
+        return GeneralCombiner(rgb=self.rgb or UNUSED_RGB, alpha=self.alpha or UNUSED_ALPHA, **own)
+
+    def place(self, number, half):
+        """The constant register whose half is constant ``number``'s, 0 or 1; None: both are taken."""
+        for fits in (
+            lambda halves: halves.get(half) == number,
+            lambda halves: number in halves.values() and half not in halves,
+            lambda halves: not halves,
+            lambda halves: half not in halves,
+        ):
+            for place, halves in enumerate(self.places):
+                if fits(halves):
+                    halves[half] = number
+                    return place
+        return None
+
+
+class Operand(NamedTuple):
+    """An input, and whether it is still to be negated, for it has a mapping that cannot be."""
+
+    input: CombinerInput
+    negated: bool = False
+
+
+@dataclass
+class Dot:
+    """Where an alpha stays in blue: the general combiner of the dot product, and the one from which on the
+    register's own alpha may be written.
+    """
+
+    stage: int
+    free_from: int
+
+
+def one_operand(half):
+    """One, as an operand of a half: "rgb" or "a"."""
+    return Operand(CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, RGB if half == "rgb" else ALPHA))
+
+
+def stored(color):
+    """What a combiner's constant, in [0, 1], holds of a color in [-1, 1].
+
+    Magnitudes, for readers that negate; where red, green and blue differ in sign, what EXPAND_NORMAL maps to
+    them, in steps of 2/255.
+    """
+    color = [max(-1.0, min(1.0, value)) for value in color]
+    magnitudes = tuple(abs(value) for value in color)
+    if min(color[:3]) < 0 < max(color[:3]):
+        return (*((value + 256 / 255) / 2 for value in color[:3]), magnitudes[3])
+    return magnitudes
+
+
+def copy_of_blue(register):
+    """The alpha portion that copies a register's blue to its alpha. ``register``: letter and number."""
+    given = REGISTERS[register]
+    return AlphaPortion(
+        a=CombinerInput(given, Mapping.SIGNED_IDENTITY, BLUE),
+        ab_output=given,
+        b=CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ALPHA),
+        sum_output=Register.DISCARD,
+    )
+
+
+def product(instruction, first, second):
+    """The two inputs of a product, with the sign that either still owes."""
+    a, b = first.input, second.input
+    if first.negated == second.negated:
+        return a, b
+    if a.mapping in NEGATED:
+        return replace(a, mapping=NEGATED[a.mapping]), b
+    if b.mapping in NEGATED:
+        return a, replace(b, mapping=NEGATED[b.mapping])
+    if (b.register, b.mapping) == (Register.ZERO, Mapping.UNSIGNED_INVERT):
+        # Minus one; where EXPAND_NORMAL takes 128 as one half, it is -256/255.
+        return a, replace(b, mapping=Mapping.EXPAND_NORMAL)
+    raise instruction.token.error(
+        f"{instruction.name} of factors that the hardware cannot negate (1-, or what _sat wrote); negate "
+        "one of them with mov first."
+    )
