@@ -1,5 +1,7 @@
 """``fixedpipe combiners``: a combiner or pixel shader program of the time, checked and in words."""
 
+from math import isfinite
+
 import click
 
 from fixedpipe.effects.cli.options import refuse_ignored
@@ -20,59 +22,139 @@ from fixedpipe.effects.cli.options import refuse_ignored
     help="What a pixel shader's unit has bound: 1=TEXTURE_CUBE_MAP for instance. May be given again.",
 )
 @click.option("--rc", "notation", is_flag=True, help="Print as !!TS1.0 and !!RC1.0 text, not in words.")
+@click.option(
+    "--constant",
+    "constants",
+    multiple=True,
+    metavar="N=R,G,B,A",
+    help="A constant that a pixel shader's application sets: 1=0.5,0.5,0.5,1. May be given again.",
+)
 @click.option("--bounds", is_flag=True, help="What every register can hold, and which clamps may bite.")
-def combiners(file, profile, targets, notation, bounds):
+@click.option(
+    "--table", is_flag=True, help="Evaluate it for --input, stage by stage, as fixedpipe inspect does."
+)
+@click.option(
+    "--input",
+    "inputs",
+    multiple=True,
+    metavar="REGISTER=R,G,B,A",
+    help="Of --table: t0 to t3, v0, v1 as bytes; one number is all four. May be given again; otherwise 0.",
+)
+@click.option("--json", "json_file", metavar="FILE", help="Write what it sets as JSON.")
+def combiners(file, profile, targets, notation, constants, bounds, table, inputs, json_file):
     """Read FILE (- for standard input), a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0``
     texture shaders, both in one text, or a Direct3D pixel shader ps.1.0 to ps.1.3, and print what it sets, as
-    equations.
+    equations, each with the lines that it comes from.
 
-    --bounds: the range of every register after every stage on the machine, for colours and texels from 0 to
-    1, and of which a clamp can bite. A range may be wider than what fragments reach, and is never narrower.
+    A register is said to be clamped where a clamp of the machine, of the NV2A without --profile, may change
+    it. --bounds: the range of every register after every stage on the machine, for colours and texels from
+    0 to 1, and of which a clamp can bite. A range may be wider than what fragments reach, never narrower.
     """
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.user_pictures.inputs import read_text
-    from fixedpipe.pipeline.description.describe import describe_program
+    from fixedpipe.pipeline.description.program_text import program_text, usage
     from fixedpipe.pipeline.notations.programs import parse_program
     from fixedpipe.pipeline.notations.tokens import ProgramTextError
     from fixedpipe.pipeline.profiles import PROFILES
     from fixedpipe.pipeline.validation.validate import validate_program
+    from fixedpipe.pipeline.validation.walk import UnsupportedState
 
-    if bounds and (profile is None or notation):
-        raise Refusal("--bounds are a machine's numbers; give --profile, and leave --rc out.")
+    for name, given in (("--bounds are", bounds), ("--table is of", table)):
+        if given and (profile is None or notation):
+            raise Refusal(f"{name} a machine's numbers; give --profile, and leave --rc out.")
+    if inputs and not table:
+        raise Refusal("--input is what --table evaluates; give both.")
     machine = None if profile is None else choose("profile", profile, PROFILES)
     bound = _targets(targets)
     try:
         # Of the time: comments in any encoding, which the notations skip.
-        program = parse_program(read_text(file, otherwise="latin-1"), bound)
+        program = parse_program(read_text(file, otherwise="latin-1"), bound, _colors(constants))
     except ProgramTextError as error:
         raise Refusal(f"{'standard input' if file == '-' else file}, {error}") from error
     if not any(name.startswith("ps.") for name in program.notations):
         refuse_ignored(
             click.get_current_context(),
-            ("targets",),
-            f"{' and '.join(program.notations)} says what its units read, and a pixel shader alone does not",
+            ("targets", "constants"),
+            f"{' and '.join(program.notations)} says what its units read and what its constants are, and a "
+            "pixel shader alone does not",
         )
-    with refusals():
-        if machine is not None:
+    unused = sorted({number for number in _colors(constants) if number not in program.colors})
+    if unused:
+        raise Refusal(f"--constant {unused[0]}: the program reads no c{unused[0]}; leave it out.")
+    if machine is not None:
+        try:
             validate_program(program.texture_shader, program.combiners, machine)
-        text = _text(program) if notation else describe_program(program.texture_shader, program.combiners)
+        except UnsupportedState as error:
+            raise Refusal(program.tell(str(error))) from error
     if notation:
-        click.echo(text, nl=False)
+        with refusals():
+            click.echo(_text(program), nl=False)
         return
-    on = "" if machine is None else f", on {machine.name}"
-    click.echo(f"{' and '.join(program.notations)}{on}\n")
-    click.echo(text, nl=False)
+    if json_file:
+        _write_json(program, json_file)
+        return
+    on, limits = "", ()
+    if machine is not None:
+        on = f", on {machine.name}"
+        limits = machine.combiners.max_general_combiners, machine.textures.max_texture_units
+    click.echo(f"{' and '.join(program.notations)}{on}: {usage(program, *limits)}\n")
+    click.echo(program_text(program, _clamped(program, machine)), nl=False)
     for place in program.constants:
-        where = (
-            f"the eye of texture shader stage {place.stage}"
-            if place.register is None
-            else f"{place.register.name.lower().replace('constant_color', 'const')} of GC{place.stage}"
-        )
-        click.echo(f"  c{place.constant} is {where}")
+        if place.register is None:
+            by = "" if place.constant in program.defined else ", set by the application"
+            click.echo(f"  c{place.constant}{by} is the eye of texture shader stage {place.stage}")
     for note in program.notes:
         click.echo(f"note: {note}")
     if bounds:
         _tell_bounds(program.combiners, machine)
+    if table:
+        from fixedpipe.effects.cli.program_table import tell_table
+
+        tell_table(program, machine, inputs)
+
+
+def _clamped(program, machine):
+    """(number, portion, register) of what the machine's clamp may change: of the NV2A where there is none."""
+    from fixedpipe.pipeline.inspection.bounds import combiner_bounds
+    from fixedpipe.pipeline.profiles import NV2A
+
+    if program.combiners is None:
+        return ()
+    found = set()
+    for bound in combiner_bounds(program.combiners, machine or NV2A):
+        number = bound.stage.removeprefix("general combiner ")
+        register, _, component = bound.register.rpartition(".")
+        if bound.clamps and number.isdigit():
+            found.add((int(number), "alpha" if component == "a" else "rgb", register))
+    return found
+
+
+def _colors(options):
+    """{number: color} of every ``N=R,G,B,A``. Raises Refusal for what is none."""
+    from fixedpipe.effects.refusal import Refusal
+
+    found = {}
+    for given in options:
+        number, _, color = given.partition("=")
+        try:
+            components = tuple(float(component) for component in color.split(","))
+        except ValueError:
+            components = ()
+        if number not in tuple("01234567") or len(components) != 4 or not all(map(isfinite, components)):
+            raise Refusal(f"--constant {given} is no N=R,G,B,A; write --constant 1=0.5,0.5,0.5,1, c0 to c7.")
+        if number in map(str, found):
+            raise Refusal(f"--constant gives c{number} twice; give it once.")
+        found[int(number)] = components
+    return found
+
+
+def _write_json(program, path):
+    import json
+
+    from fixedpipe.effects.cli.frames import write_file
+    from fixedpipe.pipeline.description.program_text import program_json
+
+    write_file(path, json.dumps(program_json(program), indent=1) + "\n")
 
 
 def _tell_bounds(combiners, machine):

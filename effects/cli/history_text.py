@@ -1,6 +1,6 @@
 """A pixel's history as text for a terminal, by rich."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rich.console import Group
 from rich.text import Text
@@ -40,15 +40,24 @@ def _heading(touched: Touched) -> Iterator[Text]:
         yield Text(f"  after   {held(touched.after)}")
 
 
+def fragment_text(fragment: Fragment, shown: Sequence[Stage]) -> Group:
+    """Some of a fragment's stages."""
+    return Group(*_stages(fragment, shown))
+
+
 def _fragment(number: int, count: int, fragment: Fragment) -> Iterator[Text]:
     name = f"fragment {number + 1} of {count}" if count > 1 else "fragment"
-    rows = [HEADINGS]
-    rows += [row for stage in fragment.stages for row in _rows(stage)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADINGS))]
     yield Text(f"  {name}: {fragment.fate}", style="bold")
+    yield from _stages(fragment, fragment.stages)
+
+
+def _stages(fragment: Fragment, shown: Sequence[Stage]) -> Iterator[Text]:
+    rows = [HEADINGS]
+    rows += [row for stage in shown for row in _rows(stage)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADINGS))]
     yield _row(HEADINGS, widths, "dim")
-    for place, stage in enumerate(fragment.stages):
-        yield _title(stage, marks_of(fragment, place))
+    for stage in shown:
+        yield _title(stage, marks_of(fragment, fragment.stages.index(stage)))
         for row in _rows(stage):
             yield _row(row, widths, "dim" if row[0].startswith(_CAUSE) else "")
         for clamped in stage.clamped:

@@ -18,6 +18,7 @@ from fixedpipe.pipeline.enums import (
     CullMode,
     DotProductMapping,
     Mapping,
+    Meaning,
     MuxSelect,
     Register,
     TextureEnvironmentMode,
@@ -104,7 +105,14 @@ def shader_stage_equation(i, stage):
     return ", ".join([equation.format(g=i - 2, h=i - 1, i=i, j=i + 1, **parts), *rest])
 
 
-_ZERO_MAPPINGS = (Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE)
+# What mappings make of ZERO, where that is not 0.
+_OF_ZERO = {
+    Mapping.UNSIGNED_INVERT: "1",
+    Mapping.EXPAND_NORMAL: "-1",
+    Mapping.EXPAND_NEGATE: "1",
+    Mapping.HALF_BIAS_NORMAL: "-1/2",
+    Mapping.HALF_BIAS_NEGATE: "1/2",
+}
 _SCALE_WORDS = {
     CombinerScale.SCALE_BY_TWO: "2",
     CombinerScale.SCALE_BY_FOUR: "4",
@@ -116,13 +124,17 @@ _FUNCTIONS = {CombinerFunction.SQUARE_ROOT: "sqrt", CombinerFunction.EXPONENTIAL
 
 def _term(given, plain):
     """One variable of an equation; alpha and blue carry their suffix."""
-    if given.register is Register.ZERO and given.mapping in _ZERO_MAPPINGS:
-        return "0"
+    if given.register is Register.ZERO:
+        return _OF_ZERO.get(given.mapping, "0")
     if given.mapping is Mapping.UNSIGNED_INVERT:
-        if given.register is Register.ZERO:
-            return "1"
-        return f"(1 - {_name(given)})"
+        return f"(1 - {_saturated(given, _name(given))})"
+    if given.meaning is Meaning.SATURATED and given.mapping is Mapping.UNSIGNED_IDENTITY:
+        return _saturated(given, _name(given))
     return format_input(given, ComponentUsage.RGB, plain)
+
+
+def _saturated(given, name):
+    return f"sat({name})" if given.meaning is Meaning.SATURATED else name
 
 
 def _name(given):
@@ -138,9 +150,12 @@ def _product(a, b, dot=False):
         return "0"
     if dot:
         return f"{a} . {b}"
-    if a == "1":
-        return b
-    return a if b == "1" else f"{a} * {b}"
+    for one, other in ((a, b), (b, a)):
+        if one == "1":
+            return other
+        if one == "-1":
+            return other[1:] if other.startswith("-") else f"-{other}"
+    return f"{a} * {b}"
 
 
 def _sum(*terms):
@@ -164,8 +179,11 @@ def _scaled(expression, portion):
     return f"{_SCALE_WORDS[portion.scale]} * {_grouped(expression)}"
 
 
-def portion_line(title, portion, suffix, selector):
-    """A portion as a line of equations, of its outputs that are kept; none where all are discarded."""
+def portion_line(title, portion, suffix, selector, clamped=()):
+    """A portion as a line of equations, of its outputs that are kept; none where all are discarded.
+
+    ``clamped``: names of registers whose value the machine's clamp may change.
+    """
     a, b, c, d = (
         _term(given, Mapping.SIGNED_IDENTITY) for given in (portion.a, portion.b, portion.c, portion.d)
     )
@@ -176,63 +194,69 @@ def portion_line(title, portion, suffix, selector):
         total = f"{_grouped(ab)} / {_grouped(cd)}"
     elif portion.function is not CombinerFunction.NONE:
         total = f"{_FUNCTIONS[portion.function]}({total})"
-    written = [
-        f"{REGISTER_NAMES[output]}{suffix} = {_scaled(expression, portion)}"
-        for output, expression in (
-            (portion.ab_output, ab),
-            (portion.cd_output, cd),
-            (portion.sum_output, total),
-        )
-        if output is not Register.DISCARD
-    ]
+    written = []
+    for output, expression, copied in (
+        (portion.ab_output, ab, getattr(portion, "ab_blue_to_alpha", False)),
+        (portion.cd_output, cd, getattr(portion, "cd_blue_to_alpha", False)),
+        (portion.sum_output, total, False),
+    ):
+        if output is not Register.DISCARD:
+            name = REGISTER_NAMES[output]
+            blue = f", and {name}.a = its blue" if copied else ""
+            clamp = ", clamped to [-1, 1]" if name in clamped else ""
+            written.append(f"{name}{suffix} = {_scaled(expression, portion)}{clamp}{blue}")
     return [f"{title}: {'; '.join(written)}"] if written else []
 
 
-def _blue_to_alpha_line(title, portion):
-    written = [
-        f"{REGISTER_NAMES[output]}.a = {REGISTER_NAMES[output]}.b"
-        for output, copied in (
-            (portion.ab_output, portion.ab_blue_to_alpha),
-            (portion.cd_output, portion.cd_blue_to_alpha),
-        )
-        if copied and output is not Register.DISCARD
-    ]
-    return [f"{title}: {'; '.join(written)}"] if written else []
-
-
-def final_lines(final):
-    """The final combiner as equations: of E times F where it is read, of RGB, of alpha."""
+def final_lines(final, title=""):
+    """The final combiner as equations: of E times F where it is read, of RGB, of alpha. ``title``: what is
+    added to its name.
+    """
     a, b, c, d, e, f, g = (
         _term(getattr(final, variable), Mapping.UNSIGNED_IDENTITY) for variable in "abcdefg"
     )
     lines = []
     if Register.E_TIMES_F in (given.register for given in (final.a, final.b, final.c, final.d)):
-        lines.append(f"final: final_product = {_product(e, f)}")
+        lines.append(f"final{title}: final_product = {_product(e, f)}")
     complement = {"0": "1", "1": "0"}.get(a)
     if complement is None:
         inverted = final.a.mapping is Mapping.UNSIGNED_INVERT
         complement = _name(final.a) if inverted else f"(1 - {a})"
     rgb = _sum(_product(a, b), _product(complement, c), d)
-    return [*lines, f"final.rgb: out.rgb = {rgb}", f"final.alpha: out.a = {g}"]
+    return [*lines, f"final.rgb{title}: out.rgb = {rgb}", f"final.alpha{title}: out.a = {g}"]
 
 
-def combiner_lines(combiners):
-    """Register combiners as equations: constants, each general combiner, the final combiner."""
+def combiner_lines(combiners, titles=(), constants=None, clamped=()):
+    """Register combiners as equations: constants, each general combiner, the final combiner.
+
+    ``titles``: what is added to the name of each general combiner, and, last, of the final one.
+    ``constants``: {(number of a general combiner or None, name of a field): its color in words}. ``clamped``:
+    (number, "rgb" or "alpha", name of a register) that the machine's clamp may change.
+    """
     initial, lines = RegisterCombiners(), ["REGISTER_COMBINERS enabled"]
+    titles = titles or ("",) * (len(combiners.general) + 1)
+
+    def color(number, owner, name):
+        given = getattr(owner, name)
+        return (constants or {}).get((number, name)) or format_value(given)
+
     for name in ("constant_color0", "constant_color1"):
         if getattr(combiners, name) != getattr(initial, name):
-            lines.append(f"  {_constant(name)} = {format_value(getattr(combiners, name))}")
+            lines.append(f"  {_constant(name)} = {color(None, combiners, name)}")
     selector = "spare0.a is even" if combiners.mux_select is MuxSelect.LSB else "spare0.a < 1/2"
     for number, stage in enumerate(combiners.general):
+        of = [
+            [register for n, portion, register in clamped if (n, portion) == (number, half)]
+            for half in ("rgb", "alpha")
+        ]
         own = [
-            f"  GC{number}: {_constant(name)} = {format_value(getattr(stage, name))}"
+            f"  GC{number}: {_constant(name)} = {color(number, stage, name)}"
             for name in ("constant_color0", "constant_color1")
             if getattr(stage, name) is not None
         ]
         written = [
-            *portion_line(f"  GC{number}.rgb", stage.rgb, "", selector),
-            *_blue_to_alpha_line(f"  GC{number}.rgb", stage.rgb),
-            *portion_line(f"  GC{number}.alpha", stage.alpha, ".a", selector),
+            *portion_line(f"  GC{number}.rgb{titles[number]}", stage.rgb, "", selector, of[0]),
+            *portion_line(f"  GC{number}.alpha{titles[number]}", stage.alpha, ".a", selector, of[1]),
         ]
         if stage.lookup is not None:
             read = REGISTER_NAMES[stage.lookup.register]
@@ -245,7 +269,7 @@ def combiner_lines(combiners):
     for field, name in (("invert_spare0", "spare0"), ("invert_secondary_color", "col1")):
         if getattr(combiners, field):
             lines.append(f"  color_sum takes 1 - {name}")
-    return lines + [f"  {line}" for line in final_lines(combiners.final)]
+    return lines + [f"  {line}" for line in final_lines(combiners.final, titles[-1])]
 
 
 def _constant(field):

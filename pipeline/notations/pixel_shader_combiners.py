@@ -53,13 +53,14 @@ EXPANDED = {
 
 @dataclass
 class Stage:
-    """A general combiner in the making.
+    """A general combiner in the making, of what ``says`` which line's instructions make of it.
 
     ``places``: of each of the two constant registers the halves that are read, "rgb" and "a", and which of
     the program's constants each of them is.
     """
 
     token: object
+    says: str
     colors: dict
     rgb: RGBPortion | None = None
     alpha: AlphaPortion | None = None
@@ -121,7 +122,7 @@ def stored(color):
     color = [max(-1.0, min(1.0, value)) for value in color]
     magnitudes = tuple(abs(value) for value in color)
     if min(color[:3]) < 0 < max(color[:3]):
-        return (*((value + 256 / 255) / 2 for value in color[:3]), magnitudes[3])
+        return (*((255 * value + 256) / 510 for value in color[:3]), magnitudes[3])
     return magnitudes
 
 

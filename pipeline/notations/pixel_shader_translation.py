@@ -31,7 +31,7 @@ Source: NV_register_combiners, NV_texture_shader; the DirectX 8.1 reference; nvp
 distributed with OGRE 3D, for the correspondence.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from fixedpipe.pipeline.enums import CombinerScale, Mapping, Meaning, Register
 from fixedpipe.pipeline.notations.pixel_shader_combiners import (
@@ -64,6 +64,7 @@ from fixedpipe.pipeline.notations.pixel_shaders import (
     read,
     too_many_combiners,
 )
+from fixedpipe.pipeline.notations.program_sources import ProgramSources
 from fixedpipe.pipeline.notations.register_combiner_words import (
     MAPPINGS_OF_ONE,
     MAX_GENERAL_COMBINERS,
@@ -71,6 +72,7 @@ from fixedpipe.pipeline.notations.register_combiner_words import (
 )
 from fixedpipe.pipeline.state import (
     AlphaPortion,
+    Color,
     CombinerInput,
     FinalCombiner,
     RegisterCombiners,
@@ -83,6 +85,7 @@ from fixedpipe.pipeline.state import (
 class PixelShader:
     """A translated program. ``texture_shader`` is None where it has no texture instruction: units then sample
     what is bound to them. ``notes``: sentences on what Direct3D would refuse and the hardware does not.
+    ``sources``, ``colors``, ``defined``: as of a Program.
     """
 
     version: str
@@ -90,6 +93,9 @@ class PixelShader:
     combiners: RegisterCombiners
     constants: tuple[ConstantPlace, ...]
     notes: tuple[str, ...] = ()
+    sources: ProgramSources = field(default_factory=ProgramSources, compare=False)
+    colors: dict[int, Color] = field(default_factory=dict)
+    defined: frozenset[int] = frozenset()
 
 
 def parse(text, targets=None, constants=None, start=(1, 1)):
@@ -116,7 +122,16 @@ def parse(text, targets=None, constants=None, start=(1, 1)):
     places = (*eyes, *translation.constant_places())
     told = sorted(dict.fromkeys((*listing.notes, *validator_notes(listing), *translation.notes)))
     notes = tuple(f"line {line}: {sentence}" for line, sentence in told)
-    return PixelShader(listing.version, stages, translation.combiners(), places, notes)
+    return PixelShader(
+        listing.version,
+        stages,
+        translation.combiners(),
+        places,
+        notes,
+        translation.sources(len(stages or ())),
+        {number: translation.color(number) for number in sorted({place.constant for place in places})},
+        frozenset(listing.constants),
+    )
 
 
 # -------------------------------------------------------------------------------- general combiners
@@ -177,6 +192,12 @@ class _Translation:
         general = tuple(stage.build() for stage in self.stages)
         return RegisterCombiners(general=general or (UNUSED_STAGE,), final=final)
 
+    def sources(self, units):
+        """The ProgramSources; ``units``: how many texture shader stages there are."""
+        lines = {i.unit: f"line {i.token.line}: {i.name}" for i in self.listing.texture}
+        general = tuple(stage.says for stage in self.stages) or ("",)
+        return ProgramSources(tuple(lines.get(unit, "") for unit in range(units)), general, "r0, with fog")
+
     def constant_places(self):
         return tuple(
             ConstantPlace(constant, number, CONSTANTS[place], half if shared else "rgba")
@@ -187,8 +208,10 @@ class _Translation:
             if shared or half == next(iter(halves))
         )
 
-    def new_stage(self, token):
-        return Stage(token, {number: stored(self.color(number)) for number in range(8)})
+    def new_stage(self, token, what):
+        return Stage(
+            token, f"line {token.line}: {what}", {number: stored(self.color(number)) for number in range(8)}
+        )
 
     def color(self, number):
         return self.colors.get(number, (0.0, 0.0, 0.0, 0.0))
@@ -218,7 +241,7 @@ class _Translation:
         if "a" in halves:
             for register in endangered:
                 self.alpha_of_its_own(register, group[0].token)
-        stage = self.new_stage(group[0].token)
+        stage = self.new_stage(group[0].token, " + ".join(instruction.name for instruction in group))
         for half, instruction in halves.items():
             if half == "rgb":
                 stage.rgb = self.portion(stage, half, instruction)
@@ -332,10 +355,10 @@ class _Translation:
             )
         target = REGISTERS[instruction.destination]
         plain = instruction._replace(scale="", name="dp3")
-        first = self.new_stage(instruction.token)
+        first = self.new_stage(instruction.token, "dp4, its products")
         first.rgb = self.portion(first, "rgb", plain)
         first.alpha = self.portion(first, "a", plain._replace(name="mul"))
-        second = self.new_stage(instruction.token)
+        second = self.new_stage(instruction.token, "dp4, their sum")
         halves = {"rgb": (RGBPortion, RGB, RGB), "alpha": (AlphaPortion, ALPHA, BLUE)}
         for name, (kind, usage, dot) in halves.items():
             one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage)
@@ -371,7 +394,7 @@ class _Translation:
                 "cmp needs the alpha of r0, where register combiners compare, and the program still reads "
                 "r0.a; move that to r1.a before."
             )
-        first = self.new_stage(instruction.token)
+        first = self.new_stage(instruction.token, "cmp, what is compared")
         one = one_operand("a")
         a, b = product(instruction, self.operand(first, "a", tested), one)
         first.alpha = AlphaPortion(
@@ -387,7 +410,7 @@ class _Translation:
             self.dots[R0].free_from = len(self.stages)
         else:
             self.saturated.discard((R0, "a"))
-        second = self.new_stage(instruction.token)
+        second = self.new_stage(instruction.token, "cmp, what is chosen")
         for half in instruction.mask:
             portion = self.portion(second, half, instruction)
             setattr(second, "rgb" if half == "rgb" else "alpha", portion)
@@ -428,7 +451,7 @@ class _Translation:
             if stage.alpha is None:
                 stage.alpha = copy_of_blue(register)
                 return
-        stage = self.new_stage(token)
+        stage = self.new_stage(token, f"the alpha of {''.join(map(str, register))} for it, from blue")
         stage.alpha = copy_of_blue(register)
         self.stages.append(stage)
 

@@ -6,17 +6,22 @@ writes them), or ``ps.1.0`` to ``ps.1.3``.
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.pipeline.notations import pixel_shader_translation, register_combiners, texture_shaders
 from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
+from fixedpipe.pipeline.notations.program_sources import ProgramSources
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
 from fixedpipe.pipeline.programs.texture_shader_rules import texture_target
 from fixedpipe.pipeline.state import Color, RegisterCombiners, TextureShaderStage
 
 # What may precede a header: white space, and the comments of either notation.
 _SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*", re.VERBOSE | re.DOTALL)
+# Instructions to a preprocessor, which are comments by their looks.
+_DIRECTIVE = re.compile(
+    r"^[ \t]*(#(?:define|include|undef|ifdef|ifndef|if|else|elif|endif|pragma)\b)", re.MULTILINE
+)
 _HEADER = re.compile(r"!!(?:TS|RC)1\.0|[a-z]{2,3}[._][0-9]+[._][0-9x]+", re.IGNORECASE)
 _SECOND_HEADER = re.compile(r"^[ \t]*!!(?:TS|RC)1\.0", re.MULTILINE)
 
@@ -26,7 +31,9 @@ class Program:
     """``notations``: the headers, in order. ``texture_shader`` is None where the text says nothing of it:
     each unit then samples what is bound to it. ``combiners`` is None where it has texture shaders alone.
     ``targets``: of the texture that each unit's stage reads, None where it reads none. ``constants``: where a
-    pixel shader's constant registers went. ``notes``: sentences on what a stricter reader would refuse.
+    pixel shader's constant registers went, ``colors`` {number: color} what each is by the text or by whoever
+    sets it, ``defined`` the numbers of those that the text defines. ``notes``: sentences on what a stricter
+    reader would refuse. ``sources``: which lines say what.
     """
 
     notations: tuple[str, ...]
@@ -35,6 +42,13 @@ class Program:
     targets: tuple[TextureTarget | None, ...] = ()
     constants: tuple[ConstantPlace, ...] = ()
     notes: tuple[str, ...] = ()
+    sources: ProgramSources = field(default_factory=ProgramSources, compare=False)
+    colors: Mapping[int, Color] = field(default_factory=dict)
+    defined: frozenset[int] = frozenset()
+
+    def tell(self, sentence: str) -> str:
+        """A sentence about the state in the program's own words, with the lines that it is about."""
+        return self.sources.tell(sentence, self.notations)
 
 
 def _place(text, at):
@@ -53,6 +67,14 @@ def parse_program(
     binds textures and sets constants. Raises ProgramTextError with line and column, both from 1.
     """
     at = _SKIPPED.match(text).end()  # type: ignore[union-attr]  # it matches the empty string
+    directive = _DIRECTIVE.search(text, 0, at)
+    if directive is not None:
+        raise ProgramTextError(
+            f"found {directive[1]!r}, an instruction to the preprocessor; give the text as it comes out of "
+            "the "
+            "preprocessor.",
+            *_place(text, directive.start(1)),
+        )
     header = _HEADER.match(text, at)
     if header is None:
         found = text[at : at + 20].split("\n")[0].strip()
@@ -64,8 +86,15 @@ def parse_program(
     if not header.group().startswith("!!"):
         # Comments of the other notations, before the version, are none of this one's.
         shader = pixel_shader_translation.parse(text[at:], targets, constants, start=_place(text, at))
-        given = shader.texture_shader, shader.combiners, shader.constants, shader.notes
-        return _program((f"ps.{shader.version}",), *given)
+        program = _program((f"ps.{shader.version}",), shader.texture_shader, shader.combiners)
+        return replace(
+            program,
+            constants=shader.constants,
+            notes=shader.notes,
+            sources=shader.sources,
+            colors=shader.colors,
+            defined=shader.defined,
+        )
     second = _SECOND_HEADER.search(text, header.end())
     parts = [text[at:]] if second is None else [text[at : second.start()], text[second.start() :]]
     starts = [_place(text, at)] if second is None else [_place(text, at), _place(text, second.start())]
@@ -77,10 +106,14 @@ def parse_program(
                 f"a second {name}; a program has one of each notation. Split the text.", *start
             )
         module = register_combiners if name == "!!RC1.0" else texture_shaders
-        programs[name] = module.parse(part, start)
-    return _program(tuple(programs), programs.get("!!TS1.0"), programs.get("!!RC1.0"))
+        programs[name] = module.parse_with_sources(part, start)
+    nothing = None, ProgramSources()
+    stages, of_stages = programs.get("!!TS1.0", nothing)
+    combiners, sources = programs.get("!!RC1.0", nothing)
+    program = _program(tuple(programs), stages, combiners)
+    return replace(program, sources=replace(sources, texture_shader=of_stages.texture_shader))
 
 
-def _program(notations, stages, combiners, constants=(), notes=()):
+def _program(notations, stages, combiners):
     targets = tuple(texture_target(stage.operation) for stage in stages or ())
-    return Program(notations, stages, combiners, targets, constants, notes)
+    return Program(notations, stages, combiners, targets)

@@ -38,6 +38,7 @@ import re
 from typing import NamedTuple
 
 from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
+from fixedpipe.pipeline.notations.program_sources import ProgramSources, lines_between
 from fixedpipe.pipeline.notations.register_combiner_words import (
     BLACK,
     MAPPING_WORDS,
@@ -117,6 +118,7 @@ class _Term(NamedTuple):
 class _Parser(Reader):
     def __init__(self, text, start):
         super().__init__(_tokens(text, start))
+        self.general_lines, self.final_tokens, self.unset = [], [], ()
         self.positions = {}  # where each field of the result was written, by the paths of combiner_problems
 
     def follows(self, *texts):
@@ -149,8 +151,14 @@ class _Parser(Reader):
             color_sum_clamp=clamp,
         )
         for path, sentence in combiner_problems(combiners):
-            raise self.positions[path].error(sentence)
+            raise self.positions[path].error(ProgramSources().tell(sentence))
         return combiners
+
+    def sources(self):
+        """The ProgramSources of the program that was read."""
+        lines = [token.line for token in self.final_tokens]
+        final = lines_between(min(lines), max(lines))
+        return ProgramSources((), tuple(self.general_lines) or ("",), final, self.unset)
 
     def header(self):
         token = self.take()
@@ -223,6 +231,7 @@ class _Parser(Reader):
                 f"general combiner {number} has no portion; give it rgb {{ ... }} or alpha {{ ... }}, or "
                 "remove it."
             )
+        self.general_lines.append(lines_between(opening.line, self.last.line))
         return GeneralCombiner(
             rgb=portions.get("rgb", UNUSED_RGB),
             alpha=portions.get("alpha", UNUSED_ALPHA),
@@ -411,11 +420,13 @@ class _Parser(Reader):
                 raise token.error(
                     f"{token.text} after an output; it comes before out.rgb and out.a. Move it there."
                 )
+            self.final_tokens.append(token)
             given[token.text] = self.final_statement(token.text)
         if "out.rgb" not in given and "out.a" not in given:
             raise self.next.error(
                 "the text ends without out.rgb or out.a; say what the final combiner gives."
             )
+        self.unset = tuple(name for name in ("out.rgb", "out.a") if name not in given)
         zero = ZERO_INPUTS[ComponentUsage.RGB]
         a, b, c, d = self.without_color_sum_in_a(given.get("out.rgb", (zero, zero, zero, zero)))
         e, f = given.get("final_product", (zero, zero))
@@ -523,4 +534,12 @@ def parse(text: str, start: tuple[int, int] = (1, 1)) -> RegisterCombiners:
     describes what NV_register_combiners forbids. How many general combiners, texture units or constants a
     machine has is checked by ``fixedpipe.pipeline.validation``.
     """
-    return _Parser(text, start).program()
+    return parse_with_sources(text, start)[0]
+
+
+def parse_with_sources(
+    text: str, start: tuple[int, int] = (1, 1)
+) -> tuple[RegisterCombiners, ProgramSources]:
+    """As ``parse``, and which lines say what."""
+    parser = _Parser(text, start)
+    return parser.program(), parser.sources()

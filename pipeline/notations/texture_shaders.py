@@ -39,6 +39,7 @@ from math import isfinite
 from typing import NamedTuple
 
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureShaderOperation
+from fixedpipe.pipeline.notations.program_sources import ProgramSources
 from fixedpipe.pipeline.notations.tokens import ProgramTextError, Reader, scan
 from fixedpipe.pipeline.programs.texture_shader_rules import texture_shader_problems
 from fixedpipe.pipeline.state import TextureShaderStage
@@ -118,6 +119,7 @@ _TOKEN = re.compile(
 class _Parser(Reader):
     def __init__(self, text, start):
         super().__init__(scan(text, _TOKEN, TextureShaderTextError, start))
+        self.lines = []
 
     def expect(self, mark, after):
         if self.next.text != mark:
@@ -139,6 +141,7 @@ class _Parser(Reader):
                     "program into passes."
                 )
             names.append(name)
+            self.lines.append(f"line {name.line}")
             stages.append(self.instruction(name, len(stages)))
             self.expect(";", f"after {name.text}(...)")
         if not stages:
@@ -282,7 +285,15 @@ def parse(text: str, start: tuple[int, int] = (1, 1)) -> tuple[TextureShaderStag
     line and column, both from 1, where the text is no program, and where it describes what NV_texture_shader
     forbids. Which operations a machine has is checked by ``fixedpipe.pipeline.validation``.
     """
-    return _Parser(text, start).program()
+    return parse_with_sources(text, start)[0]
+
+
+def parse_with_sources(
+    text: str, start: tuple[int, int] = (1, 1)
+) -> tuple[tuple[TextureShaderStage, ...], ProgramSources]:
+    """As ``parse``, and which lines say what."""
+    parser = _Parser(text, start)
+    return parser.program(), ProgramSources(texture_shader=tuple(parser.lines))
 
 
 # ---------------------------------------------------------------------------------------- formatting

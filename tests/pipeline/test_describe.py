@@ -260,7 +260,7 @@ def test_numbers_are_shown_with_every_digit_they_need(value):
             "rgb { spare0 = unsigned(tex0) * -half_bias(fog); }",
             "GC0.rgb: spare0 = unsigned(tex0) * -half_bias(fog)",
         ),
-        ("rgb { spare0 = expand(zero); }", "GC0.rgb: spare0 = expand(zero)"),
+        ("rgb { spare0 = expand(zero); }", "GC0.rgb: spare0 = -1"),
         ("rgb { spare0 = tex0; spare1 = col0 * col1; }", "GC0.rgb: spare0 = tex0; spare1 = col0 * col1"),
         (
             "rgb { discard = tex0; discard = -col0 * col1; spare0 = sum(); }",

@@ -119,17 +119,17 @@ def test_a_pixel_shader_is_printed_as_equations(tmp_path):
     result = run(path, "--profile", "GEFORCE_3")
     assert result.exit_code == 0, result.output
     assert result.stdout == (
-        "ps.1.1, on GeForce 3\n\n"
+        "ps.1.1, on GeForce 3: 1 of 8 general combiners, at most 1 of 2 constants in one, 2 of 4 texture "
+        "units\n\n"
         "TEXTURE_SHADER enabled\n"
-        "  stage 0: tex0 = TEXTURE_2D(s0/q0, t0/q0)\n"
-        "  stage 1: tex1 = TEXTURE_2D((s1, t1) + [1 0 | 0 1] (tex0's ds, dt))\n"
+        "  stage 0 (line 2: tex): tex0 = TEXTURE_2D(s0/q0, t0/q0)\n"
+        "  stage 1 (line 3: texbem): tex1 = TEXTURE_2D((s1, t1) + [1 0 | 0 1] (tex0's ds, dt))\n"
         "REGISTER_COMBINERS enabled\n"
-        "  GC0: const0 = (0, 0, 0, 0)\n"
-        "  GC0.rgb: spare0 = 2 * (tex1 * (1 - col0) + const0)\n"
-        "  GC0.alpha: spare0.a = 2 * (tex1.a * (1 - col0.a) + const0.a)\n"
-        "  final.rgb: out.rgb = fog.a * spare0 + (1 - fog.a) * fog\n"
-        "  final.alpha: out.a = spare0.a\n"
-        "  c3 is const0 of GC0\n"
+        "  GC0: const0 = c3, set by the application (0, 0, 0, 0), bytes 0 0 0 0\n"
+        "  GC0.rgb (line 4: mad): spare0 = 2 * (tex1 * (1 - col0) + const0), clamped to [-1, 1]\n"
+        "  GC0.alpha (line 4: mad): spare0.a = 2 * (tex1.a * (1 - col0.a) + const0.a), clamped to [-1, 1]\n"
+        "  final.rgb (r0, with fog): out.rgb = fog.a * spare0 + (1 - fog.a) * fog\n"
+        "  final.alpha (r0, with fog): out.a = spare0.a\n"
     )
 
 

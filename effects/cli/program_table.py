@@ -1,0 +1,85 @@
+"""A program of the time evaluated for given inputs, in the words of ``fixedpipe inspect``."""
+
+import click
+
+_SHOWN = ("RGB portion", "alpha portion", "combiner", "color sum", "final combiner")
+_REGISTERS = ("t0", "t1", "t2", "t3", "v0", "v1")
+
+
+def tell_table(program, machine, inputs):
+    """Print what each combiner of a Program reads and makes on a machine. ``inputs``: of ``--input``.
+
+    The program's combiners draw one point, and the history of its pixel is told. Texture registers are given,
+    not looked up, so texture shaders take no part. Raises Refusal for inputs that are none.
+    """
+    from rich.console import Console
+
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.history_text import fragment_text
+    from fixedpipe.effects.refusal import Refusal, refusals
+    from fixedpipe.pipeline.inspection.inspect import inspect
+
+    if program.combiners is None:
+        raise Refusal("This program has texture shaders alone; --table is of register combiners.")
+    values = _inputs(inputs)
+    names = ", ".join(f"{name} {' '.join(map(str, color))}" for name, color in values.items())
+    click.echo(f"\nOf {names}:")
+    announce_compiling("portable")
+    with refusals():
+        history = inspect(_point(program, machine, values), machine, 1, 1, (0, 0))
+    (fragment,) = history.touched[-1].fragments
+    shown = [stage for stage in fragment.stages if stage.kind in _SHOWN]
+    Console(highlight=False).print(fragment_text(fragment, shown), soft_wrap=True)
+
+
+def _point(program, machine, values):
+    """A point of one pixel, whose units hold a texel each."""
+    import numpy as np
+
+    from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
+    from fixedpipe.pipeline.enums import PrimitiveType, TextureFilter
+    from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
+    from fixedpipe.pipeline.textures.images import texture_2d
+
+    units = [f"t{unit}" for unit in range(min(4, machine.textures.max_texture_units))]
+    nearest = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)
+    mesh = Mesh(
+        np.zeros((1, 3)),
+        PrimitiveType.POINTS,
+        colors=np.array([values["v0"]]) / 255,
+        secondary_colors=np.array([values["v1"]]) / 255,
+        texture_coordinates=(np.zeros((1, 2)),) * len(units),
+    )
+    state = PassState(
+        texture_units=tuple(TextureUnit(name, nearest) for name in units),
+        register_combiners=program.combiners,
+    )
+    textures = [
+        TexImage(label=name, texture=name, image=texture_2d(np.array([[values[name]]], np.uint8)))
+        for name in units
+    ]
+    return Clear(label="clear"), *textures, Draw(label="point", mesh=mesh, state=state)
+
+
+def _inputs(options):
+    """{register: four bytes}. Raises Refusal for what is none."""
+    from fixedpipe.effects.refusal import Refusal
+
+    found = {}
+    for given in options:
+        name, _, color = given.partition("=")
+        try:
+            components = [int(component) for component in color.split(",")]
+        except ValueError:
+            components = []
+        components *= 4 if len(components) == 1 else 1
+        if name not in _REGISTERS or len(components) != 4 or not all(0 <= c <= 255 for c in components):
+            raise Refusal(
+                f"--input {given} is no REGISTER=R,G,B,A; write --input t0=255,128,0,255: t0 to t3, v0 or "
+                "v1, and "
+                "whole numbers from 0 to 255."
+            )
+        if name in found:
+            raise Refusal(f"--input gives {name} twice; give it once.")
+        found[name] = tuple(components)
+    return {name: found.get(name, (0, 0, 0, 0)) for name in _REGISTERS}
