@@ -58,6 +58,7 @@ from fixedpipe.pipeline.notations.pixel_shader_combiners import (
 from fixedpipe.pipeline.notations.pixel_shader_notes import validator_notes
 from fixedpipe.pipeline.notations.pixel_shader_textures import WITHOUT_RESULT, ConstantPlace, texture_stages
 from fixedpipe.pipeline.notations.pixel_shaders import (
+    OVER_TWO_COMBINERS,
     grouped,
     half_read,
     halves_read,
@@ -160,7 +161,7 @@ class _Translation:
         for number, group in enumerate(self.groups):
             if len(self.stages) > MAX_GENERAL_COMBINERS:
                 return
-            if group[0].name in ("cmp", "dp4"):
+            if group[0].name in OVER_TWO_COMBINERS:
                 self.over_two_combiners(number, group[0])
             else:
                 self.over_one_combiner(number, group)

@@ -66,6 +66,7 @@ TEXTURE = {
     "texm3x3": (1, "1.2"),
     "texm3x2depth": (1, "1.3"),
 }
+OVER_TWO_COMBINERS = ("cmp", "dp4")
 # What later versions have, to be named where it is refused.
 _LATER = ("phase", "texcrd", "texld", "texdepth", "bem")
 
@@ -199,7 +200,7 @@ class _Reader(Reader):
                 if instruction.name == "nop":
                     continue
                 arithmetic.append(instruction)
-                combiners += not paired
+                combiners += 0 if paired else 2 if instruction.name in OVER_TWO_COMBINERS else 1
                 if combiners > MAX_GENERAL_COMBINERS:
                     raise too_many_combiners(token)
             else:
@@ -267,7 +268,8 @@ class _Reader(Reader):
     def texture(self, token, name, version):
         if name not in TEXTURE:
             raise token.error(
-                f"{name} has a modifier; texture instructions have none. Write {name.split('_')[0]}."
+                f"{token.found}, which has a modifier; texture instructions have none. Write "
+                f"{name.split('_')[0]}."
             )
         count, since = TEXTURE[name]
         self.check_version(token, name, since, version)

@@ -16,8 +16,10 @@ from fixedpipe.pipeline.notations.tokens import ProgramTextError
 from fixedpipe.pipeline.programs.texture_shader_rules import texture_target
 from fixedpipe.pipeline.state import Color, RegisterCombiners, TextureShaderStage
 
+# Assumed: more than any program with its comments; reading as many takes seconds.
+MOST_CHARACTERS = 1_000_000
 # What may precede a header: white space, and the comments of either notation.
-_SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*", re.VERBOSE | re.DOTALL)
+_SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*+", re.VERBOSE | re.DOTALL)
 # Instructions to a preprocessor, which are comments by their looks.
 _DIRECTIVE = re.compile(
     r"^[ \t]*(#(?:define|include|undef|ifdef|ifndef|if|else|elif|endif|pragma)\b)", re.MULTILINE
@@ -66,6 +68,13 @@ def parse_program(
     ``targets`` {unit: TextureTarget} and ``constants`` {number: color}: what a pixel shader leaves to whoever
     binds textures and sets constants. Raises ProgramTextError with line and column, both from 1.
     """
+    if len(text) > MOST_CHARACTERS:
+        raise ProgramTextError(
+            f"the text has {len(text)} characters; programs of the time have thousands, and at most "
+            f"{MOST_CHARACTERS} are read. Give the program alone.",
+            1,
+            1,
+        )
     at = _SKIPPED.match(text).end()  # type: ignore[union-attr]  # it matches the empty string
     directive = _DIRECTIVE.search(text, 0, at)
     if directive is not None:

@@ -97,7 +97,7 @@ def _tokens(text, start):
             touching = (before.line, before.column + len(before.text)) == (token.line, token.column)
             if touching:
                 raise before.error(
-                    f"found a letter after the number {before.text}; numbers are written without an "
+                    f"{before.found} and a letter right after the number; numbers are written without an "
                     "exponent, 0.001 for instance."
                 )
         before = token

@@ -376,7 +376,7 @@ ERRORS = [
     ("!!RC1.0\n{ rgb { spare0 = tex0.green; } }", 2, 23, ["found 'green'", ".rgb, .a or .b"]),
     ("!!RC1.0\nout.rgb = ?;", 2, 11, ["character '?'", "remove it"]),
     ("!!RC1.0 /* no end", 1, 9, ["never ends", "*/"]),
-    ("!!RC1.0\nconst0 = (1e-3, 0, 0, 0);", 2, 11, ["letter after the number 1", "exponent"]),
+    ("!!RC1.0\nconst0 = (1e-3, 0, 0, 0);", 2, 11, ["a letter right after the number", "exponent"]),
     ("!!RC1.0\nconst0 = (1, 0, 0);", 2, 18, ["found ')'", "','", "four components"]),
     ("!!RC1.0\nconst0 = (red, 0, 0, 0);", 2, 11, ["found 'red'", "number"]),
     ("!!RC1.0\nconst0 = (0,0,0,0);\nconst0 = (1,1,1,1);", 3, 1, ["const0 is set twice"]),
