@@ -21,7 +21,9 @@ from fixedpipe.effects.cli.options import refuse_ignored
     metavar="UNIT=TARGET",
     help="What a pixel shader's unit has bound: 1=TEXTURE_CUBE_MAP for instance. May be given again.",
 )
-@click.option("--rc", "notation", is_flag=True, help="Print as !!TS1.0 and !!RC1.0 text, not in words.")
+@click.option("--rc", "notation", flag_value="rc", help="Print as !!TS1.0 and !!RC1.0 text, not in words.")
+@click.option("--ts", "notation", flag_value="ts", help="Print its texture shaders alone, as !!TS1.0 text.")
+@click.option("--nv2a", "notation", flag_value="nv2a", help="Print as words of the NV2A's registers.")
 @click.option(
     "--constant",
     "constants",
@@ -61,7 +63,7 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
 
     for name, given in (("--bounds are", bounds), ("--table is of", table)):
         if given and (profile is None or notation):
-            raise Refusal(f"{name} a machine's numbers; give --profile, and leave --rc out.")
+            raise Refusal(f"{name} a machine's numbers; give --profile, and print it in words.")
     if inputs and not table:
         raise Refusal("--input is what --table evaluates; give both.")
     machine = None if profile is None else choose("profile", profile, PROFILES)
@@ -88,7 +90,7 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
             raise Refusal(program.tell(str(error))) from error
     if notation:
         with refusals():
-            click.echo(_text(program), nl=False)
+            click.echo(_text(program, notation), nl=False)
         return
     if json_file:
         _write_json(program, json_file)
@@ -195,10 +197,20 @@ def _target(given):
     return int(unit), choose("texture target", name, TextureTarget.__members__)
 
 
-def _text(program):
-    """The program in the notations of nvparse's own."""
+def _text(program, notation):
+    """The program in the notations of nvparse's own, "rc", its texture shaders alone, "ts", or as the NV2A's
+    registers, "nv2a".
+    """
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.pipeline.notations.nv2a_registers import format_registers
     from fixedpipe.pipeline.notations.register_combiner_format import format_program
     from fixedpipe.pipeline.notations.texture_shaders import format_stages
 
     stages, combiners = program.texture_shader, program.combiners
+    if notation == "nv2a":
+        return format_registers(combiners, stages)
+    if notation == "ts":
+        if not stages:
+            raise Refusal("This program has no texture shaders; leave --ts out.")
+        return format_stages(stages)
     return (format_stages(stages) if stages else "") + (format_program(combiners) if combiners else "")

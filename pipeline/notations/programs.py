@@ -1,7 +1,7 @@
 """A program in any of the notations that nvparse took, as texture shader stages and register combiners.
 
 The header says which: ``!!TS1.0``, ``!!RC1.0``, both one after the other (as the Cg compiler's profile fp20
-writes them), or ``ps.1.0`` to ``ps.1.3``.
+writes them), or ``ps.1.0`` to ``ps.1.3``. A text without one may be a dump of the NV2A's registers.
 """
 
 import re
@@ -9,7 +9,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from fixedpipe.pipeline.enums import TextureTarget
-from fixedpipe.pipeline.notations import pixel_shader_translation, register_combiners, texture_shaders
+from fixedpipe.pipeline.notations import (
+    nv2a_registers,
+    pixel_shader_translation,
+    register_combiners,
+    texture_shaders,
+)
 from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
 from fixedpipe.pipeline.notations.program_sources import ProgramSources
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
@@ -85,11 +90,15 @@ def parse_program(
             *_place(text, directive.start(1)),
         )
     header = _HEADER.match(text, at)
+    if header is None and nv2a_registers.is_dump(text):
+        stages, combiners, sources, notes = nv2a_registers.parse(text)
+        program = _program((nv2a_registers.HEADER,), stages, combiners)
+        return replace(program, sources=sources, notes=notes)
     if header is None:
         found = text[at : at + 20].split("\n")[0].strip()
         raise ProgramTextError(
             f"{f'found {found!r}' if found else 'the text ends'} where the header belongs; begin the "
-            "program with !!RC1.0, !!TS1.0 or ps.1.1.",
+            "program with !!RC1.0, !!TS1.0 or ps.1.1, or give words of the NV2A's registers.",
             *_place(text, at),
         )
     if not header.group().startswith("!!"):
