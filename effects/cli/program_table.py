@@ -18,6 +18,7 @@ def tell_table(program, machine, inputs):
     from fixedpipe.effects.cli.history_text import fragment_text
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.pipeline.inspection.inspect import inspect
+    from fixedpipe.pipeline.inspection.program_point import program_point
 
     if program.combiners is None:
         raise Refusal("This program has texture shaders alone; --table is of register combiners.")
@@ -26,39 +27,10 @@ def tell_table(program, machine, inputs):
     click.echo(f"\nOf {names}:")
     announce_compiling("portable")
     with refusals():
-        history = inspect(_point(program, machine, values), machine, 1, 1, (0, 0))
+        history = inspect(program_point(program.combiners, machine, values), machine, 1, 1, (0, 0))
     (fragment,) = history.touched[-1].fragments
     shown = [stage for stage in fragment.stages if stage.kind in _SHOWN]
     Console(highlight=False).print(fragment_text(fragment, shown), soft_wrap=True)
-
-
-def _point(program, machine, values):
-    """A point of one pixel, whose units hold a texel each."""
-    import numpy as np
-
-    from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
-    from fixedpipe.pipeline.enums import PrimitiveType, TextureFilter
-    from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
-    from fixedpipe.pipeline.textures.images import texture_2d
-
-    units = [f"t{unit}" for unit in range(min(4, machine.textures.max_texture_units))]
-    nearest = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)
-    mesh = Mesh(
-        np.zeros((1, 3)),
-        PrimitiveType.POINTS,
-        colors=np.array([values["v0"]]) / 255,
-        secondary_colors=np.array([values["v1"]]) / 255,
-        texture_coordinates=(np.zeros((1, 2)),) * len(units),
-    )
-    state = PassState(
-        texture_units=tuple(TextureUnit(name, nearest) for name in units),
-        register_combiners=program.combiners,
-    )
-    textures = [
-        TexImage(label=name, texture=name, image=texture_2d(np.array([[values[name]]], np.uint8)))
-        for name in units
-    ]
-    return Clear(label="clear"), *textures, Draw(label="point", mesh=mesh, state=state)
 
 
 def _inputs(options):

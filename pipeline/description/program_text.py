@@ -73,11 +73,16 @@ def program_json(program: Program) -> dict[str, Any]:
 
 
 def _plain(value):
-    if isinstance(value, Enum):
-        return value.name
+    """A state as JSON has it."""
+    for kind, written in _PLAIN:
+        if isinstance(value, kind):
+            return written(value)
     if is_dataclass(value):
         return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-    return [_plain(each) for each in value] if isinstance(value, tuple) else value
+    return value
+
+
+_PLAIN = ((Enum, lambda value: value.name), (tuple, lambda value: [_plain(each) for each in value]))
 
 
 def byte_of(component: float) -> int:

@@ -377,7 +377,7 @@ class _Reader:
                     inputs >> (8 + 4 * unit) & (1 if unit == 2 else 3) if unit > 1 else 0
                 )
                 mapping = mappings >> 4 * (unit - 1) & 7
-                if mapping not in DotProductMapping:
+                if mapping not in set(map(int, DotProductMapping)):
                     raise self.error(
                         "SET_DOT_RGBMAPPING",
                         0,

@@ -1,0 +1,216 @@
+"""The NV2A's register words: every program of the captures and random ones, dumps, errors."""
+
+import importlib
+import pkgutil
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fixedpipe.effects.conformance import suites
+from fixedpipe.effects.conformance.case import Inputs, MissingInput
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import DotProductMapping, Register
+from fixedpipe.pipeline.enums import TextureShaderOperation as Op
+from fixedpipe.pipeline.notations.nv2a_registers import RegisterTextError, format_registers, parse
+from fixedpipe.pipeline.notations.programs import parse_program
+from fixedpipe.pipeline.notations.register_combiners import parse as parse_combiners
+from fixedpipe.pipeline.profiles import NV2A
+from fixedpipe.pipeline.state import RegisterCombiners, TextureShaderStage
+from tests.reference import combine
+from tests.support.combiner_strategies import register_combiners
+from tests.support.text_errors import assert_says_where_and_what
+
+TEXELS = st.tuples(*[st.integers(0, 255)] * 4)
+NO_FOG = [3, 5, 7, 255]
+
+
+def check(combiners, seen, stages=None):
+    """What is written reads back to what computes the same, and writes the same words."""
+    words = format_registers(combiners, stages)
+    read_stages, read, sources, notes = parse(words)
+    assert format_registers(read, read_stages) == words
+    assert all("matrix, scale and offset" in note for note in notes)
+    assert len(sources.general) == len(combiners.general)
+    for t0, t1, v0, v1 in seen:
+        registers = [combine.initial_registers(v0, v1, (t0, t1, v1, v0), NO_FOG) for _ in range(2)]
+        expected = combine.combine(combiners, registers[0], NV2A)
+        assert combine.combine(read, registers[1], NV2A) == expected
+
+
+@settings(max_examples=100)
+@given(
+    register_combiners(4, 4, per_stage_constants=True, flags=True),
+    st.lists(st.tuples(TEXELS, TEXELS, TEXELS, TEXELS), min_size=2, max_size=2),
+)
+def test_random_combiners_read_back(combiners, seen):
+    check(combiners, seen)
+
+
+SEEN = [((200, 10, 128, 90), (0, 255, 127, 1), (30, 60, 250, 128), (9, 8, 7, 6))]
+
+
+def programs_of(names):
+    """The distinct (combiners, texture shader) of the captures' frames of some suites."""
+    found, inputs = {}, Inputs(Path("none"))
+    for module in names:
+        suite = importlib.import_module(f"{suites.__name__}.{module}")
+        for name in suite.names():
+            try:
+                case = suite.case(name, inputs)
+            except MissingInput:
+                continue
+            for command in case.commands if case is not None else ():
+                state = command.state if isinstance(command, Draw) else None
+                if state is not None and state.register_combiners is not None:
+                    found[state.register_combiners, state.texture_shader] = name
+    return found
+
+
+def check_programs(names):
+    programs = programs_of(names)
+    for (combiners, stages), name in programs.items():
+        written = any(stage.operation is not Op.NONE for stage in stages or ())
+        try:
+            check(combiners, SEEN, stages if written else None)
+        except AssertionError as error:
+            raise AssertionError(name) from error
+        if written:
+            read = parse(format_registers(combiners, stages))[0]
+            assert [s.operation for s in read] == [_plain(s.operation) for s in stages][: len(read)], name
+    return len(programs)
+
+
+def _plain(operation):
+    """An operation by the mode's word, which leaves 1D and rectangles to the texture."""
+    return {
+        Op.TEXTURE_1D: Op.TEXTURE_2D,
+        Op.TEXTURE_RECTANGLE: Op.TEXTURE_2D,
+        Op.OFFSET_TEXTURE_RECTANGLE: Op.OFFSET_TEXTURE_2D,
+        Op.OFFSET_TEXTURE_RECTANGLE_SCALE: Op.OFFSET_TEXTURE_2D_SCALE,
+        Op.DOT_PRODUCT_TEXTURE_RECTANGLE: Op.DOT_PRODUCT_TEXTURE_2D,
+    }.get(operation, operation)
+
+
+def test_the_programs_of_the_combiner_captures_read_back():
+    assert check_programs(["combiner", "fog"]) > 40
+
+
+@pytest.mark.slow
+def test_every_capture_s_program_reads_back():
+    names = [module.name for module in pkgutil.iter_modules(suites.__path__)]
+    assert check_programs(names) > 100
+
+
+# ------------------------------------------------------------------------------------------------------ dumps
+
+# What nxdk's samples set for a texture times the diffuse color, in several spellings.
+WORDS = """NV097_SET_COMBINER_CONTROL = 0x00000101
+NV097_SET_COMBINER_COLOR_ICW[0] = 0x08040000
+NV097_SET_COMBINER_COLOR_OCW[0] = 0x000000c0
+NV097_SET_COMBINER_ALPHA_ICW[0] = 0x18140000
+NV097_SET_COMBINER_ALPHA_OCW[0] = 0x000000c0
+NV097_SET_COMBINER_SPECULAR_FOG_CW0 = 0x0000000c
+NV097_SET_COMBINER_SPECULAR_FOG_CW1 = 0x00001c80
+"""
+SPELLINGS = {
+    "addresses": "0x1e60 0x101\n0xac0: 0x08040000\n0x1E40 = 0xC0\n0x0260 0x18140000\n0x0AA0 192\n"
+    "0x288 0xC\n0x28c 0x1c80\n",
+    "a trace": "nv2a: NV097_SET_TRANSFORM_PROGRAM (0xB00) 0x1234\n"
+    "nv2a: NV097_SET_COMBINER_CONTROL (0x1E60) -> 0x101\n"
+    "nv2a: NV097_SET_COMBINER_COLOR_ICW<0> (0x0AC0) -> 0x8040000\n"
+    "nv2a: SET_COMBINER_COLOR_OCW(0) (0x1E40) -> 0xC0\n"
+    "nv2a: SET_COMBINER_ALPHA_ICW[ 0 ] -> 0x18140000\nnv2a: SET_COMBINER_ALPHA_OCW -> 0xC0\n"
+    "nv2a: SET_COMBINER_SPECULAR_FOG_CW0 -> 0xC, CW1 aside\nnv2a: SET_COMBINER_SPECULAR_FOG_CW1 -> 0x1c80\n"
+    "nv2a: NV097_SET_BEGIN_END (0x17FC) 4\n",
+    "Direct3D's names": "PSCombinerCount = 0x101\nPSRGBInputs[0] = 0x8040000\nPSRGBOutputs[0] = 0xC0\n"
+    "PSAlphaInputs[0] = 0x18140000\nPSAlphaOutputs[0] = 0xC0\nPSFinalCombinerInputsABCD = 0xC\n"
+    "PSFinalCombinerInputsEFG = 0x1C80\nPSFinalCombinerConstant1 = 0\n",
+}
+
+
+@pytest.mark.parametrize("text", SPELLINGS.values(), ids=SPELLINGS)
+def test_dumps_are_read_as_they_are_written(text):
+    program = parse_program(text)
+    assert program.notations == ("NV2A registers",)
+    assert program.combiners == parse_program(WORDS).combiners
+    texts = "!!RC1.0\n{ rgb { spare0 = unsigned(tex0) * unsigned(col0); } alpha { spare0 = unsigned(tex0) * "
+    texts += "unsigned(col0); } }\nclamp_color_sum(); out.rgb = spare0; out.a = spare0;\n"
+    expected = parse_combiners(texts)
+    for t0, t1, v0, v1 in SEEN:
+        registers = [combine.initial_registers(v0, v1, (t0, t1), NO_FOG) for _ in range(2)]
+        assert combine.combine(program.combiners, registers[0], NV2A) == combine.combine(
+            expected, registers[1], NV2A
+        )
+
+
+def test_several_values_go_to_the_methods_after_the_first():
+    two = "SET_COMBINER_CONTROL 0x102\nSET_COMBINER_COLOR_ICW: 0x08040000, 0x0c040000\n"
+    two += "SET_COMBINER_COLOR_OCW: 0xc0 0xd0\nSET_COMBINER_FACTOR1[0] 0xff804020\n"
+    combiners = parse_program(two).combiners
+    first, second = combiners.general
+    assert (first.rgb.a.register, second.rgb.a.register) == (Register.TEXTURE0, Register.SPARE0)
+    assert second.rgb.ab_output is Register.SPARE1
+    # One constant for all combiners, and another for the final one.
+    assert first.constant_color1 == second.constant_color1 == (128 / 255, 64 / 255, 32 / 255, 1.0)
+    assert combiners.constant_color1 == (0.0, 0.0, 0.0, 0.0)
+
+
+def test_what_a_dump_leaves_out_is_said():
+    program = parse_program("SET_COMBINER_COLOR_ICW[1] = 0x08040000\nSET_COMBINER_COLOR_OCW[1] = 0xc0\n")
+    assert len(program.combiners.general) == 2
+    assert program.notes == (
+        "SET_COMBINER_CONTROL is not given: 2 general combiners are taken, with constants of each.",
+        "the final combiner's words are not given: it is taken to give SPARE0.",
+    )
+    assert program.sources.general == ("", "lines 1, 2")
+
+
+def test_texture_shaders_have_words():
+    stages = (
+        TextureShaderStage(Op.TEXTURE_2D),
+        TextureShaderStage(Op.DOT_PRODUCT, dot_product_mapping=DotProductMapping.SIGNED_HILO_HEMISPHERE),
+        TextureShaderStage(Op.DOT_PRODUCT, 0, dot_product_mapping=DotProductMapping.SIGNED_ODD),
+        TextureShaderStage(Op.DOT_PRODUCT_REFLECT_CUBE_MAP, 0, dot_product_mapping=DotProductMapping(1)),
+    )
+    words = format_registers(None, stages)
+    assert "SET_SHADER_STAGE_PROGRAM = 0x00064621" in words and "SET_DOT_RGBMAPPING = 0x00000127" in words
+    assert parse(words)[0] == stages
+    dependent = (TextureShaderStage(Op.TEXTURE_2D),) * 2 + (
+        TextureShaderStage(Op.DEPENDENT_GB_TEXTURE_2D, 1),
+    )
+    assert parse(format_registers(None, dependent))[0] == dependent
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "column", "words"),
+    [
+        ("SET_COMBINER_CONTROL = 0x109\n", 1, 1, ["asks for 9 general combiners", "1 to 8"]),
+        ("SET_COMBINER_CONTROL = 0x100\n", 1, 1, ["asks for 0 general combiners"]),
+        ("\nSET_COMBINER_CONTROL = \n", 2, 22, ["has no value"]),
+        ("SET_COMBINER_CONTROL = 0x123456789\n", 1, 24, ["no word of 32 bits"]),
+        (f"SET_COMBINER_CONTROL = {'9' * 5000}\n", 1, 24, ["no word of 32 bits"]),
+        ("SET_COMBINER_COLOR_ICW[8] = 0\n", 1, 26, ["words 0 to 7; word 8"]),
+        ("SET_COMBINER_COLOR_ICW[0] = 0x07000000\n", 1, 1, ["names register 7"]),
+        ("SET_COMBINER_COLOR_OCW[0] = 0x00038000\n", 1, 1, ["the operation 7"]),
+        ("SET_COMBINER_COLOR_OCW[0] = 0x00000ccc\n", 1, 1, ["both write SPARE0"]),
+        ("SET_SHADER_STAGE_PROGRAM = 0x1f\n", 1, 1, ["texture unit 0 has mode 31"]),
+        ("SET_SHADER_STAGE_PROGRAM = 0x220\nSET_DOT_RGBMAPPING = 5\n", 2, 1, ["texture unit 1 maps by 5"]),
+    ],
+)
+def test_an_error_says_where_and_what(text, line, column, words):
+    assert_says_where_and_what(RegisterTextError, parse_program, text, line, column, words)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ((RegisterCombiners(general=()),), "1 to 8 general combiners; there are 0"),
+        ((None, (TextureShaderStage(Op.NONE), TextureShaderStage(Op.DOT_PRODUCT, 1))), "reads unit 1"),
+        ((None, (TextureShaderStage(Op.TEXTURE_2D, roughness=0),)), "has no word"),
+    ],
+)
+def test_what_has_no_words_is_refused(given, words):
+    with pytest.raises(ValueError, match=words):
+        format_registers(*given)
