@@ -45,8 +45,8 @@ from fixedpipe.effects.cli.options import refuse_ignored
 @click.option("--json", "json_file", metavar="FILE", help="Write what it sets as JSON.")
 def combiners(file, profile, targets, notation, constants, bounds, table, inputs, json_file):
     """Read FILE (- for standard input), a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0``
-    texture shaders, both in one text, or a Direct3D pixel shader ps.1.0 to ps.1.3, and print what it sets, as
-    equations, each with the lines that it comes from.
+    texture shaders, both in one text, a Direct3D pixel shader ps.1.0 to ps.1.3, or words of the NV2A's
+    registers as an emulator's dump has them, and print what it sets, as equations, each with its lines.
 
     A register is said to be clamped where a clamp of the machine, of the NV2A without --profile, may change
     it. --bounds: the range of every register after every stage on the machine, for colours and texels from

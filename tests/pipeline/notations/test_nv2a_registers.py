@@ -2,6 +2,7 @@
 
 import importlib
 import pkgutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,13 +12,21 @@ from hypothesis import strategies as st
 from fixedpipe.effects.conformance import suites
 from fixedpipe.effects.conformance.case import Inputs, MissingInput
 from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import DotProductMapping, Register
+from fixedpipe.pipeline.enums import (
+    CombinerBias,
+    CombinerScale,
+    ComponentUsage,
+    DotProductMapping,
+    Mapping,
+    MuxSelect,
+    Register,
+)
 from fixedpipe.pipeline.enums import TextureShaderOperation as Op
 from fixedpipe.pipeline.notations.nv2a_registers import RegisterTextError, format_registers, parse
 from fixedpipe.pipeline.notations.programs import parse_program
 from fixedpipe.pipeline.notations.register_combiners import parse as parse_combiners
 from fixedpipe.pipeline.profiles import NV2A
-from fixedpipe.pipeline.state import RegisterCombiners, TextureShaderStage
+from fixedpipe.pipeline.state import CombinerInput, FinalCombiner, RegisterCombiners, TextureShaderStage
 from tests.reference import combine
 from tests.support.combiner_strategies import register_combiners
 from tests.support.text_errors import assert_says_where_and_what
@@ -143,6 +152,61 @@ def test_dumps_are_read_as_they_are_written(text):
         assert combine.combine(program.combiners, registers[0], NV2A) == combine.combine(
             expected, registers[1], NV2A
         )
+
+
+def one_combiner(**words):
+    """The first general combiner, and all of them, of a dump of these words."""
+    given = {"SET_COMBINER_CONTROL": 0x101, "SET_COMBINER_SPECULAR_FOG_CW0": 0xC, **words}
+    combiners = parse_program("".join(f"{name} = {word:#x}\n" for name, word in given.items())).combiners
+    return combiners.general[0], combiners
+
+
+# Bits of output words, as public headers of the chip's class give them, and what they stand for.
+OUTPUT_BITS = {
+    0x00082000: {"ab_dot_product": True, "ab_blue_to_alpha": True},  # DOTPRODUCT3 of the Xbox's runtime
+    0x00041000: {"cd_dot_product": True, "cd_blue_to_alpha": True},
+    0x00004000: {"mux_sum": True},
+    0x00008000: {"bias": CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF},
+    0x00010000: {"scale": CombinerScale.SCALE_BY_TWO},
+    0x00018000: {"scale": CombinerScale.SCALE_BY_TWO, "bias": CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF},
+    0x00020000: {"scale": CombinerScale.SCALE_BY_FOUR},
+    0x00030000: {"scale": CombinerScale.SCALE_BY_ONE_HALF},
+    0x0000000C: {"cd_output": Register.SPARE0},
+    0x000000D0: {"ab_output": Register.SPARE1},
+    0x00000900: {"sum_output": Register.TEXTURE1},
+}
+
+
+@pytest.mark.parametrize("word", OUTPUT_BITS)
+def test_a_bit_of_an_output_word_is_what_public_headers_say(word):
+    stage, _ = one_combiner(SET_COMBINER_COLOR_OCW=word)
+    plain, _ = one_combiner(SET_COMBINER_COLOR_OCW=0)
+    assert stage.rgb == replace(plain.rgb, **OUTPUT_BITS[word])
+
+
+MAPPINGS = "UNSIGNED_IDENTITY UNSIGNED_INVERT EXPAND_NORMAL EXPAND_NEGATE HALF_BIAS_NORMAL HALF_BIAS_NEGATE"
+
+
+def test_an_input_s_byte_is_mapping_alpha_and_register():
+    for number, name in enumerate(f"{MAPPINGS} SIGNED_IDENTITY SIGNED_NEGATE".split()):
+        stage, _ = one_combiner(SET_COMBINER_COLOR_ICW=(number << 5 | 0x18) << 8)
+        assert stage.rgb.c == CombinerInput(Register.TEXTURE0, Mapping[name], ComponentUsage.ALPHA)
+        stage, _ = one_combiner(SET_COMBINER_ALPHA_ICW=(number << 5 | 0x05) << 24)
+        assert stage.alpha.a == CombinerInput(Register.SECONDARY_COLOR, Mapping[name], ComponentUsage.BLUE)
+
+
+def test_flags_of_the_control_and_of_the_final_word():
+    flags = ("color_sum_clamp", "invert_secondary_color", "invert_spare0")
+    for word, set_ in ((0x80, flags[0]), (0x40, flags[1]), (0x20, flags[2]), (0, None)):
+        _, combiners = one_combiner(SET_COMBINER_SPECULAR_FOG_CW1=word)
+        assert [getattr(combiners, flag) for flag in flags] == [flag == set_ for flag in flags]
+    assert one_combiner()[1].mux_select is MuxSelect.MSB
+    assert one_combiner(SET_COMBINER_CONTROL=1)[1].mux_select is MuxSelect.LSB
+    _, combiners = one_combiner(
+        SET_COMBINER_SPECULAR_FOG_CW0=0x130C0300, SET_COMBINER_SPECULAR_FOG_CW1=0x1C80
+    )
+    assert combiners == replace(RegisterCombiners(), general=combiners.general, final=combiners.final)
+    assert combiners.final == FinalCombiner(b=CombinerInput(Register.SPARE0))
 
 
 def test_several_values_go_to_the_methods_after_the_first():
