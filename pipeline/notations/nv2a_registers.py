@@ -131,6 +131,8 @@ _MODES = (
     _OP.DOT_PRODUCT,
     _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
 )
+# From here on modes read an earlier unit's texel.
+_FIRST_READING = _MODES.index(_OP.OFFSET_TEXTURE_2D)
 # The modes' words have no target but these; 1D and rectangle textures are the texture's own matter.
 _MODE_OF = {operation: mode for mode, operation in enumerate(_MODES)} | {
     _OP.TEXTURE_1D: 1,
@@ -372,7 +374,7 @@ class _Reader:
                 given["cull_modes"] = tuple(
                     CullMode.LESS if bits >> k & 1 else CullMode.GEQUAL for k in range(4)
                 )
-            if unit and mode >= 6:
+            if unit and mode >= _FIRST_READING:
                 given["previous_texture_input"] = (
                     inputs >> (8 + 4 * unit) & (1 if unit == 2 else 3) if unit > 1 else 0
                 )
@@ -500,7 +502,7 @@ def _stage_words(stages):
         if stage.operation is _OP.CULL_FRAGMENT:
             bits = sum((mode is CullMode.LESS) << k for k, mode in enumerate(stage.cull_modes))
             compare |= bits << 4 * unit
-        if unit and mode >= 6:
+        if unit and mode >= _FIRST_READING:
             if (unit == 1 and stage.previous_texture_input) or stage.previous_texture_input >= unit:
                 raise ValueError(
                     f"Texture shader stage {unit} reads unit {stage.previous_texture_input}; it reads an "
