@@ -64,6 +64,10 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
     for name, given in (("--bounds are", bounds), ("--table is of", table)):
         if given and (profile is None or notation):
             raise Refusal(f"{name} a machine's numbers; give --profile, and print it in words.")
+    if json_file and (bounds or table or notation):
+        raise Refusal(
+            "--json writes what the program sets, alone; leave --bounds, --table and notations out."
+        )
     if inputs and not table:
         raise Refusal("--input is what --table evaluates; give both.")
     machine = None if profile is None else choose("profile", profile, PROFILES)

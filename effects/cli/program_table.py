@@ -22,7 +22,7 @@ def tell_table(program, machine, inputs):
 
     if program.combiners is None:
         raise Refusal("This program has texture shaders alone; --table is of register combiners.")
-    values = _inputs(inputs)
+    values = _inputs(inputs, machine)
     names = ", ".join(f"{name} {' '.join(map(str, color))}" for name, color in values.items())
     click.echo(f"\nOf {names}:")
     announce_compiling("portable")
@@ -33,11 +33,11 @@ def tell_table(program, machine, inputs):
     Console(highlight=False).print(fragment_text(fragment, shown), soft_wrap=True)
 
 
-def _inputs(options):
+def _inputs(options, machine):
     """{register: four bytes}. Raises Refusal for what is none."""
     from fixedpipe.effects.refusal import Refusal
 
-    found = {}
+    found, units = {}, machine.textures.max_texture_units
     for given in options:
         name, _, color = given.partition("=")
         try:
@@ -48,9 +48,10 @@ def _inputs(options):
         if name not in _REGISTERS or len(components) != 4 or not all(0 <= c <= 255 for c in components):
             raise Refusal(
                 f"--input {given} is no REGISTER=R,G,B,A; write --input t0=255,128,0,255: t0 to t3, v0 or "
-                "v1, and "
-                "whole numbers from 0 to 255."
+                "v1, and whole numbers from 0 to 255."
             )
+        if name[0] == "t" and int(name[1]) >= units:
+            raise Refusal(f"--input {name}: {machine.name} has {units} texture units, t0 to t{units - 1}.")
         if name in found:
             raise Refusal(f"--input gives {name} twice; give it once.")
         found[name] = tuple(components)

@@ -8,6 +8,7 @@ from fixedpipe.pipeline.description.equations import combiner_lines, shader_stag
 from fixedpipe.pipeline.description.words import format_value
 from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.notations.programs import Program
+from fixedpipe.pipeline.notations.register_combiner_words import constant_byte
 from fixedpipe.pipeline.sentences import count
 
 _FIELDS = {Register.CONSTANT_COLOR0: "constant_color0", Register.CONSTANT_COLOR1: "constant_color1"}
@@ -85,11 +86,6 @@ def _plain(value):
 _PLAIN = ((Enum, lambda value: value.name), (tuple, lambda value: [_plain(each) for each in value]))
 
 
-def byte_of(component: float) -> int:
-    """A constant's component as a combiner of eight bits holds it."""
-    return int(255 * min(max(component, 0.0), 1.0) + 0.5)
-
-
 def _short(color):
     return f"({', '.join(f'{component:.4g}' for component in color)})"
 
@@ -131,7 +127,7 @@ def _constants(program):
 
 
 def _color(program, places, stored):
-    bytes_ = f"bytes {' '.join(str(byte_of(component)) for component in stored)}"
+    bytes_ = f"bytes {' '.join(str(constant_byte(component)) for component in stored)}"
     if not places:
         return f"{format_value(stored)}, {bytes_}"
     said = []

@@ -5,7 +5,8 @@
     0x0aa0: 0x00000c00
     PSRGBOutputs[0] = 0x00000c00
 
-A line is a method by its name or its address, and its value; several values go to the methods after it.
+A line is a method by its name or its address, and its value; several values, with nothing but spaces and
+commas between them, go to the methods after it.
 Direct3D's names of the same words (PSRGBInputs and the like) are read as well. Lines that name no such method
 are passed over, so that a dump of all state can be given. The first word of what is not there is zero, but
 for the final combiner, which then gives SPARE0.
@@ -28,7 +29,7 @@ from fixedpipe.pipeline.enums import (
     TextureShaderOperation,
 )
 from fixedpipe.pipeline.notations.program_sources import ProgramSources
-from fixedpipe.pipeline.notations.register_combiner_words import MAX_GENERAL_COMBINERS
+from fixedpipe.pipeline.notations.register_combiner_words import MAX_GENERAL_COMBINERS, constant_byte
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
 from fixedpipe.pipeline.programs.combiner_rules import combiner_problems
 from fixedpipe.pipeline.state import (
@@ -143,7 +144,7 @@ _MODE_OF = {operation: mode for mode, operation in enumerate(_MODES)} | {
 }
 _LINE = re.compile(
     r"(?P<name>\b(?:NV097_)?SET_[A-Z0-9_]+|\bPS[A-Z][A-Za-z0-9]*)"
-    r"[ \t]*(?:[\[(<][ \t]*(?P<index>\d{1,2})[ \t]*[\])>])?|0[xX](?P<address>[0-9a-fA-F]{3,4})\b"
+    r"[ \t]*(?:[\[(<][ \t]*(?P<index>[0-9]+)[ \t]*[\])>])?|0[xX](?P<address>[0-9a-fA-F]{3,4})\b"
 )
 _VALUE = re.compile(r"(?<![\w.])(?:0[xX](?P<hex>[0-9a-fA-F]+)|(?P<decimal>[0-9]+))(?![\w.])")
 
@@ -158,18 +159,19 @@ def is_dump(text: str) -> bool:
 
 
 def _method(line):
-    """((name, index), where its values begin) of a line, or None."""
+    """((name, index), where its values begin) of a line, or None: what another method is given is no name."""
     for match in _LINE.finditer(line):
         if match["address"] is not None:
             found = _ADDRESSES.get(int(match["address"], 16))
-        else:
-            name, index = match["name"].removeprefix(_PREFIX), match["index"]
-            number = re.fullmatch(r"(.*?)([0-9])", name)
-            if name not in _NAMES and number and number[1] in _NAMES:  # PSFinalCombinerConstant0
-                name, index = number[1], number[2]
-            found = (_NAMES[name], int(index or 0)) if name in _NAMES else None
-        if found is not None:
-            return found, match.end()
+            return found and (found, match.end())
+        name, index = match["name"].removeprefix(_PREFIX), match["index"]
+        number = re.fullmatch(r"(.*?)([0-9])", name)
+        if name not in _NAMES and number and number[1] in _NAMES:  # PSFinalCombinerConstant0
+            name, index = number[1], number[2]
+        if name in _NAMES:
+            return (_NAMES[name], int((index or "0")[:9])), match.end()
+        if name.startswith("SET_"):
+            return None
     return None
 
 
@@ -182,7 +184,7 @@ def _words(text, start):
             continue
         (name, index), at = found
         # An address in parentheses after a name, as traces write it, is no value.
-        values = [m for m in _VALUE.finditer(line, at) if not _is_own_address(m, name, index)]
+        values = list(_values(line, at, name, index))
         if not values:
             raise RegisterTextError(f"{name} has no value; write {name} = 0x0 for instance.", number, at + 1)
         for match in values:
@@ -202,6 +204,18 @@ def _words(text, start):
             words[name, index], lines[name, index] = value, number
             index += 1
     return words, lines
+
+
+def _values(line, at, name, index):
+    """The numbers of a line from ``at`` on, as far as nothing but spaces and commas is between them."""
+    end = None
+    for match in _VALUE.finditer(line, at):
+        if end is None and _is_own_address(match, name, index):
+            continue
+        if end is not None and line[end : match.start()].strip(" \t,"):
+            return
+        end = match.end()
+        yield match
 
 
 def _is_own_address(match, name, index):
@@ -486,7 +500,7 @@ def _output_word(portion):
 
 
 def _color_word(color):
-    red, green, blue, alpha = (int(255 * min(max(component, 0.0), 1.0) + 0.5) for component in color)
+    red, green, blue, alpha = map(constant_byte, color)
     return alpha << 24 | red << 16 | green << 8 | blue
 
 

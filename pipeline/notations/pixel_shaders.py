@@ -199,6 +199,13 @@ class _Reader(Reader):
                 instruction = self.arithmetic(token, name, version, paired)
                 if instruction.name == "nop":
                     continue
+                if paired and (not arithmetic or arithmetic[-1].paired):
+                    raise token.error(
+                        f"{name} after a '+' that "
+                        f"{'would pair a third' if arithmetic else 'has nothing before it'}; two "
+                        "instructions "
+                        "make a pair. Remove the '+'."
+                    )
                 arithmetic.append(instruction)
                 combiners += 0 if paired else 2 if instruction.name in OVER_TWO_COMBINERS else 1
                 if combiners > MAX_GENERAL_COMBINERS:
@@ -395,14 +402,8 @@ def grouped(instructions):
     """Arithmetic instructions as tuples: one alone, or two that a '+' makes a pair."""
     groups = []
     for instruction in instructions:
-        if not instruction.paired:
-            groups.append((instruction,))
-        elif not groups or len(groups[-1]) > 1:
-            raise instruction.token.error(
-                f"{instruction.name} after a '+' that "
-                f"{'has nothing before it' if not groups else 'would pair a third'}; two instructions make "
-                "a pair. Remove the '+'."
-            )
-        else:
+        if instruction.paired:
             groups[-1] = (*groups[-1], instruction)
+        else:
+            groups.append((instruction,))
     return groups

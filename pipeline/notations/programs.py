@@ -85,8 +85,7 @@ def parse_program(
     if directive is not None:
         raise ProgramTextError(
             f"found {directive[1]!r}, an instruction to the preprocessor; give the text as it comes out of "
-            "the "
-            "preprocessor.",
+            "the preprocessor.",
             *_place(text, directive.start(1)),
         )
     header = _HEADER.match(text, at)

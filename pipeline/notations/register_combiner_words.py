@@ -69,6 +69,14 @@ MAPPINGS_OF_ONE = {
 BLACK = (0.0, 0.0, 0.0, 0.0)
 
 
+def constant_byte(component):
+    """A constant's component, 1.0 = full intensity, as a combiner of eight bits holds it.
+
+    Source: OpenGL 1.2.1 section 2.13.9.
+    """
+    return int(255 * min(max(component, 0.0), 1.0) + 0.5)
+
+
 def _unused(kind, usage):
     zero = ZERO_INPUTS[usage]
     return kind(a=zero, b=zero, c=zero, d=zero, sum_output=Register.DISCARD)

@@ -129,8 +129,7 @@ GEFORCE_3 = Profile(
         blue_to_alpha=known(
             True,
             "Inferred: ps.1.1 has eight slots of arithmetic, and a dp3 of all four components takes one; "
-            "from the "
-            "NV2A: Combiner captures",
+            "from the NV2A: Combiner captures",
         ),
         combiner_flags=known(False, "Source: NV_register_combiners2, which names none of them"),
     ),

@@ -39,11 +39,9 @@ def register_combiners(walk, combiners):
     if not profile.combiners.blue_to_alpha and (number := blue_to_alpha_stage(combiners)) is not None:
         walk.refuse(
             f"general combiner {number} writes its blue into an alpha too (ab_blue_to_alpha, "
-            "cd_blue_to_alpha; of a "
-            f"pixel shader, a dp3 whose alpha is read, where every combiner is taken); {profile.name} has no "
-            "such "
-            "output. Copy blue in an alpha portion of the next general combiner, or choose a profile with "
-            "blue_to_alpha."
+            "cd_blue_to_alpha; of a pixel shader, a dp3 whose alpha is read, where every combiner is taken); "
+            f"{profile.name} has no such output. Copy blue in an alpha portion of the next general combiner, "
+            "or choose a profile with blue_to_alpha."
         )
     if not profile.combiners.combiner_flags and (flag := nv2a_flag(combiners)):
         walk.refuse(

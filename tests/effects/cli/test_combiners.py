@@ -130,6 +130,16 @@ def test_the_table_ends_at_what_direct3d_defines():
         (["--table", "--profile", "NV2A", "--input", "t0=256"], SHADER, "whole numbers from 0 to 255"),
         (["--table", "--profile", "NV2A", "--input", "t0=1", "--input", "t0=2"], SHADER, "t0 twice"),
         (["--table", "--profile", "NV2A"], "!!TS1.0\ntexture_2d();\n", "texture shaders alone"),
+        (
+            ["--json", "x.json", "--bounds", "--profile", "NV2A"],
+            SHADER,
+            "--json writes what the program sets",
+        ),
+        (
+            ["--table", "--profile", "GEFORCE_256", "--input", "t3=1"],
+            COMBINERS,
+            "GeForce 256 has 2 texture units",
+        ),
         ([], "#define X t0\nps.1.1\nmov r0, X\n", "found '#define', an instruction to the preprocessor"),
     ],
 )

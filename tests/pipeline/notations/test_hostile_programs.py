@@ -64,6 +64,7 @@ ENDLESS = {
     "dot products of four": ("ps.1.2\ntex t0\n" + "dp4 r0, t0, v0\n" * 3000, 7),
     "general combiners": ("!!RC1.0\n" + "{ rgb { spare0 = tex0; } }\n" * 30_000, 10),
     "texture instructions": ("ps.1.1\n" + "tex t0\n" * 100_000, 3),
+    "pairs": ("ps.1.1\nmov r0.rgb, v0\n" + "+ mov r0.a, v0\n" * 30_000, 4),
     "stages": ("!!TS1.0\n" + "nop();\n" * 100_000, 6),
 }
 

@@ -221,6 +221,15 @@ def test_several_values_go_to_the_methods_after_the_first():
     assert combiners.constant_color1 == (0.0, 0.0, 0.0, 0.0)
 
 
+def test_a_comment_is_no_value_and_another_method_s_value_no_address():
+    text = (
+        "SET_COMBINER_CONTROL = 0x101 ; line 5\nSET_COMBINER_COLOR_ICW[0] = 0x08040000 (stage 1 has none)\n"
+    )
+    dump = text + "NV097_SET_VIEWPORT_OFFSET = 0x1e40 0xc0\n0x1000 0x1e40 0xc0\n"
+    assert parse_program(dump) == parse_program(text)
+    assert parse_program(text).combiners.general[0].rgb.a.register is Register.TEXTURE0
+
+
 def test_what_a_dump_leaves_out_is_said():
     program = parse_program("SET_COMBINER_COLOR_ICW[1] = 0x08040000\nSET_COMBINER_COLOR_OCW[1] = 0xc0\n")
     assert len(program.combiners.general) == 2
@@ -256,6 +265,7 @@ def test_texture_shaders_have_words():
         ("SET_COMBINER_CONTROL = 0x123456789\n", 1, 24, ["no word of 32 bits"]),
         (f"SET_COMBINER_CONTROL = {'9' * 5000}\n", 1, 24, ["no word of 32 bits"]),
         ("SET_COMBINER_COLOR_ICW[8] = 0\n", 1, 26, ["words 0 to 7; word 8"]),
+        ("SET_COMBINER_COLOR_ICW[999] = 0\n", 1, 28, ["words 0 to 7; word 999"]),
         ("SET_COMBINER_COLOR_ICW[0] = 0x07000000\n", 1, 1, ["names register 7"]),
         ("SET_COMBINER_COLOR_OCW[0] = 0x00038000\n", 1, 1, ["the operation 7"]),
         ("SET_COMBINER_COLOR_OCW[0] = 0x00000ccc\n", 1, 1, ["both write SPARE0"]),
