@@ -1,0 +1,308 @@
+"""Each construct of the combiner notations: a smallest program, and what it computes, as a formula.
+
+docs/program-instructions.md prints the formulas (``python -m tests.instructions``), and
+tests/pipeline/notations/test_instructions.py evaluates the same texts beside the machines. A formula is of the
+numbers of ``Numbers``; a and b are the texels of units 0 and 1, c the primary color, d the secondary one.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from fixedpipe.pipeline.profiles import PROFILES
+
+# The machines with register combiners, by name.
+COMBINERS = {name: p for name, p in PROFILES.items() if p.combiners.max_general_combiners}
+
+
+@dataclass(frozen=True)
+class Row:
+    """``text``: of the program's body, whose result is r0 or SPARE0; ``formula``: what it computes.
+
+    ``shown``: the formula is of the color that the final combiner gives, and not of a register.
+    """
+
+    construct: str
+    text: str
+    formula: str
+    shown: bool = False
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A machine's numbers, in units of its last place: ``one``, a half, what EXPAND_NORMAL subtracts from twice
+    a register, and the least and the greatest that a register holds; the ideal has neither these two nor any
+    rounding.
+    """
+
+    one: int
+    half: float
+    expand: int
+    low: int | None
+    high: int | None
+
+    @property
+    def exact(self) -> bool:
+        return self.high is None
+
+    def words(self) -> dict[str, Any]:
+        """What the words of a formula stand for."""
+        exact, one, low, high = self.exact, self.one, self.low, self.high
+
+        def rounded(v):
+            return one * v if exact else np.floor(one * v + 0.5).astype(np.int64)
+
+        def signed(*v):
+            red_to_alpha = np.array(v)
+            if exact:
+                return one * red_to_alpha
+            even = 2 * rounded((255 * red_to_alpha + 256) / 510) - self.expand
+            return np.append(even[:3], np.sign(v[3]) * rounded(abs(red_to_alpha[3])))
+
+        words: dict[str, Callable | float] = {
+            "one": one,
+            "half": self.half,
+            "expand": self.expand,
+            "alpha": lambda x: np.broadcast_to(x[..., 3:], x.shape),
+            "alphas": np.array([False, False, False, True]),
+            "blue": lambda x: np.broadcast_to(x[..., 2:3], x.shape),
+            "constant": lambda *v: rounded(np.array(v)),
+            "signed": signed,
+            "summed": lambda x: x if exact else np.minimum(x, one),
+            "dot": lambda x, y: np.broadcast_to((x * y)[..., :3].sum(-1, keepdims=True), x.shape),
+            "where": np.where,
+            "positive": lambda x: np.maximum(x, 0),
+            "saturated": lambda x: np.clip(x, 0, one),
+            "rn": lambda n: n / one if exact else (2 * n + one) // (2 * one),
+            "halved": lambda x: x / 2 if exact else (x + 1) >> 1,
+            "clip": lambda x: x if exact else np.clip(x, low, high),
+        }
+        return words
+
+
+def numbers_of(profile) -> Numbers:
+    """The Numbers of a machine by its profile. Source: docs/numbers.md, sections 8 and 13."""
+    arithmetic = profile.arithmetic
+    one = (1 << arithmetic.combiner_bits) - 1
+    if arithmetic.exact:
+        return Numbers(one, one / 2, one, None, None)
+    high = int(arithmetic.combiner_range * (one + 1)) - 1
+    low = -high - (arithmetic.clamp_low == -256)
+    return Numbers(one, (one + 1) // 2, one + (arithmetic.expand_half == 128), low, high)
+
+
+def evaluated(formula: str, numbers: Numbers, **operands: Any) -> Any:
+    """A formula's value. ``operands``: arrays [..., 4] of whole numbers in the machine's units."""
+    return eval(formula, {"__builtins__": {}}, numbers.words() | operands)  # noqa: S307  # texts of this module
+
+
+# ------------------------------------------------------------------------------------------ ps.1.x
+
+_HEAD = "tex t0\ntex t1\n"
+
+
+def pixel_shader(row: Row) -> str:
+    """The program of a row of ps.1.x: of the first version that has its instructions."""
+    version = "1.2" if any(word in row.text for word in ("cmp", "dp4")) else "1.1"
+    definitions = "".join(f"{line}\n" for line in row.text.splitlines() if line.startswith("def"))
+    body = "".join(f"{line}\n" for line in row.text.splitlines() if not line.startswith("def"))
+    return f"ps.{version}\n{definitions}{_HEAD}{body}"
+
+
+INSTRUCTIONS = (
+    Row("nop", "nop\nmov r0, t0", "a"),
+    Row("mov", "mov r0, t0", "a"),
+    Row("add", "add r0, t0, t1", "clip(a + b)"),
+    Row("sub", "sub r0, t0, t1", "clip(a - b)"),
+    Row("mul", "mul r0, t0, t1", "rn(a*b)"),
+    Row("mad", "mad r0, t0, t1, v0", "clip(rn(a*b + one*c))"),
+    Row("lrp", "lrp r0, t0, t1, v0", "rn(a*b + (one - a)*c)"),
+    Row("dp3", "dp3 r0, t0, t1", "clip(rn(dot(a, b)))"),
+    Row("cnd", "mov r0, t0\ncnd r0, r0.a, t1, v0", "where(alpha(a) >= half, b, c)"),
+    Row("cmp", "cmp r0, t0_bx2.a, t1, v0", "where(2*alpha(a) - expand >= 0, b, c)"),
+    Row("dp4", "dp4 r0, t0, t1", "clip(clip(rn(dot(a, b))) + rn(alpha(a)*alpha(b)))"),
+)
+_SIGNED = "t0_bx2, t1_bx2"
+_PRODUCT = "rn((2*a - expand)*(2*b - expand))"
+MODIFIERS = (
+    Row("no modifier", f"mul r0, {_SIGNED}", f"clip({_PRODUCT})"),
+    Row("_x2", f"mul_x2 r0, {_SIGNED}", f"clip(2*{_PRODUCT})"),
+    Row("_x4", f"mul_x4 r0, {_SIGNED}", f"clip(4*{_PRODUCT})"),
+    Row("_d2", f"mul_d2 r0, {_SIGNED}", f"clip(halved({_PRODUCT}))"),
+    Row("_sat", f"mul_sat r0, {_SIGNED}", f"saturated(clip({_PRODUCT}))"),
+    Row("_x4_sat", f"mul_x4_sat r0, {_SIGNED}", f"saturated(clip(4*{_PRODUCT}))"),
+)
+# Of r1, which is x, a register of either sign.
+_DIFFERENCE = "sub r1, t0, t1\n"
+SOURCES = (
+    Row("r1", _DIFFERENCE + "mov r0, r1", "x"),
+    Row("-r1", _DIFFERENCE + "mov r0, -r1", "clip(-x)"),
+    Row("1-r1", _DIFFERENCE + "mov r0, 1-r1", "one - saturated(x)"),
+    Row("r1_bx2", _DIFFERENCE + "mov r0, r1_bx2", "2*positive(x) - expand"),
+    Row("-r1_bx2", _DIFFERENCE + "mov r0, -r1_bx2", "clip(expand - 2*positive(x))"),
+    Row("r1_bias", _DIFFERENCE + "mov r0, r1_bias", "positive(x) - half"),
+    Row("-r1_bias", _DIFFERENCE + "mov r0, -r1_bias", "half - positive(x)"),
+    Row("r1.a", _DIFFERENCE + "mov r0, r1.a", "alpha(x)"),
+)
+CONSTANTS = (
+    Row("0 to 1", "def c0, 0.3, 0.6, 0.9, 0.5\nmul r0, t0, c0", "rn(a*constant(0.3, 0.6, 0.9, 0.5))"),
+    Row(
+        "all negative",
+        "def c0, -0.3, -0.6, -0.9, -0.5\nmul r0, t0, c0",
+        "rn(a*-constant(0.3, 0.6, 0.9, 0.5))",
+    ),
+    Row(
+        "of both signs",
+        "def c0, -0.3, 0.6, -0.9, -0.5\nmul r0, t0, c0",
+        "rn(a*signed(-0.3, 0.6, -0.9, -0.5))",
+    ),
+)
+
+# ------------------------------------------------------------------------------------------ !!RC1.0
+
+
+def register_combiners(row: Row) -> str:
+    """The program of a row of !!RC1.0. A text without braces is of both portions of one general combiner; a
+    dot product is of the color alone, and alpha is texture 0's.
+    """
+    if row.shown:
+        return f"!!RC1.0\n{row.text}\n"
+    first = ""
+    if "spare1" in row.text:
+        portion = "{ discard = tex0; discard = -tex1; spare1 = sum(); }"
+        first = f"{{ rgb {portion} alpha {portion} }}\n"
+    alpha = "spare0 = tex0;" if " . " in row.text else row.text
+    general = f"{{\n  rgb {{ {row.text} }}\n  alpha {{ {alpha} }}\n}}\n"
+    return f"!!RC1.0\n{first}{general}out.rgb = spare0;\nout.a = spare0;\n"
+
+
+PRODUCTS = (
+    Row("A alone", "spare0 = tex0;", "a"),
+    Row("A * B", "spare0 = tex0 * tex1;", "rn(a*b)"),
+    Row("A . B", "spare0 = tex0 . tex1;", "where(alphas, a, clip(rn(dot(a, b))))"),
+    Row(
+        "sum()",
+        "discard = tex0 * tex1; discard = tex0 * col0; spare0 = sum();",
+        "clip(rn(a*b + a*c))",
+    ),
+    Row(
+        "sum() of dot products",
+        "discard = tex0 . tex1; discard = tex0 . -col0; spare0 = sum();",
+        "where(alphas, a, clip(rn(dot(a, b) - dot(a, c))))",
+    ),
+    Row(
+        "mux()",
+        "discard = tex1; discard = col0; spare0 = mux();",
+        "where(alpha(a) >= half, c, b)",
+    ),
+)
+MAPPINGS = (
+    Row("x", "spare0 = spare1;", "x"),
+    Row("-x", "spare0 = -spare1;", "clip(-x)"),
+    Row("unsigned(x)", "spare0 = unsigned(spare1);", "positive(x)"),
+    Row("unsigned_invert(x)", "spare0 = unsigned_invert(spare1);", "one - saturated(x)"),
+    Row("expand(x)", "spare0 = expand(spare1);", "2*positive(x) - expand"),
+    Row("-expand(x)", "spare0 = -expand(spare1);", "clip(expand - 2*positive(x))"),
+    Row("half_bias(x)", "spare0 = half_bias(spare1);", "positive(x) - half"),
+    Row("-half_bias(x)", "spare0 = -half_bias(spare1);", "half - positive(x)"),
+    Row("one", "spare0 = one;", "0*a + one"),
+    Row("-one", "spare0 = -one;", "0*a - expand"),
+    Row("zero", "spare0 = zero;", "0*a"),
+)
+_RC_SIGNED = "spare0 = expand(tex0) * expand(tex1);"
+SCALES = (
+    Row("no scale", _RC_SIGNED, f"clip({_PRODUCT})"),
+    Row("scale_by_two()", f"{_RC_SIGNED} scale_by_two();", f"clip(2*{_PRODUCT})"),
+    Row("scale_by_four()", f"{_RC_SIGNED} scale_by_four();", f"clip(4*{_PRODUCT})"),
+    Row("scale_by_one_half()", f"{_RC_SIGNED} scale_by_one_half();", f"clip(halved({_PRODUCT}))"),
+    Row(
+        "bias_by_negative_one_half()",
+        f"{_RC_SIGNED} bias_by_negative_one_half();",
+        f"clip({_PRODUCT} - half)",
+    ),
+    Row(
+        "bias_by_negative_one_half_scale_by_two()",
+        f"{_RC_SIGNED} bias_by_negative_one_half_scale_by_two();",
+        f"clip(2*({_PRODUCT} - half))",
+    ),
+)
+_OUT_A = "\nout.a = tex0;"
+_NEGATIVE = "{ rgb { discard = tex0; discard = -tex1; spare0 = sum(); } alpha { spare0 = tex0; } }\n"
+FINAL = (
+    Row("out.rgb = D", f"out.rgb = tex0;{_OUT_A}", "where(alphas, a, a)", True),
+    Row("out.rgb = A * B", f"out.rgb = tex0 * tex1;{_OUT_A}", "where(alphas, a, rn(a*b))", True),
+    Row("out.rgb = A + D", f"out.rgb = tex0 + tex1;{_OUT_A}", "where(alphas, a, a + b)", True),
+    Row(
+        "out.rgb = A * B + D",
+        f"out.rgb = tex0 * tex1 + col0;{_OUT_A}",
+        "where(alphas, a, rn(a*b) + c)",
+        True,
+    ),
+    Row(
+        "out.rgb = lerp(A, B, C)",
+        f"out.rgb = lerp(tex0, tex1, col0);{_OUT_A}",
+        "where(alphas, a, rn(a*b + (one - a)*c))",
+        True,
+    ),
+    Row(
+        "out.rgb = lerp(A, B, C) + D",
+        f"out.rgb = lerp(tex0, tex1, col0) + col1;{_OUT_A}",
+        "where(alphas, a, rn(a*b + (one - a)*c) + d)",
+        True,
+    ),
+    Row(
+        "final_product = E * F",
+        f"final_product = tex0 * tex1;\nout.rgb = final_product * col0;{_OUT_A}",
+        "where(alphas, a, rn(rn(a*b)*c))",
+        True,
+    ),
+    Row(
+        "color_sum",
+        f"{{ rgb {{ spare0 = tex0; }} }}\nout.rgb = tex1 * color_sum;{_OUT_A}",
+        "where(alphas, a, rn(b*(a + d)))",
+        True,
+    ),
+    Row(
+        "clamp_color_sum()",
+        f"{{ rgb {{ spare0 = tex0; }} }}\nclamp_color_sum();\nout.rgb = tex1 * color_sum;{_OUT_A}",
+        "where(alphas, a, rn(b*summed(a + d)))",
+        True,
+    ),
+    Row(
+        "a register below 0",
+        f"{_NEGATIVE}out.rgb = spare0;{_OUT_A}",
+        "where(alphas, a, positive(a - b))",
+        True,
+    ),
+    Row(
+        "unsigned_invert(x)",
+        f"{_NEGATIVE}out.rgb = unsigned_invert(spare0);{_OUT_A}",
+        "where(alphas, a, one - saturated(a - b))",
+        True,
+    ),
+    Row("out.a = G.b", "out.rgb = tex0;\nout.a = tex1.b;", "where(alphas, blue(b), a)", True),
+)
+
+
+@dataclass(frozen=True)
+class Group:
+    """Rows of one table, and how a row becomes a program."""
+
+    title: str
+    program: Callable[[Row], str]
+    rows: tuple[Row, ...]
+
+
+GROUPS = {
+    "instructions": Group("Arithmetic instructions of ps.1.x", pixel_shader, INSTRUCTIONS),
+    "modifiers": Group("Instruction modifiers of ps.1.x", pixel_shader, MODIFIERS),
+    "sources": Group("Sources of ps.1.x", pixel_shader, SOURCES),
+    "constants": Group("Constants of ps.1.x", pixel_shader, CONSTANTS),
+    "products": Group("Products, sums and muxes of !!RC1.0", register_combiners, PRODUCTS),
+    "mappings": Group("Mappings of !!RC1.0", register_combiners, MAPPINGS),
+    "scales": Group("Scales and biases of !!RC1.0", register_combiners, SCALES),
+    "final": Group("The final combiner of !!RC1.0", register_combiners, FINAL),
+}
