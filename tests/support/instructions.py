@@ -1,13 +1,13 @@
 """Each construct of the combiner notations: a smallest program, and what it computes, as a formula.
 
 docs/program-instructions.md prints the formulas (``python -m tests.instructions``), and
-tests/pipeline/notations/test_instructions.py evaluates the same texts beside the machines. A formula is of the
-numbers of ``Numbers``; a and b are the texels of units 0 and 1, c the primary color, d the secondary one.
+tests/pipeline/notations/test_instructions.py evaluates the same texts beside the machines. A formula is of
+the numbers of ``Numbers``; a and b are the texels of units 0 and 1, c the primary color, d the secondary one,
+x is a - b.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,20 +22,22 @@ COMBINERS = {name: p for name, p in PROFILES.items() if p.combiners.max_general_
 class Row:
     """``text``: of the program's body, whose result is r0 or SPARE0; ``formula``: what it computes.
 
-    ``shown``: the formula is of the color that the final combiner gives, and not of a register.
+    ``shown``: the formula is of the color that the final combiner gives, and not of a register. ``alpha``:
+    what its alpha is, where the formula is of red, green and blue alone.
     """
 
     construct: str
     text: str
     formula: str
     shown: bool = False
+    alpha: str | None = None
 
 
 @dataclass(frozen=True)
 class Numbers:
-    """A machine's numbers, in units of its last place: ``one``, a half, what EXPAND_NORMAL subtracts from twice
-    a register, and the least and the greatest that a register holds; the ideal has neither these two nor any
-    rounding.
+    """A machine's numbers, in units of its last place: ``one``, a half, what EXPAND_NORMAL subtracts from
+    twice a register, and the least and the greatest that a register holds; the ideal has neither these two
+    nor any rounding.
     """
 
     one: int
@@ -67,7 +69,6 @@ class Numbers:
             "half": self.half,
             "expand": self.expand,
             "alpha": lambda x: np.broadcast_to(x[..., 3:], x.shape),
-            "alphas": np.array([False, False, False, True]),
             "blue": lambda x: np.broadcast_to(x[..., 2:3], x.shape),
             "constant": lambda *v: rounded(np.array(v)),
             "signed": signed,
@@ -96,7 +97,7 @@ def numbers_of(profile) -> Numbers:
 
 def evaluated(formula: str, numbers: Numbers, **operands: Any) -> Any:
     """A formula's value. ``operands``: arrays [..., 4] of whole numbers in the machine's units."""
-    return eval(formula, {"__builtins__": {}}, numbers.words() | operands)  # noqa: S307  # texts of this module
+    return eval(formula, {"__builtins__": {}}, numbers.words() | operands)
 
 
 # ------------------------------------------------------------------------------------------ ps.1.x
@@ -109,6 +110,8 @@ def pixel_shader(row: Row) -> str:
     version = "1.2" if any(word in row.text for word in ("cmp", "dp4")) else "1.1"
     definitions = "".join(f"{line}\n" for line in row.text.splitlines() if line.startswith("def"))
     body = "".join(f"{line}\n" for line in row.text.splitlines() if not line.startswith("def"))
+    if "r1" in body:
+        body = f"sub r1, t0, t1\n{body}"
     return f"ps.{version}\n{definitions}{_HEAD}{body}"
 
 
@@ -136,16 +139,15 @@ MODIFIERS = (
     Row("_x4_sat", f"mul_x4_sat r0, {_SIGNED}", f"saturated(clip(4*{_PRODUCT}))"),
 )
 # Of r1, which is x, a register of either sign.
-_DIFFERENCE = "sub r1, t0, t1\n"
 SOURCES = (
-    Row("r1", _DIFFERENCE + "mov r0, r1", "x"),
-    Row("-r1", _DIFFERENCE + "mov r0, -r1", "clip(-x)"),
-    Row("1-r1", _DIFFERENCE + "mov r0, 1-r1", "one - saturated(x)"),
-    Row("r1_bx2", _DIFFERENCE + "mov r0, r1_bx2", "2*positive(x) - expand"),
-    Row("-r1_bx2", _DIFFERENCE + "mov r0, -r1_bx2", "clip(expand - 2*positive(x))"),
-    Row("r1_bias", _DIFFERENCE + "mov r0, r1_bias", "positive(x) - half"),
-    Row("-r1_bias", _DIFFERENCE + "mov r0, -r1_bias", "half - positive(x)"),
-    Row("r1.a", _DIFFERENCE + "mov r0, r1.a", "alpha(x)"),
+    Row("r1", "mov r0, r1", "x"),
+    Row("-r1", "mov r0, -r1", "clip(-x)"),
+    Row("1-r1", "mov r0, 1-r1", "one - saturated(x)"),
+    Row("r1_bx2", "mov r0, r1_bx2", "2*positive(x) - expand"),
+    Row("-r1_bx2", "mov r0, -r1_bx2", "clip(expand - 2*positive(x))"),
+    Row("r1_bias", "mov r0, r1_bias", "positive(x) - half"),
+    Row("-r1_bias", "mov r0, -r1_bias", "half - positive(x)"),
+    Row("r1.a", "mov r0, r1.a", "alpha(x)"),
 )
 CONSTANTS = (
     Row("0 to 1", "def c0, 0.3, 0.6, 0.9, 0.5\nmul r0, t0, c0", "rn(a*constant(0.3, 0.6, 0.9, 0.5))"),
@@ -182,7 +184,7 @@ def register_combiners(row: Row) -> str:
 PRODUCTS = (
     Row("A alone", "spare0 = tex0;", "a"),
     Row("A * B", "spare0 = tex0 * tex1;", "rn(a*b)"),
-    Row("A . B", "spare0 = tex0 . tex1;", "where(alphas, a, clip(rn(dot(a, b))))"),
+    Row("A . B", "spare0 = tex0 . tex1;", "clip(rn(dot(a, b)))", alpha="a"),
     Row(
         "sum()",
         "discard = tex0 * tex1; discard = tex0 * col0; spare0 = sum();",
@@ -191,7 +193,8 @@ PRODUCTS = (
     Row(
         "sum() of dot products",
         "discard = tex0 . tex1; discard = tex0 . -col0; spare0 = sum();",
-        "where(alphas, a, clip(rn(dot(a, b) - dot(a, c))))",
+        "clip(rn(dot(a, b) - dot(a, c)))",
+        alpha="a",
     ),
     Row(
         "mux()",
@@ -208,9 +211,9 @@ MAPPINGS = (
     Row("-expand(x)", "spare0 = -expand(spare1);", "clip(expand - 2*positive(x))"),
     Row("half_bias(x)", "spare0 = half_bias(spare1);", "positive(x) - half"),
     Row("-half_bias(x)", "spare0 = -half_bias(spare1);", "half - positive(x)"),
-    Row("one", "spare0 = one;", "0*a + one"),
-    Row("-one", "spare0 = -one;", "0*a - expand"),
-    Row("zero", "spare0 = zero;", "0*a"),
+    Row("one", "spare0 = one;", "one"),
+    Row("-one", "spare0 = -one;", "-expand"),
+    Row("zero", "spare0 = zero;", "0"),
 )
 _RC_SIGNED = "spare0 = expand(tex0) * expand(tex1);"
 SCALES = (
@@ -232,58 +235,66 @@ SCALES = (
 _OUT_A = "\nout.a = tex0;"
 _NEGATIVE = "{ rgb { discard = tex0; discard = -tex1; spare0 = sum(); } alpha { spare0 = tex0; } }\n"
 FINAL = (
-    Row("out.rgb = D", f"out.rgb = tex0;{_OUT_A}", "where(alphas, a, a)", True),
-    Row("out.rgb = A * B", f"out.rgb = tex0 * tex1;{_OUT_A}", "where(alphas, a, rn(a*b))", True),
-    Row("out.rgb = A + D", f"out.rgb = tex0 + tex1;{_OUT_A}", "where(alphas, a, a + b)", True),
+    Row("out.rgb = D", f"out.rgb = tex0;{_OUT_A}", "a", True, alpha="a"),
+    Row("out.rgb = A * B", f"out.rgb = tex0 * tex1;{_OUT_A}", "rn(a*b)", True, alpha="a"),
+    Row("out.rgb = A + D", f"out.rgb = tex0 + tex1;{_OUT_A}", "a + b", True, alpha="a"),
     Row(
         "out.rgb = A * B + D",
         f"out.rgb = tex0 * tex1 + col0;{_OUT_A}",
-        "where(alphas, a, rn(a*b) + c)",
+        "rn(a*b) + c",
         True,
+        alpha="a",
     ),
     Row(
         "out.rgb = lerp(A, B, C)",
         f"out.rgb = lerp(tex0, tex1, col0);{_OUT_A}",
-        "where(alphas, a, rn(a*b + (one - a)*c))",
+        "rn(a*b + (one - a)*c)",
         True,
+        alpha="a",
     ),
     Row(
         "out.rgb = lerp(A, B, C) + D",
         f"out.rgb = lerp(tex0, tex1, col0) + col1;{_OUT_A}",
-        "where(alphas, a, rn(a*b + (one - a)*c) + d)",
+        "rn(a*b + (one - a)*c) + d",
         True,
+        alpha="a",
     ),
     Row(
         "final_product = E * F",
         f"final_product = tex0 * tex1;\nout.rgb = final_product * col0;{_OUT_A}",
-        "where(alphas, a, rn(rn(a*b)*c))",
+        "rn(rn(a*b)*c)",
         True,
+        alpha="a",
     ),
     Row(
         "color_sum",
         f"{{ rgb {{ spare0 = tex0; }} }}\nout.rgb = tex1 * color_sum;{_OUT_A}",
-        "where(alphas, a, rn(b*(a + d)))",
+        "rn(b*(a + d))",
         True,
+        alpha="a",
     ),
     Row(
         "clamp_color_sum()",
         f"{{ rgb {{ spare0 = tex0; }} }}\nclamp_color_sum();\nout.rgb = tex1 * color_sum;{_OUT_A}",
-        "where(alphas, a, rn(b*summed(a + d)))",
+        "rn(b*summed(a + d))",
         True,
+        alpha="a",
     ),
     Row(
         "a register below 0",
         f"{_NEGATIVE}out.rgb = spare0;{_OUT_A}",
-        "where(alphas, a, positive(a - b))",
+        "positive(a - b)",
         True,
+        alpha="a",
     ),
     Row(
         "unsigned_invert(x)",
         f"{_NEGATIVE}out.rgb = unsigned_invert(spare0);{_OUT_A}",
-        "where(alphas, a, one - saturated(a - b))",
+        "one - saturated(a - b)",
         True,
+        alpha="a",
     ),
-    Row("out.a = G.b", "out.rgb = tex0;\nout.a = tex1.b;", "where(alphas, blue(b), a)", True),
+    Row("out.a = G.b", "out.rgb = tex0;\nout.a = tex1.b;", "a", True, alpha="blue(b)"),
 )
 
 
@@ -292,17 +303,42 @@ class Group:
     """Rows of one table, and how a row becomes a program."""
 
     title: str
+    note: str
     program: Callable[[Row], str]
     rows: tuple[Row, ...]
 
 
+_ARITHMETIC = (
+    "An instruction is a general combiner, and so is a pair with `+`; cmp and dp4 are two. A GeForce "
+    "256 refuses texture instructions and constants, which leaves programs of one or two instructions "
+    "of colors; what its combiners compute is the formula all the same."
+)
+_MODIFIED = (
+    "The sum is rounded first, then scaled, then clamped. `_sat` is no field of the combiner: who reads "
+    "the register maps it by UNSIGNED_IDENTITY ([why](decisions/0010-pixel-shaders.md))."
+)
+_READ = "The source is r1, of `sub r1, t0, t1` before it: x = a - b, from -255 to 255 where one is 255."
+_CONSTANT = "`c0` and `-c0`, `c0.a` and what is mapped are read the same way; alpha has a sign of its own."
+_SUMS = "Of the color; an alpha portion is the same but for dot products, which it lacks."
+_MAPPED = (
+    "x is spare1 = tex0 - tex1, from -255 to 255 where one is 255. one is ZERO through UNSIGNED_INVERT, "
+    "-one is ZERO through EXPAND_NORMAL."
+)
+_SCALED = (
+    "All three outputs of a portion are scaled alike; here it is AB. The bias is subtracted before the scale."
+)
+_FINAL = (
+    "What is written to the frame: the sum is clamped to 0 to one once, at its end. A register alone is "
+    "UNSIGNED_IDENTITY here, and out.a is tex0 where the row says nothing else."
+)
+
 GROUPS = {
-    "instructions": Group("Arithmetic instructions of ps.1.x", pixel_shader, INSTRUCTIONS),
-    "modifiers": Group("Instruction modifiers of ps.1.x", pixel_shader, MODIFIERS),
-    "sources": Group("Sources of ps.1.x", pixel_shader, SOURCES),
-    "constants": Group("Constants of ps.1.x", pixel_shader, CONSTANTS),
-    "products": Group("Products, sums and muxes of !!RC1.0", register_combiners, PRODUCTS),
-    "mappings": Group("Mappings of !!RC1.0", register_combiners, MAPPINGS),
-    "scales": Group("Scales and biases of !!RC1.0", register_combiners, SCALES),
-    "final": Group("The final combiner of !!RC1.0", register_combiners, FINAL),
+    "instructions": Group("Arithmetic instructions of ps.1.x", _ARITHMETIC, pixel_shader, INSTRUCTIONS),
+    "modifiers": Group("Instruction modifiers of ps.1.x", _MODIFIED, pixel_shader, MODIFIERS),
+    "sources": Group("Sources of ps.1.x", _READ, pixel_shader, SOURCES),
+    "constants": Group("Constants of ps.1.x", _CONSTANT, pixel_shader, CONSTANTS),
+    "products": Group("Products, sums and muxes of !!RC1.0", _SUMS, register_combiners, PRODUCTS),
+    "mappings": Group("Mappings of !!RC1.0", _MAPPED, register_combiners, MAPPINGS),
+    "scales": Group("Scales and biases of !!RC1.0", _SCALED, register_combiners, SCALES),
+    "final": Group("The final combiner of !!RC1.0", _FINAL, register_combiners, FINAL),
 }

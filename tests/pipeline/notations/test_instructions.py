@@ -33,8 +33,8 @@ _COLORS = np.array([40, 128, 255, 129]), np.array([10, 128, 255, 0])
 
 
 def texels_of(machine):
-    """Texels of two textures, [h, w, 4] each: odd multiples of bytes, so that each component has every pair of
-    them, and no two components the same pair at one pixel.
+    """Texels of two textures, [h, w, 4] each: odd multiples of bytes, so that each component has every pair
+    of them, and no two components the same pair at one pixel.
     """
     values = _ALL if machine == COMBINERS[MEASURED] else _SOME
     across = np.stack([m * values + k for m, k in ((1, 0), (7, 31), (13, 5), (29, 3))], -1) % 256
@@ -77,7 +77,12 @@ def value_of(row, machine):
     unit = numbers.one // 255
     a, b = (texels.astype(np.int64) * unit for texels in texels_of(machine))
     c, d = (np.broadcast_to(color * unit, a.shape) for color in _COLORS)
-    return np.broadcast_to(evaluated(row.formula, numbers, a=a, b=b, c=c, d=d, x=a - b), a.shape)
+    operands = {"a": a, "b": b, "c": c, "d": d, "x": a - b}
+    value = np.broadcast_to(evaluated(row.formula, numbers, **operands), a.shape)
+    if row.alpha is None:
+        return value
+    alpha = np.broadcast_to(evaluated(row.alpha, numbers, **operands), a.shape)
+    return np.concatenate([value[..., :3], alpha[..., 3:]], axis=-1)
 
 
 def shown(value, numbers):
