@@ -162,7 +162,7 @@ def _formulas(key):
     translated = group.program is pixel_shader  # !!RC1.0 says the combiners itself
     for row in group.rows:
         program = parse_program(group.program(row))
-        combiners = (_combiners(program, "r1" in row.text),) if translated else ()
+        combiners = (_combiners(program, key == "sources"),) if translated else ()
         cells = (_cell(row.construct), _body(row.text), *combiners, _cell(row.formula))
         rows.append((*cells, *_marks(program, COMBINERS)))
     combiners = ("general combiners",) if translated else ()

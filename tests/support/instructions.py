@@ -125,7 +125,7 @@ INSTRUCTIONS = (
     Row("lrp", "lrp r0, t0, t1, v0", "rn(a*b + (one - a)*c)"),
     Row("dp3", "dp3 r0, t0, t1", "clip(rn(dot(a, b)))"),
     Row("cnd", "mov r0, t0\ncnd r0, r0.a, t1, v0", "where(alpha(a) >= half, b, c)"),
-    Row("cmp", "cmp r0, t0_bx2.a, t1, v0", "where(2*alpha(a) - expand >= 0, b, c)"),
+    Row("cmp", "cmp r0, r1.a, t0, v0", "where(alpha(x) >= 0, a, c)"),
     Row("dp4", "dp4 r0, t0, t1", "clip(clip(rn(dot(a, b))) + rn(alpha(a)*alpha(b)))"),
 )
 _SIGNED = "t0_bx2, t1_bx2"
@@ -291,6 +291,15 @@ FINAL = (
         "unsigned_invert(x)",
         f"{_NEGATIVE}out.rgb = unsigned_invert(spare0);{_OUT_A}",
         "one - saturated(a - b)",
+        True,
+        alpha="a",
+    ),
+    Row(
+        "the least that a register holds",
+        "{ rgb { discard = -one; discard = -one; spare0 = sum(); } }\n"
+        "{ rgb { discard = spare0 * -one; discard = -one; spare0 = sum(); } }\n"
+        f"out.rgb = spare0;{_OUT_A}",
+        "clip(rn(clip(-2*expand)*-expand - one*expand))",
         True,
         alpha="a",
     ),

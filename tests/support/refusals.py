@@ -185,6 +185,13 @@ DIRECT3D_REFUSES = (
         "texkill",
     ),
     _yes(
+        "a texture register in a program without texture instructions",
+        "mov r0, t0",
+        "spare0 = tex0;",
+        "without texture shaders a unit samples what is bound",
+        "texm3x3spec",
+    ),
+    _yes(
         "a modifier of a constant, undefined there",
         "def c0, 0.5, 0.5, 0.5, 0.5\nmul r0, v0, c0_bx2",
         "expand(const0)",
