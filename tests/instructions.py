@@ -13,7 +13,7 @@ from fixedpipe.pipeline.profiles import PROFILES
 from fixedpipe.pipeline.validation.validate import validate_program
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.documents import WIDTH, table
-from tests.support.instructions import COMBINERS, GROUPS, numbers_of, pixel_shader
+from tests.support.instructions import COMBINERS, DEFINITIONS, GROUPS, numbers_of, pixel_shader
 from tests.support.refusals import REFUSALS, SOURCES
 from tests.support.texture_operations import BYTE, DOT, MAPPED, OPERATIONS
 
@@ -38,21 +38,11 @@ register alone is times one, and discard keeps nothing. Formulas are of whole nu
 each component by itself. a and b are the texels of t0 and t1 (tex0, tex1), c the primary color (v0, col0),
 d the secondary one, x a register of either sign.
 
-- `rn(n)` is n/one to the nearest whole number, halves up: `floor((2*n + one) / (2*one))`. one is odd and n
-  whole, so there are no halves. The ideal does not round: n/one.
-- `clip(x)` is x, at least low and at most high. The ideal's registers have no ends: x.
-- `positive(x)` is max(0, x), `saturated(x)` is x clamped to 0 to one; both are the pass's own, and the
-  ideal's too.
-- `halved(x)` is `floor((x + 1) / 2)`, halves up, of negative numbers too. The ideal's is x/2.
-- `dot(a, b)` is the sum of red, green and blue's three products; `alpha(a)`, `blue(a)` are one for every
-  component.
-- `constant(v)` is `floor(one*v + 1/2)`. `signed(v)`, of red, green and blue, is `2*constant((255*v +
-  256)/510) - expand`: EXPAND_NORMAL of what is stored; alpha is the magnitude with its sign. The ideal
-  takes one*v.
-- `summed(x)` is x, at most one. The ideal's color sum has no clamp.
-
-What is written to the frame is the register clamped to 0 to one, as a byte: `floor((2*255*x + one) /
-(2*one))`.
+`dot(a, b)` is the sum of red, green and blue's three products; `alpha(a)` and `blue(a)` are one component
+for all. The other functions are in the table, `//` a quotient cut to the whole number below. rn rounds to
+nearest: one is odd, so no number is half way. halved rounds halves up, below 0 too. signed is of red, green
+and blue, what EXPAND_NORMAL makes of what is stored, and alpha is its magnitude with its sign. written is
+the byte that is written to the frame.
 
 """
 _TEXTURES = """\
@@ -104,6 +94,11 @@ def _fits(program, profile):
 
 def _marks(program, profiles):
     return ["yes" if _fits(program, p) else "-" for p in profiles.values()]
+
+
+def _definitions():
+    rows = [(f"`{name}({argument})`", *map(_cell, texts)) for name, (argument, *texts) in DEFINITIONS.items()]
+    return table(("", "machines", "ideal"), rows) + "\n"
 
 
 def _of_machines():
@@ -276,6 +271,7 @@ def page():
             _of_machines(),
             "\n",
             _WORDS,
+            _definitions(),
             *(_formulas(key) for key in ("instructions", "modifiers", "sources", "constants")),
             "## Texture instructions of ps.1.x\n\n",
             _TEXTURES,

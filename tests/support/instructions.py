@@ -17,6 +17,19 @@ from fixedpipe.pipeline.profiles import PROFILES
 # The machines with register combiners, by name.
 COMBINERS = {name: p for name, p in PROFILES.items() if p.combiners.max_general_combiners}
 
+# Functions of formulas: the argument, and what they are on machines and in the ideal.
+DEFINITIONS = {
+    "rn": ("n", "(2*n + one)//(2*one)", "n/one"),
+    "clip": ("x", "maximum(low, minimum(x, high))", "x"),
+    "halved": ("x", "(x + 1)//2", "x/2"),
+    "positive": ("x", "maximum(0, x)", "maximum(0, x)"),
+    "saturated": ("x", "maximum(0, minimum(x, one))", "maximum(0, minimum(x, one))"),
+    "summed": ("x", "minimum(x, one)", "x"),
+    "constant": ("v", "floor(one*v + 1/2)", "one*v"),
+    "signed": ("v", "2*constant((255*v + 256)/510) - expand", "one*v"),
+    "written": ("x", "(2*255*saturated(x) + one)//(2*one)", "saturated(x)"),
+}
+
 
 @dataclass(frozen=True)
 class Row:
@@ -52,36 +65,33 @@ class Numbers:
 
     def words(self) -> dict[str, Any]:
         """What the words of a formula stand for."""
-        exact, one, low, high = self.exact, self.one, self.low, self.high
 
-        def rounded(v):
-            return one * v if exact else np.floor(one * v + 0.5).astype(np.int64)
+        def function(name):
+            argument, *texts = DEFINITIONS[name]
+            return lambda *given: evaluated(
+                texts[self.exact], self, **{argument: np.array(given) if len(given) > 1 else given[0]}
+            )
 
         def signed(*v):
-            red_to_alpha = np.array(v)
-            if exact:
-                return one * red_to_alpha
-            even = 2 * rounded((255 * red_to_alpha + 256) / 510) - self.expand
-            return np.append(even[:3], np.sign(v[3]) * rounded(abs(red_to_alpha[3])))
+            color, alpha = function("signed")(*v)[:3], function("constant")(abs(v[3]))
+            return np.append(color, np.sign(v[3]) * alpha)
 
-        words: dict[str, Callable | float] = {
-            "one": one,
+        return {
+            **{name: function(name) for name in DEFINITIONS},
+            "signed": signed,
+            "one": self.one,
             "half": self.half,
             "expand": self.expand,
+            "low": self.low,
+            "high": self.high,
+            "minimum": np.minimum,
+            "maximum": np.maximum,
+            "floor": lambda x: np.floor(x).astype(np.int64),
+            "where": np.where,
             "alpha": lambda x: np.broadcast_to(x[..., 3:], x.shape),
             "blue": lambda x: np.broadcast_to(x[..., 2:3], x.shape),
-            "constant": lambda *v: rounded(np.array(v)),
-            "signed": signed,
-            "summed": lambda x: x if exact else np.minimum(x, one),
             "dot": lambda x, y: np.broadcast_to((x * y)[..., :3].sum(-1, keepdims=True), x.shape),
-            "where": np.where,
-            "positive": lambda x: np.maximum(x, 0),
-            "saturated": lambda x: np.clip(x, 0, one),
-            "rn": lambda n: n / one if exact else (2 * n + one) // (2 * one),
-            "halved": lambda x: x / 2 if exact else (x + 1) >> 1,
-            "clip": lambda x: x if exact else np.clip(x, low, high),
         }
-        return words
 
 
 def numbers_of(profile) -> Numbers:

@@ -87,8 +87,7 @@ def value_of(row, machine):
 
 def shown(value, numbers):
     """A register's value as the color that is written."""
-    value = np.clip(value, 0, numbers.one)
-    return value if numbers.exact else (2 * 255 * value + numbers.one) // (2 * numbers.one)
+    return evaluated("written(x)", numbers, x=value)
 
 
 def negated(combiners):

@@ -23,7 +23,7 @@ _BY_NAME = {operation.words: operation for operation in OPERATIONS}
 def fragments():
     """Coordinates of four units, the texel of every lookup, and with them the values where a rule turns."""
     numbers = random.Random(5)
-    for k in range(200):
+    for k in range(80):
         values = (0, 127, 128, 255) if k % 3 == 0 else range(256)
         texels = [[numbers.choice(values) for _ in range(4)] for _ in range(2)]
         coordinates = [[numbers.uniform(-1.5, 1.5) for _ in range(4)] for _ in range(4)]
