@@ -4,7 +4,7 @@ Source: the DirectX 8.1 reference of pixel shaders: register port limits, texbem
 """
 
 # How many different texture registers an instruction may read; three from ps.1.2 on.
-_TEXTURE_PORTS = {"1.0": 2, "1.1": 2}
+TEXTURE_PORTS = {"1.0": 2, "1.1": 2}
 _OFFSETS = ("texbem", "texbeml")
 
 
@@ -34,7 +34,7 @@ def validator_notes(listing):
             yield line, f"{name} writes v{instruction.unit}, which Direct3D lets a program only read."
         read = {source.register for source in instruction.sources}
         textures = sum(letter == "t" for letter, _ in read)
-        if textures > _TEXTURE_PORTS.get(listing.version, 3):
+        if textures > TEXTURE_PORTS.get(listing.version, 3):
             yield (
                 line,
                 f"{name} reads {textures} texture registers; ps.{listing.version} reads two at once.",
