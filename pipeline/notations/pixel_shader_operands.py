@@ -125,9 +125,7 @@ class Operands:
         if register in self.missing and (register, component) not in self.written:
             raise UnsayableError(f"it reads {register.name}, which no texture shader stage gives a color")
         if register in self.ones and component == "a":
-            raise UnsayableError(
-                f"it reads q of the coordinates in {register.name}'s alpha, which texcoord makes 1"
-            )
+            raise UnsayableError(f"it reads the alpha of {register.name}, q, which texcoord makes 1")
         words, selectors = _WORDS[given.mapping], self._selectors(half, given.usage, register)
         return tuple(Said(words[0], PIXEL_SHADER_NAMES[register], words[1], s) for s in selectors)
 
@@ -153,13 +151,11 @@ class Operands:
 
     def _ones(self, half, mapping):
         """ZERO, as what modifiers make of an alpha that is 1."""
-        words = [w for w, m in MAPPINGS.items() if MAPPINGS_OF_ONE[m] is mapping and w[0] != "-"]
-        words += [w for w, m in MAPPINGS.items() if MAPPINGS_OF_ONE[m] is mapping and "bias" in w[1]]
+        words = [w for w, m in MAPPINGS.items() if MAPPINGS_OF_ONE[m] is mapping]
         names = [PIXEL_SHADER_NAMES[register] for register in sorted(self.ones)]
         selectors = self._selectors(half, ALPHA)
-        return tuple(
-            Said(w[0], name, w[1], s) for name in names for w in dict.fromkeys(words) for s in selectors
-        )
+        ways = [(name, *w) for name in names for w in words]
+        return tuple(Said(sign, name, modifier, s) for name, sign, modifier in ways for s in selectors)
 
     def _zeros(self, number, half, given):
         """ZERO, as a constant of zeros, where the program does not say which constants there are."""

@@ -15,9 +15,9 @@ _DESTINATIONS = frozenset(REGISTERS.values())
 
 
 class Instruction(NamedTuple):
-    """An instruction of one half. ``sources``: of each, the ways to say it. ``reads``: its inputs in the order
-    in which the reader of pixel shaders comes to them, each with whether it says what it reads to be clamped
-    by itself, as lrp's factor does.
+    """An instruction of one half. ``sources``: of each, the ways to say it. ``reads``: its inputs, in the
+    order in which the reader of pixel shaders comes to them, each with whether the instruction clamps it by
+    itself, as lrp does its factor.
     """
 
     name: str
@@ -37,7 +37,7 @@ def _is_minus_one(given):
 
 
 def said_times(operands, number, half, a, b):
-    """The ways to say a * b where b is 1 or, a having no mapping with a minus, -1; none where it is neither."""
+    """The ways to say a * b where b is 1 or, a having no mapping with a minus, -1; none for any other b."""
     if is_one(b):
         return operands.sources(number, half, a)
     if _is_minus_one(b):
