@@ -81,8 +81,8 @@ def _refuse_other_final_combiners(combiners):
     if (final.a, final.b, final.c) == (_ZERO,) * 3 and final.d == CombinerInput(Register.SPARE0):
         raise ValueError(
             "The final combiner gives SPARE0 without fog, where a pixel shader's is SPARE0 with fog: A the "
-            "alpha of FOG, B SPARE0, C FOG, D ZERO, which gives the same where fog is disabled. Write that, "
-            f"if fog is. {_OTHERWISE}"
+            "alpha of FOG, B SPARE0, C FOG, D ZERO. That gives the same where fog is disabled: ask for it "
+            f"there. {_OTHERWISE}"
         )
     for variable in "abcd":
         given, wanted = getattr(final, variable), getattr(_FINAL, variable)
@@ -129,7 +129,14 @@ def _written(program, whole):
         names, definitions = _allocated(combiners, groups, texture.eyes)
         given = {}
     else:
-        names = {Constant(unit, None): f"c{places[unit, None, 'rgb']}" for unit in texture.eyes}
+        names = {}
+        for unit in texture.eyes:
+            if (unit, None, "rgb") not in places:
+                raise ValueError(
+                    f"Texture shader stage {unit} has an eye, and the program has no constant for it; say "
+                    "which it is (Program.constants)."
+                )
+            names[Constant(unit, None)] = f"c{places[unit, None, 'rgb']}"
         definitions = {n: color for n, color in program.colors.items() if n in program.defined}
         given = {n: color for n, color in program.colors.items() if n not in program.defined and any(color)}
     lines = [f"; {comment}" for comment in texture.comments]
@@ -222,6 +229,25 @@ def _check(program, shader: PixelShader):
         ) == plain_combiners(program.combiners, stages)
     if not same:
         raise ValueError(
-            "Written as a pixel shader, the program reads back as another: ps.1.0 to ps.1.3 clamp what they "
-            f"write for all readers alike, and negate every factor but what was clamped. {_OTHERWISE}"
+            f"{_first_difference(program, shader)} reads back as another, written as a pixel shader; ps.1.0 "
+            f"to ps.1.3 have no words for what it is. {_OTHERWISE}"
         )
+
+
+def _first_difference(program, shader):
+    """What does not read back as it is, in words."""
+    stages = program.texture_shader
+    for what, count, find in (
+        ("Texture shader stage", len(stages or ()), lambda given: plain_stages(given.texture_shader)),
+        (
+            "General combiner",
+            len(program.combiners.general),
+            lambda given: plain_combiners(given.combiners, stages)[0],
+        ),
+    ):
+        found, wanted = find(shader), find(program)
+        if len(found) == len(wanted) == count:
+            for number, pair in enumerate(zip(found, wanted, strict=True)):
+                if pair[0] != pair[1]:
+                    return f"{what} {number}"
+    return "The program"

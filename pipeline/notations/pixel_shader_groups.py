@@ -199,9 +199,9 @@ class Writer:
         whole = number in self.whole
         for half, instruction in halves.items():
             group.reads += [(half, *read) for read in instruction.reads]
-        for _, given, by_itself in group.reads:
+        for half, given, by_itself in group.reads:
             if not by_itself:
-                self._note(given)
+                self._note(number, half, given)
         for written in group.written:
             register = written.instruction.destination
             for half in ("rgb", "a") if whole and written.mask == "rgb" else (written.mask,):
@@ -216,10 +216,19 @@ class Writer:
             elif written.instruction.name == "cnd":
                 self.operands.in_blue.discard(Register.SPARE0)
 
-    def _note(self, given):
+    def _note(self, number, half, given):
         """Whether an input takes what was written clamped to [0, 1]."""
-        written = self.last.get((given.register, half_of(given.usage)))
+        place = given.register, half_of(given.usage)
+        written = self.last.get(place)
         if written is None:
+            clamped = given.mapping is Mapping.UNSIGNED_IDENTITY and given.register in _NAMES
+            if clamped and place not in self.operands.positive and not self.operands.exact:
+                raise _unsayable(
+                    number,
+                    half,
+                    f"it clamps {given.register.name} (UNSIGNED_IDENTITY), which no combiner wrote and which "
+                    "may be negative, where _sat clamps what an instruction writes",
+                )
             return
         if self.operands.exact:
             written.clamped.add(given.meaning is Meaning.SATURATED)

@@ -141,7 +141,9 @@ class Operands:
         mapping, component = given.mapping, half_of(given.usage)
         name = Constant(number, given.register)
         if self.exact:
-            constant = self.constants[number, given.register, component]
+            constant = self.constants.get((number, given.register, component))
+            if constant is None:
+                raise UnsayableError(f"it reads {given.register.name}, and no constant register went there")
             name, color = f"c{constant}", self.colors[constant]
             values = color[3:] if component == "a" else color[:3]
             if min(values) < 0:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from fixedpipe.pipeline.enums import CombinerBias, CombinerFunction, Mapping, Register
 from fixedpipe.pipeline.notations.equal_programs import is_zero, outputs
-from fixedpipe.pipeline.notations.pixel_shader_combiners import REGISTERS
+from fixedpipe.pipeline.notations.pixel_shader_combiners import NEGATED, REGISTERS
 from fixedpipe.pipeline.notations.pixel_shader_operands import Operands, Said, UnsayableError
 from fixedpipe.pipeline.state import CombinerInput
 
@@ -40,7 +40,7 @@ def said_times(operands, number, half, a, b):
     """The ways to say a * b where b is 1 or, a having no mapping with a minus, -1; none for any other b."""
     if is_one(b):
         return operands.sources(number, half, a)
-    if _is_minus_one(b):
+    if _is_minus_one(b) and a.mapping not in NEGATED:
         return tuple(s.negated() for s in operands.sources(number, half, a) if s.sign == "")
     return ()
 
@@ -133,10 +133,8 @@ def _shapes(operands, number, half, portion, which):
         if getattr(portion, "ab_dot_product", False):
             yield "dp3", (said(a), said(b)), ((a, False), (b, False))
             return
-        if is_one(b) or _is_minus_one(b):
-            yield "mov", (times(a, b),), ((a, False),)
-        else:
-            yield "mul", (said(a), said(b)), ((a, False), (b, False))
+        yield "mov", (times(a, b),), ((a, False),)
+        yield "mul", (said(a), said(b)), ((a, False), (b, False))
         return
     if portion.mux_sum:
         yield "cnd", (_CONDITION, times(c, d), times(a, b)), ((c, False), (a, False))
@@ -144,16 +142,13 @@ def _shapes(operands, number, half, portion, which):
     if _complementary(a, c):
         factor = tuple(s for s in said(a) if not s.modifier and s.sign != "-")
         yield "lrp", (factor, said(b), said(d)), ((a, True), (c, True), (b, False), (d, False))
-    whole = is_one(b) or _is_minus_one(b)
-    if whole and is_one(d):
+    if is_one(d):
         negative = tuple(s.negated() for s in said(c) if s.sign == "-")
         yield "sub", (times(a, b), negative), ((a, False), (c, False))
-    if whole and _is_minus_one(d):
+    if _is_minus_one(d) and c.mapping not in NEGATED:
         yield "sub", (times(a, b), tuple(s for s in said(c) if s.sign != "-")), ((a, False), (c, False))
-    if whole:
-        yield "add", (times(a, b), times(c, d)), ((a, False), (c, False))
-    else:
-        yield "mad", (said(a), said(b), times(c, d)), ((a, False), (b, False), (c, False))
+    yield "add", (times(a, b), times(c, d)), ((a, False), (c, False))
+    yield "mad", (said(a), said(b), times(c, d)), ((a, False), (b, False), (c, False))
 
 
 def _complementary(a, c):
