@@ -1,4 +1,4 @@
-"""Programs written as pixel shaders: what is written, that it reads back, and what is refused, in sentences."""
+"""Programs written as pixel shaders: what is written, that it reads back, and what is refused."""
 
 import re
 from dataclasses import replace
@@ -92,14 +92,14 @@ def test_every_source(use, source, selector):
 
 # In the form in which they are written.
 SHADERS = {
-    "a pair": "mul r0.rgb, t0, v0\n+ mad_x2_sat r0.a, t1, 1-v1, c0\n",
+    "a pair": "mul r0.rgb, t0, v0\n+ mad_x2 r0.a, t1, 1-v1, c0\n",
     "alpha before color, by its constants": "mul r0.a, t0, c1\n+ mul r0.rgb, t0, c0\n",
     "blue": "mov r0.rgb, t0\n+ mul r0.a, t0.b, t1\n",
-    "lrp": "lrp r0, v0.a, t0, t1\nlrp r1, 1-c0, t0, r0\nmov r0, r1\n",
+    "lrp": "lrp r0, v0.a, t0, t1\nlrp r1, 1-v1, t0, r0\nmov r0, r1\n",
     "cnd": "mov r0, t0\ncnd_x2 r0, r0.a, t1, v0\n",
     "cnd of a pair": "mov r0, t0\ncnd r1.rgb, r0.a, t1, -v0\n+ mul r1.a, t0, t1\nmov r0, r1\n",
     "cmp": "cmp r0, t0_bx2.a, t1, 1-v0\n",
-    "cmp of color alone": "cmp r0.rgb, -t0.a, t1, v0\n",
+    "cmp of color alone": "cmp r1.rgb, -t0.a, t1, v0\nmov r0.rgb, r1\n+ mov r0.a, t0\n",
     "dp4": "dp4_x2_sat r1, t0_bx2, v0_bx2\nmul r0, r1, t1\n",
     "a dot product and its alpha": "dp3_sat r0, t0_bx2, v0_bx2\nmul r0, r0, t1\n",
     "a dot product of color alone": "dp3 r0.rgb, t0_bx2, v0_bx2\n+ mov r0.a, t1\n",
@@ -133,9 +133,16 @@ TEXTURES = (
 def test_every_texture_instruction_is_written_as_it_is(lines):
     eye = "def c3, 0.5, -1, 2, 0\n" if "c3" in lines else ""
     text = f"ps.{'1.3' if 'depth' in lines else '1.1'}\n{eye}{lines}mov r0, t0\n"
-    if "texcoord" in lines:
-        text += "mad r0, t0_bx2, -t0.a, 1-t0.a\n"
     assert check_same(text) == text
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["mad r0, t0_bx2, -t0.a, 1-t0.a", "mul r0, t0, t1", "lrp r0, t0.a, t1, 1-t0", "add r0, t1, t0_bias",
+     "dp3 r0, 1-t1, -t0.a", "dp4 r0, -t0, t1", "cmp r0, t1.a, t0, -t0", "cmp r0.a, t0, v0, 1-t0"],
+)  # fmt: skip
+def test_the_alpha_of_texcoord_is_written_where_it_is_one(line):
+    check_same(f"ps.1.3\ntexcoord t0\ntex t1\nmov r0, v0\n{line}\nadd r0, r0, t0\n")
 
 
 def test_targets_and_constants_of_the_application_are_told_above():
@@ -206,7 +213,11 @@ def check_random(text):
         combiners = parse_program(format_program(program.combiners))
     except ValueError:
         return  # blue to alpha, for which !!RC1.0 has no word
-    assert format_pixel_shader(combiners)
+    try:
+        assert format_pixel_shader(combiners)
+    except ValueError as error:
+        # lrp by a factor that something else reads unclamped, with a product of zero.
+        assert "is read clamped" in str(error)
 
 
 # ------------------------------------------------------------------------------------ other programs
@@ -259,6 +270,7 @@ def test_the_nv2a_s_registers_become_instructions():
     assert format_pixel_shader(parse_program(words)) == "ps.1.1\nmul r0.rgb, t0, v0\n"
 
 
+DIFFUSE = "dot_product_cube_map_and_reflect_cube_map_eye_from_qs"
 _TS = "!!TS1.0\ntexture_2d();\n"
 TWO = "discard = tex0 * tex1; discard = col0 * col1;"
 
@@ -267,13 +279,15 @@ TWO = "discard = tex0 * tex1; discard = col0 * col1;"
     ("lines", "words"),
     [
         ("{ rgb { spare0 = tex0; spare1 = tex1; } }", ["combiner 0, color: it writes 2 registers", "--rc"]),
-        ("{ rgb { spare0 = tex0; } } { alpha { %s spare0 = sum(); } }" % TWO, ["combiner 1, alpha: it has a sum"]),
-        ("{ rgb { %s spare0 = mux(); } }" % TWO, ["a mux of products, where cnd"]),
-        ("{ rgb { discard = tex0 . tex1; discard = col0; spare0 = sum(); } }", ["sum or mux of a dot product"]),
+        (f"{{ rgb {{ spare0 = tex0; }} }} {{ alpha {{ {TWO} spare0 = sum(); }} }}",
+         ["combiner 1, alpha: it has a sum"]),
+        (f"{{ rgb {{ {TWO} spare0 = mux(); }} }}", ["a mux of products, where cnd"]),
+        ("{ rgb { discard = tex0 . tex1; discard = col0; spare0 = sum(); } }", ["mux of a dot product"]),
         ("{ rgb { spare0 = tex0; bias_by_negative_one_half(); } }", ["BIAS_BY_NEGATIVE_ONE_HALF"]),
         ("{ rgb { spare0 = fog * tex0; } }", ["it reads FOG"]),
         ("{ rgb { spare0 = unsigned(tex0) * col0; } }", ["it clamps TEXTURE0 (UNSIGNED_IDENTITY)", "_sat"]),
-        ("{ rgb { spare1 = tex0; } } { rgb { discard = spare1; discard = unsigned(spare1); spare0 = sum(); } }",
+        ("{ rgb { spare1 = tex0; } } { rgb { discard = spare1; discard = unsigned(spare1); "
+         "spare0 = sum(); } }",
          ["combiner 0, color: what it writes to r1 is read clamped", "and as it is"]),
         ("{ const0 = (1, 0, 0, 0); const1 = (0, 1, 0, 0); rgb { discard = -one * const0; discard = const1; "
          "spare0 = sum(); } }", ["the third that one general combiner reads"]),
@@ -293,7 +307,7 @@ def test_what_ps_cannot_say_is_refused_in_a_sentence(lines, words):
         (_TS + "nop();\n", "spare0 = tex1;", ["TEXTURE1, which no texture shader stage gives"]),
         (_TS + "cull_fragment(LESS_THAN_ZERO, GEQUAL_TO_ZERO, GEQUAL_TO_ZERO, GEQUAL_TO_ZERO);\n",
          "spare0 = tex0;", ["stage 1 is CULL_FRAGMENT with the modes LESS"]),
-        (_TS + "".join(f"dot_product_cube_map_and_reflect_cube_map_eye_from_qs_{k}of3(tex0);\n" for k in (1, 2, 3)),
+        (_TS + "".join(f"{DIFFUSE}_{k}of3(tex0);\n" for k in (1, 2, 3)),
          "spare0 = tex3;", ["DOT_PRODUCT", "DIFFUSE"]),
     ],
 )  # fmt: skip
@@ -309,7 +323,8 @@ def test_stages_that_ps_has_no_instruction_for_are_refused(stages, lines, words)
         ("out.rgb = spare0; out.a = spare0;", "gives SPARE0 without fog"),
         ("out.rgb = lerp(fog.a, color_sum, fog); out.a = spare0;", "B is the color of SPARE0_PLUS_SECONDARY"),
         ("out.rgb = lerp(fog.a, spare0, fog) + tex0; out.a = spare0;", "D is the color of TEXTURE0"),
-        ("out.rgb = lerp(fog.a, spare0, fog); out.a = unsigned_invert(tex0);", "G is the alpha of TEXTURE0, by"),
+        ("out.rgb = lerp(fog.a, spare0, fog); out.a = unsigned_invert(tex0);",
+         "G is the alpha of TEXTURE0, by"),
     ],
 )  # fmt: skip
 def test_another_final_combiner_is_refused(final, words):
@@ -351,11 +366,11 @@ def test_too_many_constants_are_counted():
 def test_a_pixel_shader_with_another_state_is_refused():
     program = parse_program("ps.1.1\nmul r0, v0, v1\n")
     stage = program.combiners.general[0]
-    for given, words in (
+    for read, words in (
         (replace(stage.rgb.a, mapping=Mapping.UNSIGNED_IDENTITY), "reads back as another"),
         (replace(stage.rgb.a, register=Register.CONSTANT_COLOR0), "no constant register went there"),
     ):
-        general = (replace(stage, rgb=replace(stage.rgb, a=given)),)
+        general = (replace(stage, rgb=replace(stage.rgb, a=read)),)
         with pytest.raises(ValueError, match=words):
             format_pixel_shader(replace(program, combiners=replace(program.combiners, general=general)))
 
@@ -382,7 +397,7 @@ def respelled(draw, portion):
 
 @st.composite
 def combiner_programs(draw):
-    """Programs of register combiners that came from pixel shaders, spelled otherwise; a few with a random one."""
+    """Register combiners that came from pixel shaders, spelled otherwise; a few with a random one."""
     try:
         combiners = parse_program(draw(pixel_shaders())).combiners
         combiners = parse_program(format_program(combiners)).combiners
