@@ -197,7 +197,7 @@ def test_random_shaders_read_back_as_the_very_same_state(text):
 
 
 @pytest.mark.slow
-@settings(max_examples=3000)
+@settings(max_examples=1000)
 @given(st.one_of(pixel_shaders(most=9), pixel_shaders(most=9).map(with_coordinates)))
 def test_many_random_shaders_read_back_as_the_very_same_state(text):
     check_random(text)
@@ -216,8 +216,8 @@ def check_random(text):
     try:
         assert format_pixel_shader(combiners)
     except ValueError as error:
-        # lrp by a factor that something else reads unclamped, with a product of zero.
-        assert "is read clamped" in str(error)
+        # A product of lrp's that was zero is nothing in combiners, and its factor is clamped by no lrp.
+        assert "is read clamped" in str(error) or "it clamps" in str(error)
 
 
 # ------------------------------------------------------------------------------------ other programs
@@ -438,7 +438,7 @@ def test_random_combiners_are_refused_or_compute_the_same(program, seen):
 
 
 @pytest.mark.slow
-@settings(max_examples=3000)
+@settings(max_examples=1000)
 @given(combiner_programs(), SEEN)
 def test_many_random_combiners_are_refused_or_compute_the_same(program, seen):
     check_equal(program, seen)
