@@ -245,6 +245,7 @@ def written(lines, before=""):
         ("{ const0 = (0.5, 0.25, 0, 1); rgb { spare0 = tex0 * const0; } alpha { spare0 = tex0 * const0; } }",
          "def c0, 0.5, 0.25, 0, 1\nmul r0, t0, c0\n"),
         ("{ rgb { spare0 = -one * tex0; } }", "def c0, 0, 0, 0, 0\nmul r0.rgb, c0_bx2, t0\n"),
+        ("{ rgb { spare0 = tex0 * -one; } }", "def c0, 0, 0, 0, 0\nmul r0.rgb, t0, c0_bx2\n"),
         ("{ const0 = (2, -1, 0, 1); rgb { spare0 = expand(const0) * tex0; } }",
          "def c0, 1, 0, 0, 0\nmul r0.rgb, c0_bx2, t0\n"),
     ],
