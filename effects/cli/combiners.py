@@ -23,6 +23,7 @@ from fixedpipe.effects.cli.options import refuse_ignored
 )
 @click.option("--rc", "notation", flag_value="rc", help="Print as !!TS1.0 and !!RC1.0 text, not in words.")
 @click.option("--ts", "notation", flag_value="ts", help="Print its texture shaders alone, as !!TS1.0 text.")
+@click.option("--ps", "notation", flag_value="ps", help="Print as a pixel shader, ps.1.1 to ps.1.3.")
 @click.option("--nv2a", "notation", flag_value="nv2a", help="Print as words of the NV2A's registers.")
 @click.option(
     "--constant",
@@ -202,17 +203,23 @@ def _target(given):
 
 
 def _text(program, notation):
-    """The program in the notations of nvparse's own, "rc", its texture shaders alone, "ts", or as the NV2A's
-    registers, "nv2a".
+    """The program in the notations of nvparse's own, "rc", its texture shaders alone, "ts", as a pixel
+    shader, "ps", or as the NV2A's registers, "nv2a".
     """
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.pipeline.notations.nv2a_registers import format_registers
+    from fixedpipe.pipeline.notations.pixel_shader_format import format_pixel_shader
     from fixedpipe.pipeline.notations.register_combiner_format import format_program
     from fixedpipe.pipeline.notations.texture_shaders import format_stages
 
     stages, combiners = program.texture_shader, program.combiners
     if notation == "nv2a":
         return format_registers(combiners, stages)
+    if notation == "ps":
+        try:
+            return format_pixel_shader(program)
+        except ValueError as error:
+            raise Refusal(program.tell(str(error))) from error
     if notation == "ts":
         if not stages:
             raise Refusal("This program has no texture shaders; leave --ts out.")

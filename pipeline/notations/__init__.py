@@ -1,3 +1,3 @@
-"""Notations of programs: register combiners and texture shaders, read and written; Direct3D's pixel shaders,
-read.
+"""Notations of programs: register combiners, texture shaders and Direct3D's pixel shaders, read and
+written.
 """

@@ -137,6 +137,26 @@ def copy_of_blue(register):
     )
 
 
+def compared(a, b):
+    """The alpha portion of what cmp compares, a product, as SPARE0's alpha: half of it and one."""
+    one = one_operand("a").input
+    return AlphaPortion(
+        a=a, b=b, c=one, d=one, sum_output=Register.SPARE0, scale=CombinerScale.SCALE_BY_ONE_HALF
+    )
+
+
+def sum_of_products(register, scale):
+    """The portions, rgb and alpha, of dp4's second general combiner: the dot product in ``register``'s color
+    and the product in its alpha, added.
+    """
+    portions = []
+    for kind, usage, dot in ((RGBPortion, RGB, RGB), (AlphaPortion, ALPHA, BLUE)):
+        one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage)
+        a, c = (CombinerInput(register, Mapping.SIGNED_IDENTITY, u) for u in (dot, ALPHA))
+        portions.append(kind(a=a, b=one, c=c, d=one, sum_output=register, scale=scale))
+    return tuple(portions)
+
+
 def product(instruction, first, second):
     """The two inputs of a product, with the sign that either still owes."""
     a, b = first.input, second.input

@@ -15,6 +15,11 @@ _MOST_COMPARISONS, _SLOTS = 3, 8
 _OFFSETS = ("texbem", "texbeml")
 
 
+def most_read(version, letter):
+    """How many different registers of a kind, "t", "v" or "c", an instruction of a version may read."""
+    return _PORTS.get(version, {}).get(letter, _MOST_TEXTURES if letter == "t" else _MOST_OTHERS)
+
+
 def validator_notes(listing):
     """(line, sentence) of each, in the order of the program."""
     offsets, given = {}, set()
@@ -49,9 +54,7 @@ def validator_notes(listing):
             yield line, f"{name} writes v{instruction.unit}, which Direct3D lets a program only read."
         read = {source.register for source in instruction.sources}
         for letter, kind in _KINDS.items():
-            most = _PORTS.get(listing.version, {}).get(
-                letter, _MOST_TEXTURES if letter == "t" else _MOST_OTHERS
-            )
+            most = most_read(listing.version, letter)
             registers = sum(register[0] == letter for register in read)
             if registers > most:
                 at_once = f"ps.{listing.version} reads {('', 'one', 'two', 'three')[most]} at once"

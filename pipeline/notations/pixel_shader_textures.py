@@ -18,7 +18,7 @@ _ACCESSES = {
 _2D, _RECTANGLE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE
 _3D, _CUBE_MAP = TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_CUBE_MAP
 # What a texture instruction does, by the target of its unit; the first where no target was given.
-_TEXTURE_OPERATIONS = {
+TEXTURE_OPERATIONS = {
     "tex": {_2D: _OP.TEXTURE_2D} | _ACCESSES,
     "texcoord": {None: _OP.PASS_THROUGH},
     "texkill": {None: _OP.CULL_FRAGMENT},
@@ -43,11 +43,11 @@ _OF_GEFORCE_4_TI = {
 }
 WITHOUT_RESULT = ("texkill", "texm3x2pad", "texm3x3pad", "texm3x2depth")
 # The instructions that may follow a first row, and a second one.
-_AFTER_PAD = {
+AFTER_PAD = {
     "texm3x2pad": (("texm3x2tex", "texm3x2depth"),),
     "texm3x3pad": (("texm3x3pad",), ("texm3x3tex", "texm3x3spec", "texm3x3vspec", "texm3x3")),
 }
-_LAST_ROWS = {name for rows in _AFTER_PAD.values() for name in rows[-1]}
+_LAST_ROWS = {name for rows in AFTER_PAD.values() for name in rows[-1]}
 
 
 class ConstantPlace(NamedTuple):
@@ -86,8 +86,8 @@ def _check_rows(by_unit):
         name = instruction.name
         before = by_unit.get(unit - 1)
         if name in _LAST_ROWS:
-            pad = "texm3x2pad" if name in _AFTER_PAD["texm3x2pad"][-1] else "texm3x3pad"
-            rows = len(_AFTER_PAD[pad])
+            pad = "texm3x2pad" if name in AFTER_PAD["texm3x2pad"][-1] else "texm3x3pad"
+            rows = len(AFTER_PAD[pad])
             given = [by_unit[k].name for k in range(unit - rows, unit) if k in by_unit]
             if given != [pad] * rows:
                 raise instruction.token.error(
@@ -95,8 +95,8 @@ def _check_rows(by_unit):
                     f"{'units' if rows == 2 else 'unit'} right before; write the other rows of the matrix "
                     "first."
                 )
-        if name in _AFTER_PAD and (before is None or before.name != name):
-            for row, allowed in enumerate(_AFTER_PAD[name], 1):
+        if name in AFTER_PAD and (before is None or before.name != name):
+            for row, allowed in enumerate(AFTER_PAD[name], 1):
                 following = by_unit.get(unit + row)
                 if following is None or following.name not in allowed:
                     raise instruction.token.error(
@@ -112,7 +112,7 @@ def _texture_stage(instruction, target, colors):
         raise instruction.token.error(
             f"{name} is an operation of the GeForce 4 Ti, which no profile is: {_OF_GEFORCE_4_TI[name]}."
         )
-    operations = _TEXTURE_OPERATIONS[name]
+    operations = TEXTURE_OPERATIONS[name]
     if target is None or None in operations:
         operation = next(iter(operations.values()))
     elif target in operations:

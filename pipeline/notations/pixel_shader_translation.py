@@ -33,7 +33,7 @@ distributed with OGRE 3D, for the correspondence.
 
 from dataclasses import dataclass, field, replace
 
-from fixedpipe.pipeline.enums import CombinerScale, Mapping, Meaning, Register
+from fixedpipe.pipeline.enums import Mapping, Meaning, Register
 from fixedpipe.pipeline.notations.pixel_shader_combiners import (
     ALPHA,
     BLUE,
@@ -50,10 +50,12 @@ from fixedpipe.pipeline.notations.pixel_shader_combiners import (
     Dot,
     Operand,
     Stage,
+    compared,
     copy_of_blue,
     one_operand,
     product,
     stored,
+    sum_of_products,
 )
 from fixedpipe.pipeline.notations.pixel_shader_notes import validator_notes
 from fixedpipe.pipeline.notations.pixel_shader_textures import WITHOUT_RESULT, ConstantPlace, texture_stages
@@ -360,18 +362,7 @@ class _Translation:
         first.rgb = self.portion(first, "rgb", plain)
         first.alpha = self.portion(first, "a", plain._replace(name="mul"))
         second = self.new_stage(instruction.token, "dp4, their sum")
-        halves = {"rgb": (RGBPortion, RGB, RGB), "alpha": (AlphaPortion, ALPHA, BLUE)}
-        for name, (kind, usage, dot) in halves.items():
-            one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage)
-            portion = kind(
-                a=CombinerInput(target, Mapping.SIGNED_IDENTITY, dot),
-                b=one,
-                c=CombinerInput(target, Mapping.SIGNED_IDENTITY, ALPHA),
-                d=one,
-                sum_output=target,
-                scale=SCALES[instruction.scale],
-            )
-            setattr(second, name, portion)
+        second.rgb, second.alpha = sum_of_products(target, SCALES[instruction.scale])
         self.stages += [first, second]
         for half in instruction.mask:
             self.note(half, instruction)
@@ -396,16 +387,7 @@ class _Translation:
                 "r0.a; move that to r1.a before."
             )
         first = self.new_stage(instruction.token, "cmp, what is compared")
-        one = one_operand("a")
-        a, b = product(instruction, self.operand(first, "a", tested), one)
-        first.alpha = AlphaPortion(
-            a=a,
-            b=b,
-            c=one.input,
-            d=one.input,
-            sum_output=Register.SPARE0,
-            scale=CombinerScale.SCALE_BY_ONE_HALF,
-        )
+        first.alpha = compared(*product(instruction, self.operand(first, "a", tested), one_operand("a")))
         self.stages.append(first)
         if R0 in self.dots:
             self.dots[R0].free_from = len(self.stages)

@@ -7,7 +7,7 @@ from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.notations.register_combiner_words import REGISTER_NAMES
 
 # A pixel shader's registers; constants have names of their own, which differ from combiner to combiner.
-_PIXEL_SHADER_NAMES = {
+PIXEL_SHADER_NAMES = {
     Register.PRIMARY_COLOR: "v0",
     Register.SECONDARY_COLOR: "v1",
     Register.SPARE0: "r0",
@@ -34,7 +34,7 @@ class ProgramSources:
         """A sentence about the state in the words of the text: its names of registers, and the lines."""
         own = REGISTER_NAMES
         if notations and notations[0].startswith("ps."):
-            own = _PIXEL_SHADER_NAMES
+            own = PIXEL_SHADER_NAMES
         for register, name in own.items():
             sentence = re.sub(rf"(?<![A-Z0-9_]){register.name}(?![A-Z0-9_])", name, sentence)
         for pattern, lines in (

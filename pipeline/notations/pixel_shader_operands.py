@@ -1,0 +1,168 @@
+"""Inputs of register combiners as the sources of a pixel shader that become them.
+
+An input may be said in several ways; an instruction of both halves of its destination needs a way that its
+color and its alpha have in common.
+"""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from fixedpipe.pipeline.enums import Mapping, Register
+from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
+from fixedpipe.pipeline.notations.equal_programs import CONSTANTS, half_of, never_negative
+from fixedpipe.pipeline.notations.pixel_shader_combiners import (
+    ALPHA,
+    EXPANDED,
+    MAPPINGS,
+    NEGATED,
+    REGISTERS,
+    RGB,
+)
+from fixedpipe.pipeline.notations.program_sources import PIXEL_SHADER_NAMES
+from fixedpipe.pipeline.notations.register_combiner_words import MAPPINGS_OF_ONE
+
+_WORDS = {mapping: words for words, mapping in MAPPINGS.items()} | {Mapping.UNSIGNED_IDENTITY: ("", "")}
+_UNEXPANDED = {expanded: mapping for mapping, expanded in EXPANDED.items()}
+_TEXTURES = {register: number for (letter, number), register in REGISTERS.items() if letter == "t"}
+_WITHOUT_COLOR = (
+    Operation.NONE,
+    Operation.CULL_FRAGMENT,
+    Operation.DOT_PRODUCT,
+    Operation.DOT_PRODUCT_DEPTH_REPLACE,
+)
+
+
+class UnsayableError(ValueError):
+    """What ps.1.x has no words for, as the part of a sentence that follows its place."""
+
+
+class Constant(NamedTuple):
+    """A constant whose number is found later: ``register`` of a general combiner, Register.ZERO for one that
+    is zero in all of them, or, ``register`` None, the eye of a texture shader stage.
+    """
+
+    stage: int
+    register: Register | None
+
+
+class Said(NamedTuple):
+    """A source: ``name`` is a register's, or a Constant; ``selector``: "", "a" or "b"."""
+
+    sign: str
+    name: str | Constant
+    modifier: str
+    selector: str
+
+    def text(self, names):
+        """The words; ``names`` {Constant: name}."""
+        modifier = f"_{self.modifier}" if self.modifier else ""
+        selector = f".{self.selector}" if self.selector else ""
+        return f"{self.sign}{names.get(self.name, self.name)}{modifier}{selector}"
+
+    def negated(self):
+        """The source with a minus, or without the one that it has."""
+        return self._replace(sign="" if self.sign == "-" else "-")
+
+
+@dataclass
+class Operands:
+    """What registers are known to hold, as a program is gone through.
+
+    ``constants`` {(stage, register, half): number} of a pixel shader's own, ``colors`` {number: color}; None:
+    any number may be taken. ``in_blue``: registers whose alpha ps.1.x takes to be in blue, after a dp3 of all
+    four components. ``ones``: texture registers whose alpha is 1. ``written``: (register, half) by general
+    combiners.
+    """
+
+    stages: tuple | None
+    constants: dict | None
+    colors: dict
+    in_blue: set = field(default_factory=set)
+    written: set = field(default_factory=set)
+
+    def __post_init__(self):
+        operations = [stage.operation for stage in self.stages or ()]
+        self.ones = {
+            register
+            for register, unit in _TEXTURES.items()
+            if unit < len(operations) and operations[unit] is Operation.PASS_THROUGH
+        }
+        self.positive = never_negative(self.stages)
+        self.missing = set()
+        if any(operation is not Operation.NONE for operation in operations):
+            self.missing = {
+                register
+                for register, unit in _TEXTURES.items()
+                if unit >= len(operations) or operations[unit] in _WITHOUT_COLOR
+            }
+
+    @property
+    def exact(self):
+        """Whether the program was a pixel shader, which is to read back as the very same state."""
+        return self.constants is not None
+
+    def write(self, register, half):
+        """A general combiner writes half of a register."""
+        self.written.add((register, half))
+        self.positive.discard((register, half))
+        self.in_blue.discard(register)
+        if half == "a":
+            self.ones.discard(register)
+
+    def sources(self, number, half, given):
+        """The ways to say an input of general combiner ``number``, the best first; none: there is no way.
+
+        Raises UnsayableError where what is read cannot be read at all.
+        """
+        register = given.register
+        if register is Register.ZERO:
+            return (*self._ones(half, given.mapping), *self._zeros(number, half, given))
+        if register in CONSTANTS:
+            return self._constant(number, half, given)
+        component = half_of(given.usage)
+        if register not in PIXEL_SHADER_NAMES:
+            raise UnsayableError(f"it reads {register.name}")
+        if register in self.missing and (register, component) not in self.written:
+            raise UnsayableError(f"it reads {register.name}, which no texture shader stage gives a color")
+        if register in self.ones and component == "a":
+            raise UnsayableError(f"it reads the alpha of {register.name}, q, which texcoord makes 1")
+        words, selectors = _WORDS[given.mapping], self._selectors(half, given.usage, register)
+        return tuple(Said(words[0], PIXEL_SHADER_NAMES[register], words[1], s) for s in selectors)
+
+    def _selectors(self, half, usage, register=None):
+        blue = register in self.in_blue
+        if half == "rgb":
+            return ("a",) if usage is ALPHA else ("", "a") if blue else ("",)
+        if usage is ALPHA:
+            return ("", "a")
+        return ("", "a", "b") if blue else ("b",)
+
+    def _constant(self, number, half, given):
+        mapping, component = given.mapping, half_of(given.usage)
+        name = Constant(number, given.register)
+        if self.exact:
+            constant = self.constants.get((number, given.register, component))
+            if constant is None:
+                raise UnsayableError(f"it reads {given.register.name}, and no constant register went there")
+            name, color = f"c{constant}", self.colors[constant]
+            values = color[3:] if component == "a" else color[:3]
+            if min(values) < 0:
+                mapping = (_UNEXPANDED if max(values) > 0 else NEGATED).get(mapping, mapping)
+        sign, modifier = _WORDS[mapping]
+        return tuple(Said(sign, name, modifier, s) for s in self._selectors(half, given.usage))
+
+    def _ones(self, half, mapping):
+        """ZERO, as what modifiers make of an alpha that is 1."""
+        words = [w for w, m in MAPPINGS.items() if MAPPINGS_OF_ONE[m] is mapping]
+        names = [PIXEL_SHADER_NAMES[register] for register in sorted(self.ones)]
+        selectors = self._selectors(half, ALPHA)
+        ways = [(name, *w) for name in names for w in words]
+        return tuple(Said(sign, name, modifier, s) for name, sign, modifier in ways for s in selectors)
+
+    def _zeros(self, number, half, given):
+        """ZERO, as a constant of zeros, where the program does not say which constants there are."""
+        if self.exact:
+            return ()
+        sign, modifier = _WORDS[given.mapping]
+        selectors = self._selectors(half, RGB if half == "rgb" else ALPHA)
+        return tuple(Said(sign, Constant(-1, Register.ZERO), modifier, s) for s in selectors)
