@@ -203,7 +203,7 @@ class _Reader(Reader):
                 instruction = self.arithmetic(token, name, version, paired)
                 if "nop" in (instruction.name, previous) and paired:
                     raise plus.error(
-                        "a '+' beside nop, which is no half of a pair; an instruction of colors and one of alpha "
+                        "a '+' beside nop, which is no half of a pair; one of colors and one of alpha "
                         "are. Remove the '+'."
                     )
                 previous = instruction.name

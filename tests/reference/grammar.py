@@ -13,7 +13,7 @@ import re
 _ELEMENT = re.compile(r'\s+|"(?P<word>[^"]+)"|/(?P<pattern>[^/]+)/|(?P<rule>[a-z_]+)|(?P<mark>[=|.()\[\]{}])')
 
 
-class Rejected(ValueError):
+class RejectedError(ValueError):
     """A text that is not of the language; the sentence is for whoever reads a failing test."""
 
 
@@ -49,22 +49,22 @@ class Grammar:
         return ("choice", [*choices, ("all", sequence)]), at
 
     def words(self, text):
-        """The words of a text. Raises Rejected."""
+        """The words of a text. Raises RejectedError."""
         text, words, at = text.lower() if self.fold else text, [], 0
         while at < len(text):
             match = self.lexicon.match(text, at)
             if match is None or match.end() == at:
-                raise Rejected(f"no word at {text[at : at + 20]!r}")
+                raise RejectedError(f"no word at {text[at : at + 20]!r}")
             words += [match["word"]] if match["word"] is not None else []
             at = match.end()
         return words
 
     def tree(self, text):
-        """The text as (rule, parts ...): a part is a word or such a tuple. Raises Rejected."""
+        """The text as (rule, parts ...): a part is a word or such a tuple. Raises RejectedError."""
         words = self.words(text)
         found = self._match(("rule", self.first), words, 0)
         if found is None or found[1] < len(words):
-            raise Rejected(f"no {self.first}: {' '.join(words[: found[1] if found else 0][-8:])!r}")
+            raise RejectedError(f"no {self.first}: {' '.join(words[: found[1] if found else 0][-8:])!r}")
         return found[0][0]
 
     def _match(self, node, words, at):

@@ -1,18 +1,18 @@
 """What texts in the notations of the time mean: plain dicts, from the grammars' trees and no parser's code.
 
-Every function raises Rejected for what its notation, or the extension that it stands for, does not allow.
+Every function raises RejectedError for what its notation, or its extension, does not allow.
 Names of registers, mappings and operations are the extensions' own, without their suffixes.
 """
 
 from math import isfinite
 
-from tests.reference.grammar import Rejected, part, parts
+from tests.reference.grammar import RejectedError, part, parts
 from tests.reference.notation_grammars import PIXEL_SHADER, REGISTER_COMBINERS, TEXTURE_SHADERS
 
 
 def _require(condition, sentence):
     if not condition:
-        raise Rejected(sentence)
+        raise RejectedError(sentence)
 
 
 def _number(words):
@@ -115,7 +115,7 @@ def _portion(tree):
         inputs = [_input(found, component) for found in parts(product, "input")]
         dots.append("." in product)
         _require(component == "RGB" or not dots[-1], "a dot product of alpha")
-        products += (inputs + [one])[:2]
+        products += [*inputs, one][:2]
         outputs.append(_target(product, component))
     outputs += ["DISCARD"] * (2 - len(outputs))
     total, scale = part(tree, "total"), part(tree, "scale")

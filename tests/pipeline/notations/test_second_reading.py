@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 
 from fixedpipe.pipeline.notations.register_combiner_format import format_program
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
-from tests.reference.grammar import Grammar, Rejected, part
+from tests.reference.grammar import Grammar, RejectedError, part
 from tests.support.combiner_strategies import register_combiners
+from tests.support.corpus import INDEX, text_of
 from tests.support.program_strategies import pixel_shaders, texture_shaders
 from tests.support.second_reading import READINGS
 
@@ -26,7 +27,7 @@ def agree(text, notation):
     """Whether both readings take the text, which then means the same to both."""
     parse, again = READINGS[notation]
     found, sentence = attempt(parse, text, ProgramTextError)
-    expected, reason = attempt(again, text, Rejected)
+    expected, reason = attempt(again, text, RejectedError)
     assert (found is None) == (expected is None), f"{sentence or 'accepted'} / {reason or 'accepted'}\n{text}"
     assert found == expected, text
     return found is not None
@@ -123,6 +124,77 @@ def test_many_spoiled_programs_are_refused_by_both_or_mean_the_same(notation):
     spoil(notation, 6000)
 
 
+# ------------------------------------------------------------------------------------ programs of the corpus
+
+ENDINGS = {".rc": "!!RC1.0", ".ts": "!!TS1.0", ".psh": "ps"}
+WRITTEN = [name for name in INDEX if "." + name.partition(".")[2] in ENDINGS]
+
+
+def pieces(name):
+    """(text, notation) of a program's file; a text of two notations has two."""
+    text, notation = text_of(name), ENDINGS["." + name.partition(".")[2]]
+    if notation == "!!TS1.0" and "!!RC1.0" in text:
+        at = text.index("!!RC1.0")
+        return [(text[:at], notation), (text[at:], "!!RC1.0")]
+    return [(text, notation)]
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_a_program_of_the_corpus_means_the_same(name):
+    """What a parser refuses for the state's sake, a pixel shader's combiners, is no matter of reading."""
+    taken = all([agree(text, notation) for text, notation in pieces(name)])
+    assert taken or "refused" in INDEX[name]
+
+
+def spoiled_once(text, notation, step):
+    """A text with each of its words dropped, doubled, exchanged with the next, and every ``step``-th word of
+    the vocabulary in its place and behind it.
+    """
+    words, others = _WORDS.findall(text), VOCABULARY[notation].split()
+    places = [k for k, word in enumerate(words) if not word.isspace()]
+    for n, at in enumerate(places):
+        word, following = words[at], places[min(n + 1, len(places) - 1)]
+        changes = [{at: ""}, {at: f"{word} {word}"}, {at: words[following], following: word}]
+        changes += [{at: other} for other in others[n % step :: step]]
+        changes += [{at: f"{word} {other}"} for other in others[n % step :: step]]
+        for change in changes:
+            yield "".join(change.get(k, word) for k, word in enumerate(words))
+
+
+def spoil_every_word(name, step):
+    return [agree(t, notation) for text, notation in pieces(name) for t in spoiled_once(text, notation, step)]
+
+
+ALL_CONSTRUCTS = ("final_product.rc", "scales.rc", "lerp_and_more.rc", "reflect_far_eye.ts", "ripple.ts",
+                  "written_loosely.psh", "toon_by_cmp.psh", "reflection_far_eye.psh")  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ALL_CONSTRUCTS)
+def test_every_word_of_a_program_spoiled_is_refused_by_both_or_means_the_same(name):
+    taken = spoil_every_word(name, 11)
+    assert any(taken) and not all(taken)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WRITTEN)
+def test_every_word_spoiled_by_every_other_is_refused_by_both_or_means_the_same(name):
+    spoil_every_word(name, 2)
+
+
+SPOILED_THEN = {
+    "a definition with a modifier": ("ps", "ps.1.1\ndef_sat c0, 1, 0, 0, 1\nmov r0, c0\n", False),
+    "a definition with a mask": ("ps", "ps.1.1\ndef.rgb c0, 1, 0, 0, 1\nmov r0, c0\n", False),
+    "nop as the second of a pair": ("ps", "ps.1.1\nmov r0.rgb, v0\n+ nop\n", False),
+    "nop as the first": ("ps", "ps.1.1\nmov r0, v0\nnop\n+ mov r0.a, v1\n", False),
+    "a hash in a comment": ("ps", "ps.1.1\n/*\n# not for the preprocessor\n*/\nmov r0, v0\n", True),
+}
+
+
+@pytest.mark.parametrize(("notation", "text", "taken"), SPOILED_THEN.values(), ids=SPOILED_THEN)
+def test_what_the_two_once_read_otherwise(notation, text, taken):
+    assert agree(text, notation) == taken
+
+
 # ------------------------------------------------------------------------------------ the recogniser itself
 
 
@@ -140,5 +212,5 @@ def test_what_a_grammar_does_not_make_is_rejected(text):
     sums = Grammar(
         'sum = term { "+" term } . term = [ "-" ] /[0-9]+/ | "(" sum ")" .', r"\s+|(?P<word>[0-9]+|.)"
     )
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         sums.tree(text)
