@@ -135,7 +135,7 @@ _TOKEN = re.compile(
     r"""(?P<space> \s+ | //[^\n]* | ;[^\n]* | /\*.*?\*/ )
       | (?P<header> [px]?[pv]s[._][0-9x]+[._][0-9x]+ )
       | (?P<number> (?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)(?:e[+-]?[0-9]+)?f?(?![a-z0-9_.]) )
-      | (?P<name> [a-z_][a-z0-9_]*(?:\.[a-z]+)? )
+      | (?P<name> (?a: [a-z_][a-z0-9_]*(?:\.[a-z]+)? ) )
       | (?P<directive> \#[^\n]* )
       | (?P<mark> [,+-] )""",
     re.VERBOSE | re.DOTALL | re.IGNORECASE,

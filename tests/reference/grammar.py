@@ -9,8 +9,11 @@ that fits is taken, and as many repetitions as fit (parsing expression grammars:
 """
 
 import re
+from string import ascii_lowercase, ascii_uppercase
 
 _ELEMENT = re.compile(r'\s+|"(?P<word>[^"]+)"|/(?P<pattern>[^/]+)/|(?P<rule>[a-z_]+)|(?P<mark>[=|.()\[\]{}])')
+
+_LOWER = str.maketrans(ascii_uppercase, ascii_lowercase)
 
 
 class RejectedError(ValueError):
@@ -19,7 +22,8 @@ class RejectedError(ValueError):
 
 class Grammar:
     """Rules, of which the first is the whole text's. ``lexicon``: a pattern of one word, in a group named
-    "word", or of what is between words; whatever it does not match is no word.
+    "word", or of what is between words; whatever it does not match is no word. ``fold``: capital letters of
+    ASCII are small ones.
     """
 
     def __init__(self, rules, lexicon, fold=False):
@@ -50,7 +54,7 @@ class Grammar:
 
     def words(self, text):
         """The words of a text. Raises RejectedError."""
-        text, words, at = text.lower() if self.fold else text, [], 0
+        text, words, at = text.translate(_LOWER) if self.fold else text, [], 0
         while at < len(text):
             match = self.lexicon.match(text, at)
             if match is None or match.end() == at:

@@ -14,7 +14,7 @@ REGISTER_COMBINERS = Grammar(
     r"""
     program = "!!RC1.0" { constant } { stage } { before } output [ output ] .
     constant = /const[01]/ "=" "(" number "," number "," number "," number ")" ";" .
-    number = /[-+]?[.0-9]+/ .
+    number = /[-+]?\.?[0-9].*/ .
 
     stage = "{" { constant } portion [ portion ] "}" .
     portion = /rgb|alpha/ "{" product [ product [ total ] ] [ scale ] "}" .
@@ -60,7 +60,7 @@ TEXTURE_SHADERS = Grammar(
           | /dot_product_(cube_map_and_)?reflect_cube_map_const_eye_[23]of3/ ) "(" mapped ")" .
     mapped = "expand" "(" texel ")" | texel .
     texel = /tex[012]/ .
-    number = /[-+]?[.0-9]+/ .
+    number = /[-+]?\.?[0-9].*/ .
     """,
     rf"""\s+ | (?://|\#)[^\n]* | /\*.*?\*/
        | (?P<word> !!TS1\.0(?![0-9.]) | [-+]?{_NUMBER}(?![A-Za-z0-9_.])

@@ -186,6 +186,7 @@ SPOILED_THEN = {
     "a definition with a mask": ("ps", "ps.1.1\ndef.rgb c0, 1, 0, 0, 1\nmov r0, c0\n", False),
     "nop as the second of a pair": ("ps", "ps.1.1\nmov r0.rgb, v0\n+ nop\n", False),
     "nop as the first": ("ps", "ps.1.1\nmov r0, v0\nnop\n+ mov r0.a, v1\n", False),
+    "a sign that becomes a k in lower case": ("ps", "ps.1.1\ntex\u212aill t0\nmov r0, v0\n", False),
     "a hash in a comment": ("ps", "ps.1.1\n/*\n# not for the preprocessor\n*/\nmov r0, v0\n", True),
 }
 
