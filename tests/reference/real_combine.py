@@ -16,10 +16,12 @@ RULES = {
 
 
 def clamp(x, low, high):
+    """The nearest number of a range. Source: NV_register_combiners section 3.8.12."""
     return max(low, min(high, x))
 
 
 def _mapped(x, mapping):
+    """Source: NV_register_combiners table 4."""
     positive = max(Fraction(0), x)
     return {
         "UNSIGNED_IDENTITY": positive,
@@ -34,12 +36,13 @@ def _mapped(x, mapping):
 
 
 def _read(registers, variable, k):
+    """A variable's component, mapped. Source: NV_register_combiners section 3.8.12.2 (component usage)."""
     register, mapping, usage = variable
     return _mapped(registers[register][{"RGB": k, "ALPHA": 3, "BLUE": 2}[usage]], mapping)
 
 
 def _portion(registers, portion, components, rules):
-    """[(register, component, value)] of what a portion writes."""
+    """[(register, component, value)] of what a portion writes. Source: section 3.8.12.2, table 5."""
     products = {}
     for first, second, dot in (("a", "b", "ab_dot_product"), ("c", "d", "cd_dot_product")):
         values = [
@@ -61,11 +64,15 @@ def _portion(registers, portion, components, rules):
 
 
 def _constant(color):
+    """Source: CombinerParameterfvNV clamps a constant color to [0, 1]."""
     return [clamp(Fraction(x), 0, 1) for x in color]
 
 
 def evaluate(combiners, inputs, rules=frozenset()):
-    """The fragment's color, four numbers in [0, 1]. ``inputs``: {"t0": four numbers ..., "v1": ...}."""
+    """The fragment's color, four numbers in [0, 1]. ``inputs``: {"t0": four numbers ..., "v1": ...}.
+
+    Source: NV_register_combiners sections 3.8.12.1 to 3.8.12.3, table 6; NV_register_combiners2.
+    """
     registers = {f"TEXTURE{unit}": list(map(Fraction, inputs[f"t{unit}"])) for unit in range(4)}
     registers |= {"PRIMARY_COLOR": list(map(Fraction, inputs["v0"]))}
     registers |= {"SECONDARY_COLOR": list(map(Fraction, inputs["v1"]))}

@@ -24,10 +24,12 @@ RULES = {
 
 
 def clamp(x, low, high):
+    """The nearest number of a range. Source: _sat, and the range of registers."""
     return max(low, min(high, x))
 
 
 def _source(source, registers, rules):
+    """Four components, mapped. Source: source register modifiers and selectors."""
     values = registers[source["register"]]
     if source["selector"]:
         values = [values["rgba".index(source["selector"])]] * 4
@@ -68,7 +70,11 @@ _SCALES = {"": Fraction(1), "x2": Fraction(2), "x4": Fraction(4), "d2": HALF}
 
 
 def evaluate(shader, inputs, rules=frozenset()):
-    """The fragment's color, four numbers in [0, 1]. ``inputs``: {"t0": four numbers ..., "v1": ...}."""
+    """The fragment's color, four numbers in [0, 1]. ``inputs``: {"t0": four numbers ..., "v1": ...}.
+
+    Source: the order of operations: source modifiers, instruction, scale, saturation, write mask; both of a
+    pair read before either writes.
+    """
     nothing = [Fraction(0)] * 4
     registers = {name: list(map(Fraction, color)) for name, color in inputs.items()}
     registers |= {"r0": list(nothing), "r1": list(nothing)} | {f"c{number}": nothing for number in range(8)}

@@ -7,13 +7,6 @@ import tomllib
 from math import floor
 from pathlib import Path
 
-import numpy as np
-
-from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import TextureFilter, WrapMode
-from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
-from fixedpipe.pipeline.textures.images import texture_2d
-
 FOLDER = Path(__file__).parents[1] / "programs"
 INDEX = tomllib.loads((FOLDER / "index.toml").read_text(encoding="utf-8"))
 ACCEPTED = [name for name, entry in INDEX.items() if "refused" not in entry]
@@ -33,7 +26,6 @@ def constants_of(name):
 # ------------------------------------------------------------------------------------------------- fragments
 
 ENDS = (0, 1, 127, 128, 254, 255)
-COUNT, _WIDTH = 24, 32  # fragments, and the width of a texture that holds a texel of each
 
 
 def fragments(seed=1):
@@ -45,33 +37,6 @@ def fragments(seed=1):
     for choices in (ENDS, range(256)):
         found += [{name: tuple(numbers.choices(choices, k=4)) for name in REGISTERS} for _ in range(9)]
     return found
-
-
-def drawn(combiners, given):
-    """The commands that draw a row of triangles, one for each fragment of what is given."""
-    nearest = Sampler(
-        TextureFilter.NEAREST, TextureFilter.NEAREST, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE
-    )
-    count = len(given)
-    colors = {name: np.array([fragment[name] for fragment in given]) for name in REGISTERS}
-    middle = np.repeat(np.arange(count) + 0.5, 3)  # a triangle covers the middle of its pixel alone
-    x = 2 * (middle + np.tile([-0.5, 0.5, 0.0], count)) / count - 1
-    coordinates = np.column_stack([middle / _WIDTH, np.full(3 * count, 0.5)])
-    mesh = Mesh(
-        np.column_stack([x, np.tile([-1.0, -1.0, 1.0], count), np.zeros(3 * count)]),
-        colors=np.repeat(colors["v0"], 3, axis=0) / 255,
-        secondary_colors=np.repeat(colors["v1"], 3, axis=0) / 255,
-        texture_coordinates=(coordinates,) * 4,
-    )
-    images = {name: np.zeros((1, _WIDTH, 4), np.uint8) for name in REGISTERS[:4]}
-    for name, image in images.items():
-        image[0, :count] = colors[name]
-    state = PassState(
-        texture_units=tuple(TextureUnit(name, nearest) for name in images),
-        register_combiners=combiners,
-    )
-    textures = [TexImage(label=name, texture=name, image=texture_2d(image)) for name, image in images.items()]
-    return Clear(label="clear", color=(0.0,) * 4), *textures, Draw(label="row", mesh=mesh, state=state)
 
 
 # ----------------------------------------------------------------------------------------------- hand's work

@@ -5,7 +5,7 @@ from enum import Enum
 
 from fixedpipe.pipeline.notations import pixel_shaders, register_combiners, texture_shaders
 from fixedpipe.pipeline.state import CombinerInput, TextureShaderStage
-from tests.reference import notation_states
+from tests.support import notation_states
 
 # What a text in these notations has no word for, and its state then has.
 _SILENT = {

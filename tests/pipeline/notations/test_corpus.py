@@ -3,23 +3,26 @@
 import numpy as np
 import pytest
 
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import TextureFilter, WrapMode
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.notations.programs import parse_program
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
 from fixedpipe.pipeline.profiles import IDEAL, NV2A, PROFILES
+from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
+from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.validation.validate import validate_program
 from fixedpipe.pipeline.validation.walk import UnsupportedState
-from tests.reference import combine, notation_states, pixel_shader, real_combine, real_pixel_shader
+from tests.reference import combine, pixel_shader, real_combine, real_pixel_shader
+from tests.support import notation_states
 from tests.support.corpus import (
     ACCEPTED,
     COMPUTING,
-    COUNT,
     FOLDER,
     INDEX,
     REGISTERS,
     constants_of,
-    drawn,
     fragments,
     text_of,
     worked_out,
@@ -29,6 +32,34 @@ NO_FOG = (0, 0, 0, 255)
 SHADERS = [name for name in COMPUTING if name.endswith(".psh")]
 COMBINERS = [name for name in COMPUTING if name.endswith(".rc")]
 GIVEN = fragments()
+COUNT, _WIDTH = len(GIVEN), 32  # the width of a texture that holds a texel of each fragment
+
+
+def drawn(combiners, given):
+    """The commands that draw a row of triangles, one for each fragment of what is given."""
+    nearest = Sampler(
+        TextureFilter.NEAREST, TextureFilter.NEAREST, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE
+    )
+    count = len(given)
+    colors = {name: np.array([fragment[name] for fragment in given]) for name in REGISTERS}
+    middle = np.repeat(np.arange(count) + 0.5, 3)  # a triangle covers the middle of its pixel alone
+    x = 2 * (middle + np.tile([-0.5, 0.5, 0.0], count)) / count - 1
+    coordinates = np.column_stack([middle / _WIDTH, np.full(3 * count, 0.5)])
+    mesh = Mesh(
+        np.column_stack([x, np.tile([-1.0, -1.0, 1.0], count), np.zeros(3 * count)]),
+        colors=np.repeat(colors["v0"], 3, axis=0) / 255,
+        secondary_colors=np.repeat(colors["v1"], 3, axis=0) / 255,
+        texture_coordinates=(coordinates,) * 4,
+    )
+    images = {name: np.zeros((1, _WIDTH, 4), np.uint8) for name in REGISTERS[:4]}
+    for name, image in images.items():
+        image[0, :count] = colors[name]
+    state = PassState(
+        texture_units=tuple(TextureUnit(name, nearest) for name in images),
+        register_combiners=combiners,
+    )
+    textures = [TexImage(label=name, texture=name, image=texture_2d(image)) for name, image in images.items()]
+    return Clear(label="clear", color=(0.0,) * 4), *textures, Draw(label="row", mesh=mesh, state=state)
 
 
 def program(name):
@@ -49,6 +80,7 @@ def test_the_index_names_every_program():
     assert files == set(INDEX)
     assert len(files) >= 60
     assert len({text_of(name) for name in files}) == len(files)
+    assert COUNT == 24  # of each program
 
 
 @pytest.mark.parametrize("name", [name for name in INDEX if name not in ACCEPTED])

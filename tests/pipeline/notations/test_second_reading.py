@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from fixedpipe.pipeline.notations.register_combiner_format import format_program
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
-from tests.reference.grammar import Grammar, RejectedError, part
 from tests.support.combiner_strategies import register_combiners
 from tests.support.corpus import INDEX, text_of
+from tests.support.grammar import Grammar, RejectedError, part
 from tests.support.program_strategies import pixel_shaders, texture_shaders
 from tests.support.second_reading import READINGS
 
@@ -54,8 +54,8 @@ VOCABULARY = {
     "ps": (
         "def tex texcoord texkill texbem texm3x2pad texm3x3spec texdp3 nop mov add_x2 sub_sat mul_d2_sat "
         "mad_sat_x4 dp3 dp4 lrp cnd cmp mov_x8 def_sat nop_x2 t0 t3 t4 r0 r1 r2 v0 v2 c0 c7 c8 r0.a r0.b "
-        "t0.rgb r1.xyzw v1_bx2 t1_bias.a c0.aaaa r0.bbb t0.g r1.rg c0.aa v0.ba -r0 1-r0 1.0-t1 2-t1 1-t0_bx2 , + - 0.5 1e-3 1e f "
-        "1f .5 ps.1.1 ps_1_3 ps.1.4 ; // /* */ # X MOV"
+        "t0.rgb r1.xyzw v1_bx2 t1_bias.a c0.aaaa r0.bbb t0.g r1.rg c0.aa v0.ba -r0 1-r0 "
+        "1.0-t1 2-t1 1-t0_bx2 , + - 0.5 1e-3 1e f 1f .5 ps.1.1 ps_1_3 ps.1.4 ; // /* */ # X MOV"
     ),
 }
 

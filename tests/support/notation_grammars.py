@@ -6,7 +6,7 @@ parsers, for what NV_register_combiners and NV_texture_shader have; ``ps.1.0`` t
 reference of pixel shaders (instructions, modifiers, selectors, write masks).
 """
 
-from tests.reference.grammar import Grammar
+from tests.support.grammar import Grammar
 
 _NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 

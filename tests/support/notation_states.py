@@ -6,8 +6,8 @@ Names of registers, mappings and operations are the extensions' own, without the
 
 from math import isfinite
 
-from tests.reference.grammar import RejectedError, part, parts
-from tests.reference.notation_grammars import PIXEL_SHADER, REGISTER_COMBINERS, TEXTURE_SHADERS
+from tests.support.grammar import RejectedError, part, parts
+from tests.support.notation_grammars import PIXEL_SHADER, REGISTER_COMBINERS, TEXTURE_SHADERS
 
 
 def _require(condition, sentence):
