@@ -135,26 +135,27 @@ _TOKEN = re.compile(
     r"""(?P<space> \s+ | //[^\n]* | ;[^\n]* | /\*.*?\*/ )
       | (?P<header> [px]?[pv]s[._][0-9x]+[._][0-9x]+ )
       | (?P<number> (?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+)(?:e[+-]?[0-9]+)?f?(?![a-z0-9_.]) )
-      | (?P<name> [a-z_][a-z0-9_]*(?:\.[a-z]+)? )
+      | (?P<name> (?a: [a-z_][a-z0-9_]*(?:\.[a-z]+)? ) )
+      | (?P<directive> \#[^\n]* )
       | (?P<mark> [,+-] )""",
     re.VERBOSE | re.DOTALL | re.IGNORECASE,
 )
 _OPERAND = re.compile(r"([a-z])([0-9])((?:_[a-z0-9]+)*)(?:\.([a-z]+))?")
 
 
+def _tokens(text, start):
+    for token in scan(text, _TOKEN, PixelShaderTextError, start):
+        if token.kind == "directive":
+            raise token.error(
+                f"{token.found}, an instruction to the preprocessor; give the text as it comes out of the "
+                "preprocessor."
+            )
+        yield token
+
+
 class _Reader(Reader):
     def __init__(self, text, start):
-        hash_ = re.search(r"^[ \t]*#[^\n]*", text, re.MULTILINE)
-        if hash_:
-            before = text[: hash_.start()]
-            line = before.count("\n") + 1
-            raise PixelShaderTextError(
-                f"found {hash_.group().strip()!r}, an instruction to the preprocessor; give the text as it "
-                "comes out of the preprocessor.",
-                line + start[0] - 1,
-                1,
-            )
-        super().__init__(scan(text, _TOKEN, PixelShaderTextError, start))
+        super().__init__(_tokens(text, start))
         self.notes = []
 
     def note(self, token, sentence):
@@ -172,6 +173,7 @@ class _Reader(Reader):
     def listing(self):
         version = self.version()
         constants, texture, arithmetic, combiners = {}, [], [], 0
+        previous = None  # the name of the arithmetic instruction before, nop as well
         while self.next.kind != "end":
             paired = self.next.text == "+"
             plus = self.take() if paired else None
@@ -180,6 +182,8 @@ class _Reader(Reader):
             if base in ("def", *TEXTURE) and paired:
                 raise plus.error(f"a '+' before {base}; only arithmetic instructions are paired. Remove it.")
             if base == "def":
+                if name != "def":
+                    raise token.error(f"{token.found}; def carries no modifier. Write def.")
                 if texture or arithmetic:
                     raise token.error("def after an instruction; constants come first. Move it up.")
                 self.constant(constants)
@@ -197,6 +201,12 @@ class _Reader(Reader):
                     )
             elif base in ARITHMETIC:
                 instruction = self.arithmetic(token, name, version, paired)
+                if "nop" in (instruction.name, previous) and paired:
+                    raise plus.error(
+                        "a '+' beside nop, which is no half of a pair; one of colors and one of alpha "
+                        "are. Remove the '+'."
+                    )
+                previous = instruction.name
                 if instruction.name == "nop":
                     continue
                 if paired and (not arithmetic or arithmetic[-1].paired):

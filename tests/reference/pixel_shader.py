@@ -9,6 +9,7 @@ modifiers, instruction, scale, saturation, write mask), the range of at least [-
 
 import re
 from fractions import Fraction
+from math import copysign
 
 ONE = 255
 COMPONENTS = {"rgb": (0, 1, 2), "xyz": (0, 1, 2), "a": (3,), "w": (3,)}
@@ -42,10 +43,10 @@ class Arithmetic:
 def constant(components):
     """The color of a def, by its nearest steps; red, green and blue of both signs have even steps, up to 254.
 
-    Source: def; Inferred: eight bits without a sign, or expanded.
+    Source: def; docs/numbers.md, byte(c): halves up; Inferred: eight bits without a sign, or expanded.
     """
     color = [max(-1.0, min(1.0, float(c))) for c in components]
-    steps = [round(c * ONE) for c in color]
+    steps = [int(copysign(int(abs(c) * ONE + 0.5), c)) for c in color]
     if min(color[:3]) < 0 < max(color[:3]):
         steps[:3] = [min(2 * int((ONE * c + 256) / 2 + 0.5) - 256, 254) for c in color[:3]]
     return steps
@@ -145,6 +146,9 @@ def evaluate(text, textures, primary, secondary, arithmetic):
         if name == "sub":
             operands[2] = negated(operands[2])
         sources = [read(registers, operand, arithmetic, ones) for operand in operands[1:]]
+        if name == "sub" and operands[2].startswith("-1-"):
+            # A complement has no negative: minus one is its factor. Inferred: ZERO expanded is minus one.
+            sources[1] = [value * 2 * arithmetic.half / ONE for value in sources[1]]
         scale = next((m for m in modifiers if m != "sat"), "")
         values = totals(name, sources, registers, arithmetic)
         for k in COMPONENTS.get(mask, range(4)):

@@ -4,8 +4,10 @@ import tracemalloc
 
 import pytest
 
+from fixedpipe.pipeline.notations import programs
 from fixedpipe.pipeline.notations.programs import MOST_CHARACTERS, parse_program
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
+from tests.support.hostile_texts import FAMILIES
 
 DIGITS = "9" * 400
 TAIL = "\n?? \x00 none of it is read\n"  # characters that no notation uses
@@ -20,6 +22,21 @@ def refused(text):
     sentence = str(error)
     assert sentence.endswith(".") and len(sentence) < 1000, sentence[:200]
     return error
+
+
+CASES = {f"{family}: {name}": case for family, cases in FAMILIES.items() for name, case in cases.items()}
+
+
+@pytest.mark.parametrize(("text", "word"), CASES.values(), ids=CASES)
+def test_a_hostile_text_is_refused_by_name_or_a_program(text, word):
+    if word is None:
+        assert parse_program(text).combiners is not None
+    else:
+        assert word in str(refused(text))
+
+
+def test_there_are_as_many_hostile_texts_as_public_programs_were_tried():
+    assert len({text for text, _ in CASES.values()}) == len(CASES) >= 77
 
 
 NUMBERS = {
@@ -128,6 +145,32 @@ def test_a_text_of_ten_megabytes_is_refused_by_its_length():
         text = before + repeated * (10_000_000 // len(repeated))
         error = refused(text)
         assert f"the text has {len(text)} characters" in str(error) and (error.line, error.column) == (1, 1)
+
+
+def test_of_a_text_of_ten_megabytes_nothing_is_read_and_nothing_is_kept(monkeypatch):
+    """Its length is enough. Assumed: a sentence and what raises it take less than 64 KiB; the text itself is
+    160 times that, so that a copy, or tokens, of a hundredth of it would show.
+    """
+    text = "ps.1.1\n" + "mov r0, v0\n" * (10_000_000 // 11)
+    for name in ("_SKIPPED", "_DIRECTIVE", "_HEADER", "_SECOND_HEADER"):
+        monkeypatch.setattr(programs, name, None)  # whoever reads finds no pattern
+    tracemalloc.start()
+    try:
+        refused_by_length(text)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert most < 64 * 1024
+
+
+def refused_by_length(text):
+    """Without pytest.raises, whose own records would be counted."""
+    try:
+        parse_program(text)
+    except ProgramTextError as error:
+        assert (error.line, error.column) == (1, 1) and str(len(text)) in str(error)
+    else:
+        pytest.fail("ten megabytes were taken")
 
 
 @pytest.mark.slow

@@ -1,0 +1,3 @@
+!!TS1.0
+texture_2d();
+cull_fragment(GEQUAL_TO_ZERO, LESS_THAN_ZERO, GEQUAL_TO_ZERO, GEQUAL_TO_ZERO);

@@ -1,0 +1,4 @@
+!!TS1.0
+texture_2d();
+dependent_ar(tex0);
+dependent_gb(tex1);

@@ -1,0 +1,6 @@
+!!TS1.0
+texture_2d();
+texture_2d();
+texture_2d();
+texture_2d();
+texture_2d();

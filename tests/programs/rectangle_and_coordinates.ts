@@ -1,0 +1,4 @@
+!!TS1.0
+texture_rectangle();
+nop();
+pass_through();
