@@ -170,13 +170,15 @@ def _xbox_instructions(draw, halves):
     name = draw(st.sampled_from([name for name in _XBOX_OPERANDS if name not in dotted]))
     of_destinations, of_sources = _XBOX_OPERANDS[name]
     mask = "" if halves == "rgba" else f".{halves}"
-    registers = draw(st.permutations(("r0", "r1", "t1", "v0", "discard", "discard")))
-    destinations = [register + mask for register in registers[:of_destinations]]
+    first = draw(st.sampled_from(("r0", "r0", "r1", "t1", "discard")))
+    others = draw(st.permutations([r for r in ("r0", "r1", "t1", "v0", "discard", "discard") if r != first]))
+    kept = draw(st.permutations((first, *others[: of_destinations - 1])))
+    destinations = [register + mask for register in kept]
     sources = []
     for _ in range(of_sources):
         sign = draw(st.sampled_from(_SIGNS))
         modifiers = {"": ("", "", "_bx2", "_bias", "_sat"), "-": ("", "_bx2", "_bias"), "1-": ("", "_sat")}
-        register = draw(st.sampled_from(("r0", "r1", "t0", "t1", "v0", "v1", "c0", "c1", "zero")))
+        register = draw(st.sampled_from(("c0", "c1", "r0", "r1", "t0", "t1", "v0", "v1", "c0", "c1", "zero")))
         selector = draw(st.sampled_from(("", "", ".a", ".b", ".rgb")))
         sources.append(f"{sign}{register}{draw(st.sampled_from(modifiers[sign]))}{selector}")
     if name == "cnd":
@@ -199,7 +201,7 @@ def xbox_pixel_shaders(draw, most=5):
         else:
             lines += [draw(_xbox_instructions("rgb")), f"+ {draw(_xbox_instructions('a'))}"]
     if draw(st.booleans()):
-        plain = ("r0", "r1.a", "t0", "v0", "1-v1", "1-r1", "c1", "zero", "fog.a", "1-fog")
+        plain = ("r0", "r0", "r1.a", "t0", "v0", "1-v1", "1-r1", "c1", "zero", "fog.a", "1-fog")
         inputs = [draw(st.sampled_from((*plain, "prod") if k < 4 else plain)) for k in range(6)]
         inputs[1] = draw(st.sampled_from((inputs[1], "sum")))
         lines.append(f"xfc {', '.join((*inputs, draw(st.sampled_from(('r0.a', '1-r1.a', 't0.b', 'v0')))))}")

@@ -95,6 +95,19 @@ def test_a_dot_product_has_alpha_where_its_destination_has(line):
     assert copied == ((line == "dp3 r1" or "xdm r1," in line), "r1" in line.split(",")[-1] and "xdd" in line)
 
 
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "xmma discard, discard, r0, t0, c0, v0, c1\n",
+        "mad r0, c1_bias, t0, -c0\n",
+        "mul r0.rgb, c1, t0\n+ mad r0.a, c0, t0, c1\n",
+        "sub r0, 0, c1.a\nmad r0, r0, c2, c0\n",
+    ],
+)
+def test_two_constants_in_one_combiner(lines):
+    check(HEAD.replace("tex t0", "def c2, 0.6, 0.1, 0.9, 0.2\ntex t0") + lines + XFC)
+
+
 def test_a_dot_product_and_an_alpha_of_another_register_are_a_pair():
     check(HEAD + "dp3 r1, t0_bx2, v0_bx2\n+ mul r0.a, t0, v0\nmul r0.rgb, r1.a, t1\n" + XFC)
 
@@ -121,7 +134,7 @@ def test_without_a_final_combiner_r0_is_shown_with_fog():
 
 
 @given(xbox_pixel_shaders(), st.integers(0, 2**32))
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=300, deadline=None)
 def test_random_programs_compute_what_is_defined(text, seed):
     try:
         parse(text)
