@@ -25,16 +25,17 @@ RESULTS = {
 
 
 def _clamped(value):
+    """Source: UNSIGNED_IDENTITY and the framebuffer's range: [0, 1]."""
     return max(0, min(ONE, value))
 
 
 def _rounded(products):
-    """A sum of products, in 1/255**2, to the nearest 1/255."""
+    """A sum of products, in 1/255**2, to the nearest 1/255. Measured: numbers.md section 8."""
     return (2 * products + ONE) // (2 * ONE)
 
 
 def _source(registers, text):
-    """Four components. ``.b`` is blue for alpha alone."""
+    """Four components. Source: ``.b`` is blue for alpha alone, by words that an assembler made of it."""
     text = text.replace(" ", "")
     if text in ("0", "1"):
         return [ONE * int(text)] * 4
@@ -58,40 +59,49 @@ def _source(registers, text):
     return [min(ONE, -v) for v in values] if sign else values
 
 
+def _times(x, y):
+    """Source: mul."""
+    return [p * q for p, q in zip(x, y, strict=True)]
+
+
+def _plus(x, y):
+    """Source: add."""
+    return [p + q for p, q in zip(x, y, strict=True)]
+
+
+def _dot(x, y):
+    """Source: dp3: of red, green and blue, for all four."""
+    return [sum(_times(x, y)[:3])] * 4
+
+
 def _products(name, sources, condition):
-    """Four components in 1/255**2 of each destination's value."""
+    """Four components in 1/255**2 of each destination's value. Source: the reference of ps.1.x for what it
+    shares; Cxbx-Reloaded's listings for xmma, xdm and xdd; the mux of NV_register_combiners for xmmc.
+    """
     a, b, c, d = (*sources, *([0] * 4,) * 4)[:4]
     one = [ONE] * 4
-
-    def times(x, y):
-        return [p * q for p, q in zip(x, y, strict=True)]
-
-    def plus(x, y):
-        return [p + q for p, q in zip(x, y, strict=True)]
-
-    def dot(x, y):
-        return [sum(times(x, y)[:3])] * 4
-
     if name == "lrp":
         factor = [_clamped(v) for v in a]
-        return (plus(times(factor, b), times([ONE - v for v in factor], c)),)
+        return (_plus(_times(factor, b), _times([ONE - v for v in factor], c)),)
     return {
-        "mov": lambda: (times(a, one),),
-        "mul": lambda: (times(a, b),),
-        "add": lambda: (times(plus(a, b), one),),
-        "sub": lambda: (times(plus(a, [min(ONE, -v) for v in b]), one),),
-        "mad": lambda: (plus(times(a, b), times(c, one)),),
-        "dp3": lambda: (dot(a, b),),
-        "cnd": lambda: (times(b if condition else c, one),),
-        "xmma": lambda: (times(a, b), times(c, d), plus(times(a, b), times(c, d))),
-        "xmmc": lambda: (times(a, b), times(c, d), times(c, d) if condition else times(a, b)),
-        "xdm": lambda: (dot(a, b), times(c, d)),
-        "xdd": lambda: (dot(a, b), dot(c, d)),
+        "mov": lambda: (_times(a, one),),
+        "mul": lambda: (_times(a, b),),
+        "add": lambda: (_times(_plus(a, b), one),),
+        "sub": lambda: (_times(_plus(a, [min(ONE, -v) for v in b]), one),),
+        "mad": lambda: (_plus(_times(a, b), _times(c, one)),),
+        "dp3": lambda: (_dot(a, b),),
+        "cnd": lambda: (_times(b if condition else c, one),),
+        "xmma": lambda: (_times(a, b), _times(c, d), _plus(_times(a, b), _times(c, d))),
+        "xmmc": lambda: (_times(a, b), _times(c, d), _times(c, d) if condition else _times(a, b)),
+        "xdm": lambda: (_dot(a, b), _times(c, d)),
+        "xdd": lambda: (_dot(a, b), _dot(c, d)),
     }[name]()
 
 
 def _final(registers, sources):
-    """The fragment's color of xfc, all of whose inputs are in [0, 1]."""
+    """The fragment's color of xfc, all of whose inputs are in [0, 1]. Source: NV_register_combiners' final
+    combiner; Source: that its sum is clamped, by an assembler's words.
+    """
     registers = {name: [_clamped(v) for v in values] for name, values in registers.items()}
     read = [_source(registers, text) for text in sources[4:6]]
     registers["prod"] = [_rounded(x * y) for x, y in zip(*read, strict=True)]
@@ -104,7 +114,8 @@ def _final(registers, sources):
 
 def evaluate(text, textures, primary, secondary, fog):
     """The fragment's four bytes. Texture instructions are passed over: ``textures`` are their results.
-    ``fog``: its color and, last, its factor. Without xfc r0 is shown, and ``fog`` has to be none.
+    ``fog``: its color and, last, its factor. Without xfc r0 is shown, and ``fog`` has to be none. Source: a
+    pair's instructions read before either writes, as in ps.1.x.
     """
     registers = {f"t{i}": list(texel) for i, texel in enumerate(textures)} | {
         "zero": [0] * 4,
@@ -138,11 +149,12 @@ def evaluate(text, textures, primary, secondary, fog):
 
 
 def _clamped_one(value):
+    """Source: def, whose colors are bytes without a sign."""
     return max(0.0, min(1.0, value))
 
 
 def _write(registers, pending):
-    """What a pair computed, once both are done."""
+    """What a pair computed, once both are done. Source: destination write masks."""
     for (name, k), value in pending.items():
         if name != "discard":
             registers[name][k] = value
