@@ -7,7 +7,7 @@ import click
 from fixedpipe.effects.cli.options import refuse_ignored
 
 
-@click.command(short_help="Check a program of the time (RC1.0, TS1.0, ps.1.x), print it in words.")
+@click.command(short_help="Check a program of the time (RC1.0, TS1.0, ps.1.x, xps.1.1), in words.")
 @click.argument("file", metavar="FILE")
 @click.option(
     "--profile",
@@ -46,8 +46,9 @@ from fixedpipe.effects.cli.options import refuse_ignored
 @click.option("--json", "json_file", metavar="FILE", help="Write what it sets as JSON.")
 def combiners(file, profile, targets, notation, constants, bounds, table, inputs, json_file):
     """Read FILE (- for standard input), a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0``
-    texture shaders, both in one text, a Direct3D pixel shader ps.1.0 to ps.1.3, or words of the NV2A's
-    registers as an emulator's dump has them, and print what it sets, as equations, each with its lines.
+    texture shaders, both in one text, a Direct3D pixel shader ps.1.0 to ps.1.3 or the Xbox's xps.1.1, or
+    words of the NV2A's registers as an emulator's dump has them, and print what it sets, as equations, each
+    with its lines.
 
     A register is said to be clamped where a clamp of the machine, of the NV2A without --profile, may change
     it. --bounds: the range of every register after every stage on the machine, for colours and texels from
@@ -56,6 +57,7 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.user_pictures.inputs import read_text
     from fixedpipe.pipeline.description.program_text import program_text, usage
+    from fixedpipe.pipeline.notations.program_sources import is_pixel_shader
     from fixedpipe.pipeline.notations.programs import parse_program
     from fixedpipe.pipeline.notations.tokens import ProgramTextError
     from fixedpipe.pipeline.profiles import PROFILES
@@ -78,7 +80,7 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
         program = parse_program(read_text(file, otherwise="latin-1"), bound, _colors(constants))
     except ProgramTextError as error:
         raise Refusal(f"{'standard input' if file == '-' else file}, {error}") from error
-    if not any(name.startswith("ps.") for name in program.notations):
+    if not is_pixel_shader(program.notations):
         refuse_ignored(
             click.get_current_context(),
             ("targets", "constants"),
@@ -139,6 +141,7 @@ def _clamped(program, machine):
 def _colors(options):
     """{number: color} of every ``N=R,G,B,A``. Raises Refusal for what is none."""
     from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.pipeline.notations.xbox_pixel_shaders import CONSTANT_COUNT
 
     found = {}
     for given in options:
@@ -147,8 +150,15 @@ def _colors(options):
             components = tuple(float(component) for component in color.split(","))
         except ValueError:
             components = ()
-        if number not in tuple("01234567") or len(components) != 4 or not all(map(isfinite, components)):
-            raise Refusal(f"--constant {given} is no N=R,G,B,A; write --constant 1=0.5,0.5,0.5,1, c0 to c7.")
+        if (
+            number not in map(str, range(CONSTANT_COUNT))
+            or len(components) != 4
+            or not all(map(isfinite, components))
+        ):
+            raise Refusal(
+                f"--constant {given} is no N=R,G,B,A; write --constant 1=0.5,0.5,0.5,1, c0 to c7, "
+                f"and to c{CONSTANT_COUNT - 1} of an xps.1.1 program."
+            )
         if number in map(str, found):
             raise Refusal(f"--constant gives c{number} twice; give it once.")
         found[int(number)] = components

@@ -241,7 +241,7 @@ def combiner_lines(combiners, titles=(), constants=None, clamped=()):
         return (constants or {}).get((number, name)) or format_value(given)
 
     for name in ("constant_color0", "constant_color1"):
-        if getattr(combiners, name) != getattr(initial, name):
+        if getattr(combiners, name) != getattr(initial, name) or (None, name) in (constants or {}):
             lines.append(f"  {_constant(name)} = {color(None, combiners, name)}")
     selector = "spare0.a is even" if combiners.mux_select is MuxSelect.LSB else "spare0.a < 1/2"
     for number, stage in enumerate(combiners.general):

@@ -8,7 +8,7 @@ from fixedpipe.pipeline.description.equations import combiner_lines, shader_stag
 from fixedpipe.pipeline.description.words import format_value
 from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.notations.programs import Program
-from fixedpipe.pipeline.notations.register_combiner_words import constant_byte
+from fixedpipe.pipeline.notations.register_combiner_words import BLACK, constant_byte
 from fixedpipe.pipeline.sentences import count
 
 _FIELDS = {Register.CONSTANT_COLOR0: "constant_color0", Register.CONSTANT_COLOR1: "constant_color1"}
@@ -122,7 +122,9 @@ def _constants(program):
                     for p in program.constants
                     if p.register and (p.stage, _FIELDS[p.register]) == (number, name)
                 ]
-                words[number, name] = _color(program, names, stored)
+                # The program's own are there without being set, black.
+                if names or number is not None or stored != BLACK:
+                    words[number, name] = _color(program, names, stored)
     return words
 
 

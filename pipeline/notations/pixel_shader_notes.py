@@ -103,6 +103,19 @@ def _of_slots(listing):
         yield line, f"{arithmetic + luminance + addresses} slots without tex; ps.1.0 has {_SLOTS} in all."
 
 
+def unwritten_note(line, register, half):
+    """(line, sentence) of a half, "rgb" or "a", of r0 or r1 that is read before anything is written to it.
+    ``register``: letter and number.
+    """
+    name, what = "".join(map(str, register)), "alpha" if half == "a" else "color"
+    value = "texture 0's alpha" if (name, half) == ("r0", "a") else "zero"
+    return (
+        line,
+        f"{name}'s {what} is read before anything is written to it, which Direct3D refuses; the register "
+        f"begins as {value}.",
+    )
+
+
 def _read_again(instruction, offsets):
     for source in instruction.sources:
         if source.register in offsets:

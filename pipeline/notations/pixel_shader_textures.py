@@ -33,6 +33,10 @@ TEXTURE_OPERATIONS = {
     "texm3x3tex": {_CUBE_MAP: _OP.DOT_PRODUCT_TEXTURE_CUBE_MAP, _3D: _OP.DOT_PRODUCT_TEXTURE_3D},
     "texm3x3spec": {_CUBE_MAP: _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP},
     "texm3x3vspec": {_CUBE_MAP: _OP.DOT_PRODUCT_REFLECT_CUBE_MAP},
+    # The Xbox's own.  Source: PS_TEXTUREMODES_DOT_RFLCT_DIFF and PS_TEXTUREMODES_BRDF, as Direct3D names the
+    # NV2A's modes, and Cxbx-Reloaded's names of the instructions.
+    "texm3x3diff": {_CUBE_MAP: _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP},
+    "texbrdf": {_3D: _OP.BRDF_TEXTURE_3D},
 }
 # Source: NV_texture_shader3, which came with the GeForce 4 Ti; no profile has its operations.
 _OF_GEFORCE_4_TI = {
@@ -51,13 +55,14 @@ _LAST_ROWS = {name for rows in AFTER_PAD.values() for name in rows[-1]}
 
 
 class ConstantPlace(NamedTuple):
-    """Where constant register ``constant`` went: ``register`` of general combiner ``stage``, or, register
+    """Where constant register ``constant`` went: ``register`` of general combiner ``stage``, of the program
+    (which the final combiner reads) where that is None, or, register
     None, the constant eye of texture shader stage ``stage``. ``components``: which of the register's it is,
     "rgba", or "rgb" or "a" where another constant is the others.
     """
 
     constant: int
-    stage: int
+    stage: int | None
     register: Register | None
     components: str = "rgba"
 
@@ -82,6 +87,11 @@ def texture_stages(listing, targets, colors):
 
 def _check_rows(by_unit):
     """Refuse rows of a matrix that do not stand in consecutive units."""
+    # texm3x3diff is a second row that looks up as well; texture_shader_problems knows where it may stand.
+    by_unit = {
+        unit: instruction._replace(name="texm3x3pad") if instruction.name == "texm3x3diff" else instruction
+        for unit, instruction in by_unit.items()
+    }
     for unit, instruction in sorted(by_unit.items()):
         name = instruction.name
         before = by_unit.get(unit - 1)

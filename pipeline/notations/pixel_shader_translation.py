@@ -57,7 +57,7 @@ from fixedpipe.pipeline.notations.pixel_shader_combiners import (
     stored,
     sum_of_products,
 )
-from fixedpipe.pipeline.notations.pixel_shader_notes import validator_notes
+from fixedpipe.pipeline.notations.pixel_shader_notes import unwritten_note, validator_notes
 from fixedpipe.pipeline.notations.pixel_shader_textures import WITHOUT_RESULT, ConstantPlace, texture_stages
 from fixedpipe.pipeline.notations.pixel_shaders import (
     OVER_TWO_COMBINERS,
@@ -169,18 +169,7 @@ class _Translation:
                 self.over_one_combiner(number, group)
         for half in ("rgb", "a"):
             if (R0, half) not in self.written:
-                self.unwritten(self.listing.end, R0, half)
-
-    def unwritten(self, token, register, half):
-        name, what = "".join(map(str, register)), "alpha" if half == "a" else "color"
-        value = "texture 0's alpha" if (register, half) == (R0, "a") else "zero"
-        self.notes.append(
-            (
-                token.line,
-                f"{name}'s {what} is read before anything is written to it, which Direct3D refuses; the "
-                f"register begins as {value}.",
-            )
-        )
+                self.notes.append(unwritten_note(self.listing.end.line, R0, half))
 
     def combiners(self):
         zero = CombinerInput()
@@ -444,7 +433,7 @@ class _Translation:
         if source.letter == "c" or (source.register, component) in self.written:
             return
         if source.letter == "r":
-            self.unwritten(source.token, source.register, component)
+            self.notes.append(unwritten_note(source.token.line, source.register, component))
             return
         name, given = f"t{source.number}", self.texture.get(source.number)
         reason = f"{given} gives no color" if given else "no texture instruction gives it"

@@ -70,14 +70,16 @@ OVER_TWO_COMBINERS = ("cmp", "dp4")
 # What later versions have, to be named where it is refused.
 _LATER = ("phase", "texcrd", "texld", "texdepth", "bem")
 
-_MASKS = {"": ("rgb", "a"), "rgba": ("rgb", "a"), "xyzw": ("rgb", "a")}
-_MASKS |= {"rgb": ("rgb",), "xyz": ("rgb",), "a": ("a",), "w": ("a",)}
-_SELECTORS = {"": None, "rgba": None, "xyzw": None, "rgb": None, "xyz": None}
-_SELECTORS |= {written: {"w": "a", "z": "b"}.get(c, c) for c in "awbz" for written in (c, 3 * c, 4 * c)}
+MASKS = {"": ("rgb", "a"), "rgba": ("rgb", "a"), "xyzw": ("rgb", "a")}
+MASKS |= {"rgb": ("rgb",), "xyz": ("rgb",), "a": ("a",), "w": ("a",)}
+SELECTORS = {"": None, "rgba": None, "xyzw": None, "rgb": None, "xyz": None}
+SELECTORS |= {written: {"w": "a", "z": "b"}.get(c, c) for c in "awbz" for written in (c, 3 * c, 4 * c)}
 
 
 class PixelShaderTextError(ProgramTextError):
-    """A text that is no ``ps.1.0`` to ``ps.1.3`` program, or one that register combiners cannot hold."""
+    """A text that is no ``ps.1.0`` to ``ps.1.3`` or ``xps.1.x`` program, or one that register combiners
+    cannot hold.
+    """
 
 
 class Source(NamedTuple):
@@ -153,7 +155,16 @@ def _tokens(text, start):
         yield token
 
 
-class _Reader(Reader):
+class PixelShaderReader(Reader):
+    """Reads ps.1.0 to ps.1.3; what their dialects share is found here too.
+
+    ``constant_names``: the constant registers, as a pattern and in words; ``least``: the least that a
+    constant holds.
+    """
+
+    constant_names = re.compile(r"c([0-7])"), "c0 to c7"
+    least = -1
+
     def __init__(self, text, start):
         super().__init__(_tokens(text, start))
         self.notes = []
@@ -171,6 +182,7 @@ class _Reader(Reader):
     # ----------------------------------------------------------------------------------- program
 
     def listing(self):
+        """The Listing of the whole text."""
         version = self.version()
         constants, texture, arithmetic, combiners = {}, [], [], 0
         previous = None  # the name of the arithmetic instruction before, nop as well
@@ -226,6 +238,7 @@ class _Reader(Reader):
 
     @staticmethod
     def unknown(token, base):
+        """The sentence on a word that is no instruction."""
         if base in _LATER:
             return (
                 f"{base} belongs to ps.1.4, whose programs register combiners cannot hold; write the "
@@ -237,6 +250,7 @@ class _Reader(Reader):
         )
 
     def version(self):
+        """The version of the header, "1.1" for instance."""
         token, text = self.word()
         version = ".".join(re.split(r"[._]", text)[1:])
         if token.kind != "header":
@@ -249,19 +263,23 @@ class _Reader(Reader):
         return version
 
     def check_version(self, token, name, since, version):
+        """Refuse what came with a later version."""
         if version < since:
             raise token.error(f"{name} in ps.{version}; it came with ps.{since}. Begin with ps.{since}.")
 
     def comma(self, name):
+        """Take the comma between operands of ``name``."""
         if self.next.text != ",":
             raise self.next.error(f"{self.next.found} where ',' belongs, in {name}; write ',' there.")
         self.take()
 
     def constant(self, constants):
+        """Read a def into ``constants``."""
         token, text = self.word()
-        match = re.fullmatch(r"c([0-7])", text)
+        names, words = self.constant_names
+        match = names.fullmatch(text)
         if match is None:
-            raise token.error(f"{token.found} where the register of def belongs; it is c0 to c7.")
+            raise token.error(f"{token.found} where the register of def belongs; it is {words}.")
         number, color = int(match[1]), []
         if number in constants:
             self.note(token, f"c{number} is defined again, and this definition stays.")
@@ -274,15 +292,17 @@ class _Reader(Reader):
                     f"{value.found} where a number belongs; def c0, 1, 0.5, 0, 1 has four of them."
                 )
             color.append(value.number(sign))
-            if abs(color[-1]) > 1:
+            if not self.least <= color[-1] <= 1:
                 self.note(
-                    token, f"c{number} is beyond [-1, 1], where a machine's constants end: it is clamped."
+                    token,
+                    f"c{number} is beyond [{self.least}, 1], where a machine's constants end: it is clamped.",
                 )
         constants[number] = tuple(color)
 
     # ------------------------------------------------------------------------------ instructions
 
     def texture(self, token, name, version):
+        """The texture Instruction whose name was just taken."""
         if name not in TEXTURE:
             raise token.error(
                 f"{token.found}, which has a modifier; texture instructions have none. Write "
@@ -300,9 +320,10 @@ class _Reader(Reader):
         for _ in range(count):
             self.comma(name)
             sources.append(self.source(name))
-        return Instruction(name, "", False, ("t", int(match[1])), _MASKS[""], tuple(sources), False, token)
+        return Instruction(name, "", False, ("t", int(match[1])), MASKS[""], tuple(sources), False, token)
 
     def arithmetic(self, token, text, version, paired):
+        """The arithmetic Instruction whose name was just taken."""
         name, *modifiers = text.split("_")
         count, since = ARITHMETIC.get(name, (None, None))
         if count is None:
@@ -326,6 +347,7 @@ class _Reader(Reader):
         return Instruction(name, scale, "sat" in modifiers, destination, mask, tuple(sources), paired, token)
 
     def destination(self, name):
+        """Register and mask of the destination that comes."""
         token, text = self.word()
         match = _OPERAND.fullmatch(text)
         if match is None or match[3] or match[1] not in "rtv" or int(match[2]) >= REGISTER_COUNTS[match[1]]:
@@ -333,14 +355,15 @@ class _Reader(Reader):
                 f"{token.found} where the destination of {name} belongs; it is r0, r1 or t0 to t3, as a "
                 "whole, .rgb or .a."
             )
-        if (match[4] or "") not in _MASKS:
+        if (match[4] or "") not in MASKS:
             raise token.error(
                 f"{token.found}; what is written is everything, .rgb or .a, as the hardware computes "
                 "colors and alpha apart. Write one of these."
             )
-        return (match[1], int(match[2])), _MASKS[match[4] or ""]
+        return (match[1], int(match[2])), MASKS[match[4] or ""]
 
     def source(self, name):
+        """The Source that comes."""
         sign = ""
         first = self.next
         if first.text == "-":
@@ -365,7 +388,7 @@ class _Reader(Reader):
         modifier, selector = match[3].removeprefix("_"), match[4] or ""
         if modifier not in ("", "bias", "bx2"):
             raise token.error(f"{token.found}; a source carries _bias or _bx2, or neither.")
-        if selector not in _SELECTORS:
+        if selector not in SELECTORS:
             raise token.error(
                 f"{token.found}; a source takes .a or .b alone, or everything. Write one of these."
             )
@@ -373,7 +396,7 @@ class _Reader(Reader):
             raise token.error(
                 f"1-{token.text} complements and maps; only one of the two is possible. Map first."
             )
-        return Source(match[1], int(match[2]), sign, modifier, _SELECTORS[selector], token)
+        return Source(match[1], int(match[2]), sign, modifier, SELECTORS[selector], token)
 
 
 def read(text, start=(1, 1)):
@@ -381,7 +404,7 @@ def read(text, start=(1, 1)):
 
     Raises PixelShaderTextError with line and column, both from 1.
     """
-    return _Reader(text, start).listing()
+    return PixelShaderReader(text, start).listing()
 
 
 def too_many_combiners(token):

@@ -16,6 +16,11 @@ PIXEL_SHADER_NAMES = {
 }
 
 
+def is_pixel_shader(notations: tuple[str, ...]) -> bool:
+    """Whether a program with these headers is Direct3D's, which leaves targets and constants to others."""
+    return any(re.match(r"x?ps\.", name) for name in notations)
+
+
 @dataclass(frozen=True)
 class ProgramSources:
     """The lines of a text that say what a stage does, "line 39: lrp + mul" for instance.
@@ -33,7 +38,7 @@ class ProgramSources:
     def tell(self, sentence: str, notations: tuple[str, ...] = ("!!RC1.0",)) -> str:
         """A sentence about the state in the words of the text: its names of registers, and the lines."""
         own = REGISTER_NAMES
-        if notations and notations[0].startswith("ps."):
+        if is_pixel_shader(notations):
             own = PIXEL_SHADER_NAMES
         for register, name in own.items():
             sentence = re.sub(rf"(?<![A-Z0-9_]){register.name}(?![A-Z0-9_])", name, sentence)

@@ -1,7 +1,8 @@
 """A program in any of the notations that nvparse took, as texture shader stages and register combiners.
 
 The header says which: ``!!TS1.0``, ``!!RC1.0``, both one after the other (as the Cg compiler's profile fp20
-writes them), or ``ps.1.0`` to ``ps.1.3``. A text without one may be a dump of the NV2A's registers.
+writes them), ``ps.1.0`` to ``ps.1.3``, or the Xbox's ``xps.1.0`` and ``xps.1.1``. A text without one may be a
+dump of the NV2A's registers.
 """
 
 import re
@@ -14,6 +15,7 @@ from fixedpipe.pipeline.notations import (
     pixel_shader_translation,
     register_combiners,
     texture_shaders,
+    xbox_pixel_shader_translation,
 )
 from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
 from fixedpipe.pipeline.notations.program_sources import ProgramSources
@@ -97,13 +99,16 @@ def parse_program(
         found = text[at : at + 20].split("\n")[0].strip()
         raise ProgramTextError(
             f"{f'found {found!r}' if found else 'the text ends'} where the header belongs; begin the "
-            "program with !!RC1.0, !!TS1.0 or ps.1.1, or give words of the NV2A's registers.",
+            "program with !!RC1.0, !!TS1.0, ps.1.1 or xps.1.1, or give words of the NV2A's registers.",
             *_place(text, at),
         )
     if not header.group().startswith("!!"):
         # Comments of the other notations, before the version, are none of this one's.
-        shader = pixel_shader_translation.parse(text[at:], targets, constants, start=_place(text, at))
-        program = _program((f"ps.{shader.version}",), shader.texture_shader, shader.combiners)
+        xbox = header.group().lower().startswith("xps")
+        translation = xbox_pixel_shader_translation if xbox else pixel_shader_translation
+        shader = translation.parse(text[at:], targets, constants, start=_place(text, at))
+        notation = f"{'xps' if xbox else 'ps'}.{shader.version}"
+        program = _program((notation,), shader.texture_shader, shader.combiners)
         return replace(
             program,
             constants=shader.constants,

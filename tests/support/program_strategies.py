@@ -145,3 +145,64 @@ def mutated(draw, texts):
         )
         text = text[:at] + inserted + text[at + length :]
     return text
+
+
+_XBOX_OPERANDS = {
+    "mov": (1, 1),
+    "add": (1, 2),
+    "sub": (1, 2),
+    "mul": (1, 2),
+    "dp3": (1, 2),
+    "mad": (1, 3),
+    "lrp": (1, 3),
+    "cnd": (1, 3),
+    "xmma": (3, 4),
+    "xmmc": (3, 4),
+    "xdm": (2, 4),
+    "xdd": (2, 4),
+}
+
+
+@st.composite
+def _xbox_instructions(draw, halves):
+    """An instruction of xps.1.1 that writes "rgba", "rgb" or "a"."""
+    dotted = {"dp3", "xdm", "xdd"} if halves == "a" else set()
+    name = draw(st.sampled_from([name for name in _XBOX_OPERANDS if name not in dotted]))
+    of_destinations, of_sources = _XBOX_OPERANDS[name]
+    mask = "" if halves == "rgba" else f".{halves}"
+    first = draw(st.sampled_from(("r0", "r0", "r1", "t1", "discard")))
+    others = draw(st.permutations([r for r in ("r0", "r1", "t1", "v0", "discard", "discard") if r != first]))
+    kept = draw(st.permutations((first, *others[: of_destinations - 1])))
+    destinations = [register + mask for register in kept]
+    sources = []
+    for _ in range(of_sources):
+        sign = draw(st.sampled_from(_SIGNS))
+        modifiers = {"": ("", "", "_bx2", "_bias", "_sat"), "-": ("", "_bx2", "_bias"), "1-": ("", "_sat")}
+        register = draw(st.sampled_from(("c0", "c1", "r0", "r1", "t0", "t1", "v0", "v1", "c0", "c1", "zero")))
+        selector = draw(st.sampled_from(("", "", ".a", ".b", ".rgb")))
+        sources.append(f"{sign}{register}{draw(st.sampled_from(modifiers[sign]))}{selector}")
+    if name == "cnd":
+        sources[0] = draw(st.sampled_from(("r0", "r0.a")))
+    elif name == "lrp":
+        sources[0] = draw(st.sampled_from(("r0", "1-t0.a", "c0", "1-v0_sat")))
+    modifier = draw(st.sampled_from(("", "", "_x2", "_x4", "_d2", "_bias", "_bx2")))
+    return f"{name}{modifier} {', '.join((*destinations, *sources))}"
+
+
+@st.composite
+def xbox_pixel_shaders(draw, most=5):
+    """xps.1.1 programs of two textures, two colors and two constants, with a final combiner or without."""
+    color = st.tuples(*[st.integers(0, 255)] * 4).map(lambda c: ", ".join(f"{x / 255:.6f}" for x in c))
+    lines = ["xps.1.1", f"def c0, {draw(color)}", f"def c1, {draw(color)}", "tex t0", "tex t1"]
+    lines += ["mov r0, v0", "mov r1, v1"]
+    for _ in range(draw(st.integers(1, most))):
+        if draw(st.booleans()):
+            lines.append(draw(_xbox_instructions(draw(st.sampled_from(("rgba", "rgb", "a"))))))
+        else:
+            lines += [draw(_xbox_instructions("rgb")), f"+ {draw(_xbox_instructions('a'))}"]
+    if draw(st.booleans()):
+        plain = ("r0", "r0", "r1.a", "t0", "v0", "1-v1", "1-r1", "c1", "zero", "fog.a", "1-fog")
+        inputs = [draw(st.sampled_from((*plain, "prod") if k < 4 else plain)) for k in range(6)]
+        inputs[1] = draw(st.sampled_from((inputs[1], "sum")))
+        lines.append(f"xfc {', '.join((*inputs, draw(st.sampled_from(('r0.a', '1-r1.a', 't0.b', 'v0')))))}")
+    return "\n".join(lines) + "\n"

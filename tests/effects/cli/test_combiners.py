@@ -81,6 +81,24 @@ def test_what_a_program_takes_of_a_machine_is_said():
     )
 
 
+XBOX = "xps.1.1\ntex t0\nxmma discard, discard, r0, t0, c9, v0, c3\nxfc prod, r0, c3, zero, fog.a, v1, r0.a\n"
+
+
+def test_an_xbox_program_is_told_with_its_lines_and_constants():
+    lines = lines_of("--profile", "NV2A", "--constant", "9=0.2,0.4,0.6,0.8", given=XBOX)
+    assert lines[0].startswith("xps.1.1, on NV2A: 1 of 8 general combiners, at most 2 of 2 constants in one")
+    assert any("GC0: const0 = c9, set by the application (0.2, 0.4, 0.6, 0.8)" in line for line in lines)
+    assert any("  const0 = c3, set by the application" in line for line in lines)
+    assert any("GC0.rgb (line 3: xmma): spare0 = tex0 * const0 + col0 * const1" in line for line in lines)
+    assert any("final.rgb (line 4: xfc)" in line for line in lines)
+    words = lines_of("--nv2a", given=XBOX)
+    assert "NV097_SET_COMBINER_COLOR_ICW[0] = 0xc8c1c4c2" in words
+    assert lines_of("--rc", given=XBOX)[0] == "!!TS1.0"
+    bounds = lines_of("--profile", "NV2A", "--bounds", given=XBOX)
+    assert any(line.startswith("final combiner") for line in bounds)
+    assert any("final_product" in line for line in lines_of("--profile", "NV2A", "--table", given=XBOX))
+
+
 def test_json_has_the_state_the_lines_and_the_constants(tmp_path):
     path = tmp_path / "program.json"
     assert run("-", "--json", path, given=SHADER).exit_code == 0
@@ -118,7 +136,8 @@ def test_the_table_ends_at_what_direct3d_defines():
     [
         (["--profile", "GEFORCE_256"], "ps.1.1\n" + "mov r0, v0\n" * 3, "too many is line 4: mov."),
         (["--profile", "GEFORCE_256"], COMBINERS.replace("tex0 .", "tex3 ."), "(lines 3 to 5) names tex3"),
-        (["--constant", "9=1,1,1,1"], SHADER, "write --constant 1=0.5,0.5,0.5,1"),
+        (["--constant", "16=1,1,1,1"], SHADER, "write --constant 1=0.5,0.5,0.5,1"),
+        (["--constant", "9=1,1,1,1"], SHADER, "the program reads no c9"),
         (["--constant", "1=1,1,1"], SHADER, "write --constant 1=0.5,0.5,0.5,1"),
         (["--constant", "1=inf,1,1,1"], SHADER, "write --constant 1=0.5,0.5,0.5,1"),
         (["--constant", "1=1,1,1,1", "--constant", "1=0,0,0,0"], SHADER, "c1 twice"),

@@ -60,7 +60,7 @@ def test_what_may_precede_a_header(before, text):
     [
         ("", 1, 1, "text ends where the header"),
         ("\n\n  out.rgb = col0;", 3, 3, "found 'out.rgb = col0;'"),
-        ("!!ARBfp1.0\nEND", 1, 1, "!!RC1.0, !!TS1.0 or ps.1.1"),
+        ("!!ARBfp1.0\nEND", 1, 1, "!!RC1.0, !!TS1.0, ps.1.1 or xps.1.1"),
         (RC + RC, 4, 1, "a second !!RC1.0"),
         (TS + "!!RC1.0\nout.rgb = tex9;", 6, 11, "found 'tex9'"),
         ("// one\n// two\nps.1.1\nmov r0, x", 4, 9, "found 'x'"),
