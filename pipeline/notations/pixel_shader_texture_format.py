@@ -5,12 +5,14 @@ from typing import NamedTuple
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.notations.pixel_shader_textures import AFTER_PAD, TEXTURE_OPERATIONS
+from fixedpipe.pipeline.notations.pixel_shaders import TEXTURE
 from fixedpipe.pipeline.state import TextureShaderStage
 
 # Operation: the instruction, and the target that its unit has to have bound, None where the first is taken.
 _INSTRUCTIONS = {
     operation: (name, None if place == 0 else target)
     for name, operations in TEXTURE_OPERATIONS.items()
+    if name in TEXTURE  # the Xbox has more
     for place, (target, operation) in enumerate(operations.items())
     if operation is not Operation.DOT_PRODUCT
 }
