@@ -80,6 +80,10 @@ PACKAGES = {
             "native columns execution ideal"
         ),
     },
+    "pipeline/selftest": {
+        "raster": "kernel",
+        "pipeline": ("enums state pixel_transfer textures commands profiles framebuffers native execution"),
+    },
     "pipeline/golden": {"raster": "kernel"},
     "effects/refusal": {},
     "effects/collection": {"effects": "refusal"},
@@ -172,7 +176,8 @@ PACKAGES = {
     },
     "effects/cli": {
         "pipeline": (
-            "enums sentences profiles notations description framebuffers validation native inspection golden"
+            "enums sentences profiles notations description framebuffers validation native inspection "
+            "selftest golden"
         ),
         "effects": (
             "refusal technique geometry bump_mapping volumes scattering acceptance figures studies "
@@ -191,6 +196,7 @@ LIBRARIES = {
     "pipeline/framebuffers": ("PIL",),
     "pipeline/native": ("numba",),
     "pipeline/ideal": ("numba",),
+    "pipeline/selftest": ("llvmlite", "numba"),
     "effects/scattering": ("scipy",),
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),
