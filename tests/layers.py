@@ -17,7 +17,8 @@ PACKAGES = {
     "raster/floats": {},
     "raster/float_depths": {"raster": "codes floats"},
     "raster/rows": {"raster": "codes"},
-    "raster/kernel": {},
+    "raster/kernel_files": {},
+    "raster/kernel": {"raster": "kernel_files"},
     "raster/witness": {},
     "raster/arrays": {},
     "raster/fixed": {"raster": "codes floats float_depths kernel"},
@@ -187,6 +188,7 @@ PACKAGES = {
 }
 # Libraries beside NumPy, which every package may import.
 LIBRARIES = {
+    "raster/kernel_files": ("numba",),
     "raster/kernel": ("llvmlite", "numba"),
     "raster/arrays": ("numba",),
     "raster/fixed": ("numba",),

@@ -72,8 +72,8 @@ What to do next:
   fixedpipe --help              all commands and options"""
 
 
-# Warnings of what is drawn.
-_SAID = ("DisabledTexture", "StoredAlpha")
+# Warnings of what is drawn, and of kernels that are compiled and not kept.
+_SAID = ("DisabledTexture", "StoredAlpha", "KernelsNotKept")
 
 
 def _say(otherwise):
