@@ -1,9 +1,10 @@
 """The files in which a compiled kernel is kept: Numba's, with digests, so that a damaged one counts as none.
 
-Numba unpickles what it finds: a truncated or overwritten file raises whatever pickle comes upon, or crashes,
-and an index that is written before its data, as Numba does, names other code where a process is killed between
-the two. Here an index begins with a digest of what follows and of whose it is, and holds a digest of each data
-file; what does not fit is not there, and is compiled and written again.
+Numba unpickles what it finds. Measured, of 83 ways to damage a file of two small kernels: what is cut raises
+whatever pickle comes upon, a bit that is turned may end the process by a signal, another kernel's data is run
+in the place of this one's. It also writes an index before the data, which names older code where a process is
+killed between the two. Here an index begins with a digest of what follows and of whose it is, and holds a
+digest of each data file; what does not fit is not there, and is compiled and written again.
 """
 
 import hashlib

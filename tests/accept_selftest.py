@@ -1,4 +1,4 @@
-"""Accept the self-test's digests: ``make accept-selftest``, and ``LOOKED=yes`` once the picture was looked at.
+"""Accept the self-test's digests: ``make accept-selftest``, and ``LOOKED=yes`` once the picture was seen.
 
 A digest is accepted where every engine on every number of threads gives the same bits, and where they are the
 specification's, of every frame that ``tests/support/run_reference.py`` draws.
@@ -30,7 +30,7 @@ UNSPECIFIED = {
     "sixteen-bits": "likewise",
     "six-bits": "likewise",
     "samples": "the specification of samples has single pixels: tests/reference/multisample.py",
-    "the-future-board": "the specification of the future board has single functions: tests/reference/future.py",
+    "the-future-board": "the specification of the future board has functions: tests/reference/future.py",
 }
 _ACROSS, _GAP, _TIMES = 10, 4, 4  # frames side by side, pixels between them, how much a pixel is magnified
 

@@ -1,4 +1,4 @@
-"""``fixedpipe selftest``: does this computer, with what is installed, draw the accepted bits?"""
+"""``fixedpipe selftest``: whether this computer, with what is installed, draws the accepted bits."""
 
 import json
 from dataclasses import asdict
@@ -16,7 +16,7 @@ from fixedpipe.effects.cli.compiling import announce_compiling
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON object as well.")
 def selftest(cpus, json_file):
-    """Draw a fixed set of small frames by all engines and compare their bits with the accepted ones.
+    """Draw a fixed set of small frames by all engines; compare their bits with the accepted ones.
 
     On one thread and on several, and with NumPy's extensions for newer processors switched off. A line for
     each check; a sentence for each frame that differs; exit status 0 where none does, else 1.

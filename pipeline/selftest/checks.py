@@ -63,7 +63,9 @@ class Check:
 
 
 def ways(threads: Sequence[int], engines: Sequence[Engine | None] = (None, "portable")) -> tuple[Way, ...]:
-    """Compiled engines on each number of threads, and the column engine, which has one, where all are asked."""
+    """Compiled engines on each number of threads; and the column engine, which has one, where several are
+    asked.
+    """
     columns = (Way("columns", 1),) if len(engines) > 1 else ()
     return tuple(Way(engine, count) for engine in engines for count in threads) + columns
 

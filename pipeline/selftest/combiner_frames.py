@@ -173,8 +173,7 @@ def _environments():
             (functions.DOT3_RGBA, 1.0),
         )
     ]
-    for first, second in zip(simple + combining, [*combining, *simple], strict=True):
-        yield first, second
+    return zip(simple + combining, [*combining, *simple], strict=True)
 
 
 def _environment_states(second_has_dots):

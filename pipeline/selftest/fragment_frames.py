@@ -1,5 +1,5 @@
-"""Frames of what happens to fragments: depth, stencil, blending, logic, masks, fog; of points, lines, clipping
-and lighting, which make them; and of bands of rows.
+"""Frames of what happens to fragments: depth, stencil, blending, logic, masks, fog; of points, lines, polygon
+modes and lighting, which make them; and of bands of rows.
 """
 
 from dataclasses import replace
@@ -95,17 +95,17 @@ def _stencils():
 
 
 def _blendings():
-    F, E = BlendFactor, BlendEquation
+    factor, equations = BlendFactor, BlendEquation
     color = (0.2, 0.7, 0.4, 0.55)
     for source, destination, equation in (
-        (F.SRC_ALPHA, F.ONE_MINUS_SRC_ALPHA, E.FUNC_ADD),
-        (F.DST_COLOR, F.ZERO, E.FUNC_ADD),
-        (F.ONE, F.ONE, E.FUNC_ADD),
-        (F.SRC_ALPHA_SATURATE, F.DST_ALPHA, E.FUNC_ADD),
-        (F.CONSTANT_COLOR, F.ONE_MINUS_CONSTANT_ALPHA, E.FUNC_SUBTRACT),
-        (F.ONE_MINUS_DST_COLOR, F.SRC_COLOR, E.FUNC_REVERSE_SUBTRACT),
-        (F.SRC_ALPHA, F.ONE, E.MIN),
-        (F.ONE, F.ONE_MINUS_DST_ALPHA, E.MAX),
+        (factor.SRC_ALPHA, factor.ONE_MINUS_SRC_ALPHA, equations.FUNC_ADD),
+        (factor.DST_COLOR, factor.ZERO, equations.FUNC_ADD),
+        (factor.ONE, factor.ONE, equations.FUNC_ADD),
+        (factor.SRC_ALPHA_SATURATE, factor.DST_ALPHA, equations.FUNC_ADD),
+        (factor.CONSTANT_COLOR, factor.ONE_MINUS_CONSTANT_ALPHA, equations.FUNC_SUBTRACT),
+        (factor.ONE_MINUS_DST_COLOR, factor.SRC_COLOR, equations.FUNC_REVERSE_SUBTRACT),
+        (factor.SRC_ALPHA, factor.ONE, equations.MIN),
+        (factor.ONE, factor.ONE_MINUS_DST_ALPHA, equations.MAX),
     ):
         yield PassState(blending=Blending(source, destination, equation, color))
 
@@ -155,17 +155,18 @@ def _registered_fogs():
         yield PassState(fog=Fog(FogMode(number % 3), color=(0.8, 0.3, 0.1, 0.5), registers=registers))
 
 
-def _strokes(number, primitive, **changed):
+def _between(corners, u, v):
+    """A place among a patch's four corners, by u and v."""
+    weights = (1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v
+    return [sum(w * c[i] for w, c in zip(weights, corners, strict=True)) for i in range(4)]
+
+
+def _strokes(number, primitive):
     at = [(0.1 + k / 9.0, ((k * k + number) % 7) / 7.0) for k in range(8)]
     base = patch(number, SIZE)
-    # Two triangles' four corners: what lies between them is their mean by u and v.
     corners = base.positions if len(base.positions) == 4 else base.positions[[0, 5, 30, 35]]
-    positions = [
-        [sum(w * c[i] for w, c in zip(((1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v), corners, strict=True))
-         for i in range(4)]
-        for u, v in at
-    ]  # fmt: skip
-    return Mesh(positions, primitive, colors=[[u, v, 1.0 - u, 0.5 + v / 2] for u, v in at], **changed)
+    positions = [_between(corners, u, v) for u, v in at]
+    return Mesh(positions, primitive, colors=[[u, v, 1.0 - u, 0.5 + v / 2] for u, v in at])
 
 
 def _lines_and_points():

@@ -47,7 +47,7 @@ def _drawn(units):
 
 
 def _filtered():
-    """Every filter of levels that are read far apart, with biases and limits of the level, then anisotropy."""
+    """Every filter of levels that are read far apart, with biases and limits, then anisotropy."""
     for number, kind in enumerate(_FILTERS):
         yield _unit(Sampler(kind), matrix=_FAR, lod_bias=(number - 2) / 4.0)
     yield _unit(Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR, max_anisotropy=2.0), matrix=_FAR)

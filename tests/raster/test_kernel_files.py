@@ -103,7 +103,7 @@ def test_an_index_of_numbas_own_counts_as_none(tmp_path):
     assert is_mended(files)
 
 
-# --------------------------------------------------------------------------- kernels, in processes of their own
+# ------------------------------------------------------------- kernels, in processes of their own
 
 KERNELS = """
 from fixedpipe.raster.kernel import kernel
@@ -164,8 +164,8 @@ def called(environment, program=CALLS, *arguments, **options):
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="this system kills processes in another way")
 @pytest.mark.parametrize("rename", [1, 2, 3, 4])
 def test_a_process_killed_while_it_writes_leaves_nothing_stale(environment, tmp_path, rename):
-    """Kernels of an older source lie there; they are compiled anew, up to the rename-th file: of each the data
-    comes first, then the index.
+    """Kernels of an older source lie there; they are compiled anew, up to the rename-th file: of each the
+    data comes first, then the index.
     """
     assert called(environment)[0][-1] == "7.0"
     (tmp_path / "kernels.py").write_text(KERNELS.format(more="1.25"))
