@@ -124,16 +124,18 @@ def _difference(drawn, right):
         parted = plane != expected.planes[name]
         unequal |= parted if parted.ndim == 2 else parted.any(-1)
     if not unequal.any():
-        return f"what was read from it is not what {way} gives, whose bits are those accepted."
+        return f"what was read from it is not what was by {way}, whose bits are those accepted."
     y, x = (int(k) for k in np.argwhere(unequal)[0])
     parts = [
         f"{name} {_told(plane[y, x])} instead of {_told(expected.planes[name][y, x])}"
         for name, plane in drawn.planes.items()
         if (plane[y, x] != expected.planes[name][y, x]).any()
     ]
+    count = int(unequal.sum())
+    pixels = f"{count} pixel{'s' * (count > 1)}"
     return (
-        f"{int(unequal.sum())} pixels differ from what {way} gives, whose bits are those accepted; the first "
-        f"is ({x}, {y}) from the top left, {', '.join(parts)}."
+        f"it differs in {pixels} from the drawing by {way}, whose bits are those accepted; the first is "
+        f" ({x}, {y}) from the top left, {', '.join(parts)}."
     )
 
 
