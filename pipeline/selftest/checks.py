@@ -135,7 +135,7 @@ def _difference(drawn, right):
     pixels = f"{count} pixel{'s' * (count > 1)}"
     return (
         f"it differs in {pixels} from the drawing by {way}, whose bits are those accepted; the first is "
-        f" ({x}, {y}) from the top left, {', '.join(parts)}."
+        f"({x}, {y}) from the top left, {', '.join(parts)}."
     )
 
 
