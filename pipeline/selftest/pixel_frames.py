@@ -200,7 +200,7 @@ def _future():
     """What the future board's combiners compute, and a lookup between them."""
     at = CombinerInput(Register.TEXTURE0)
     color = CombinerInput(Register.PRIMARY_COLOR)
-    functions = [f for f in CombinerFunction if f is not CombinerFunction.NONE]
+    functions = [kind for kind in CombinerFunction if kind is not CombinerFunction.NONE]
     for number in range(8):
         portion = RGBPortion(at, color, color, at, function=functions[number % len(functions)])
         lookup = CombinerLookup(1, Register.SPARE0) if number % 2 else None
