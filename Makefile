@@ -18,7 +18,7 @@ export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
 .PHONY: help setup figures conformance machines instructions techniques layers docs docs-check test test-all check bench accept \
-	accept-conformance clean
+	accept-conformance accept-selftest matrix clean
 
 help:
 	@echo "make figures            render and check every figure into $(OUT)/; $(OUT)/index.html is a gallery"
@@ -34,6 +34,9 @@ help:
 	@echo "make docs-check         measure the pages' numbers again, and print those that differ, with page and line"
 	@echo "make accept FIGURE=ID   accept a figure's digest (PROFILE=NAME: on that machine) once it was looked at"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
+	@echo "make accept-selftest    accept the self-test's digests, once its picture was looked at"
+	@echo "make matrix             the self-test under every Python here, with the oldest and the newest packages allowed"
+	@echo "                        (MATRIX='--python 3.12 --packages oldest --cpus'): 5 minutes each"
 	@echo "make setup              make the virtual environment, .venv, as all of these do on first use"
 	@echo "make clean              remove what is made here, but .venv"
 
@@ -96,6 +99,13 @@ accept: $(READY)
 
 accept-conformance: $(READY)
 	$(BIN)/python -m tests.accept_conformance $(if $(filter yes,$(WORSE)),--worse)
+
+accept-selftest: $(READY)
+	$(BIN)/python -m tests.accept_selftest $(if $(filter yes,$(LOOKED)),--looked)
+
+matrix: $(READY)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[matrix]'
+	$(BIN)/python -m tests.matrix $(MATRIX)
 
 clean:
 	rm -rf .cache .hypothesis .pytest_cache .ruff_cache build dist $(OUT) *.egg-info

@@ -12,12 +12,15 @@ import tempfile
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
+import llvmlite
 import numba
 from llvmlite import ir
 from numba import types
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.runtime import rtsys
 from numba.extending import intrinsic
+
+from fixedpipe.raster.kernel_files import KernelCache
 
 try:
     import fcntl
@@ -39,7 +42,7 @@ def kernel_sources(folder):
 
 def source_digest(folder):
     """What the cache folder of kernels made from a folder of sources is named after."""
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__}".encode())
     for path in kernel_sources(folder):
         digest.update(path.as_posix().encode())
         digest.update((folder / path).read_bytes())
@@ -81,7 +84,7 @@ def kernel(signature=None, *, allocates=False):
     Only a kernel that makes arrays (``allocates``) counts references: the others borrow what they are given,
     and the atomic counting of every slice would cost a batch more than its arithmetic.
     """
-    options = {"cache": True, "fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
+    options = {"fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
     if inspect.isfunction(signature):
         return _compiled_by_one_process(numba.njit(signature, **options))
 
@@ -100,6 +103,7 @@ def _compiled_by_one_process(dispatcher):
     kernel calls itself, by whatever way; a process that ends, however it does, holds none.
     """
     compile_it, function = dispatcher.compile, dispatcher.py_func
+    dispatcher._cache = KernelCache(function)
     lock = CACHE_FOLDER / f"{function.__module__}.{function.__qualname__}.lock"
 
     def compile_alone(signature):

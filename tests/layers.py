@@ -17,7 +17,8 @@ PACKAGES = {
     "raster/floats": {},
     "raster/float_depths": {"raster": "codes floats"},
     "raster/rows": {"raster": "codes"},
-    "raster/kernel": {},
+    "raster/kernel_files": {},
+    "raster/kernel": {"raster": "kernel_files"},
     "raster/witness": {},
     "raster/arrays": {},
     "raster/fixed": {"raster": "codes floats float_depths kernel"},
@@ -79,6 +80,10 @@ PACKAGES = {
             "enums state textures commands profiles notations description vertices framebuffers validation "
             "native columns execution ideal"
         ),
+    },
+    "pipeline/selftest": {
+        "raster": "kernel",
+        "pipeline": ("enums state pixel_transfer textures commands profiles framebuffers native execution"),
     },
     "pipeline/golden": {"raster": "kernel"},
     "effects/refusal": {},
@@ -172,7 +177,8 @@ PACKAGES = {
     },
     "effects/cli": {
         "pipeline": (
-            "enums sentences profiles notations description framebuffers validation native inspection golden"
+            "enums sentences profiles notations description framebuffers validation native inspection "
+            "selftest golden"
         ),
         "effects": (
             "refusal technique geometry bump_mapping volumes scattering acceptance figures studies "
@@ -182,6 +188,7 @@ PACKAGES = {
 }
 # Libraries beside NumPy, which every package may import.
 LIBRARIES = {
+    "raster/kernel_files": ("numba",),
     "raster/kernel": ("llvmlite", "numba"),
     "raster/arrays": ("numba",),
     "raster/fixed": ("numba",),
@@ -191,6 +198,7 @@ LIBRARIES = {
     "pipeline/framebuffers": ("PIL",),
     "pipeline/native": ("numba",),
     "pipeline/ideal": ("numba",),
+    "pipeline/selftest": ("llvmlite", "numba"),
     "effects/scattering": ("scipy",),
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),

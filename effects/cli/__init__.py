@@ -30,6 +30,7 @@ _COMMANDS = (
     "study",
     "profiles",
     "conformance",
+    "selftest",
 )
 
 _WELCOME = """\
@@ -67,11 +68,12 @@ What to do next:
   fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot
   fixedpipe profiles            which machines there are, and how each of their numbers is known
   fixedpipe conformance DIR     redraw captures of a real NV2A and count the pixels that agree
+  fixedpipe selftest            does this computer draw the accepted bits, by every engine?
   fixedpipe --help              all commands and options"""
 
 
-# Warnings of what is drawn.
-_SAID = ("DisabledTexture", "StoredAlpha")
+# Warnings of what is drawn, and of kernels that are compiled and not kept.
+_SAID = ("DisabledTexture", "StoredAlpha", "KernelsNotKept")
 
 
 def _say(otherwise):

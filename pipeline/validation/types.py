@@ -158,6 +158,12 @@ def instance_check(kind):
     return check
 
 
+def _class_of(annotation):
+    """The class that a generic annotation is of, also where an alias names it: NDArray, from NumPy 2.5 on."""
+    origin = get_origin(annotation)
+    return get_origin(getattr(origin, "__value__", None)) or origin
+
+
 class TypeChecks(dict):
     """For each annotation a function from a value to None, or to what is wrong with it, made when it is asked
     for first.
@@ -188,7 +194,7 @@ class TypeChecks(dict):
         if get_origin(annotation) is Literal:  # which strings are allowed, the command's own rule says
             return self[type(get_args(annotation)[0])]
         if get_origin(annotation) is not None:  # an array or a function, whatever is in it
-            return instance_check(get_origin(annotation))
+            return instance_check(_class_of(annotation))
         if issubclass(annotation, Enum):
             return enum_check(annotation)
         if is_dataclass(annotation) and annotation not in self.whole:

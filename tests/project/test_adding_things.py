@@ -57,6 +57,8 @@ LAYERS = (
 )
 OURS = ("fixedpipe", "tests", "bench")
 OF_STATE = ("raster", "pipeline", "tests/reference", "tests/support")
+# Frames to draw, of states that others know: a new one needs none there.
+_DRAWN = "pipeline/selftest/"
 PRODUCT = ("raster", "pipeline", "effects", "bench")
 
 
@@ -77,7 +79,8 @@ def known_names(folders):
     """The names of every module in the folders, its own among them, by its path."""
     paths = [path for folder in folders for path in sorted((ROOT / folder).rglob("*.py*"))]
     paths = [path for path in paths if path.suffix in (".py", ".pyi")]
-    return {str(path.relative_to(ROOT)): {path.stem, *names_of(path.read_text())} for path in paths}
+    names = {path.relative_to(ROOT).as_posix(): {path.stem, *names_of(path.read_text())} for path in paths}
+    return {path: found for path, found in names.items() if not path.startswith(_DRAWN)}
 
 
 def files_that_know(patterns, sources):

@@ -1,0 +1,46 @@
+"""``fixedpipe selftest``: whether this computer, with what is installed, draws the accepted bits."""
+
+import json
+from dataclasses import asdict
+
+import click
+
+from fixedpipe.effects.cli.compiling import announce_compiling
+
+
+@click.command()
+@click.option(
+    "--cpus",
+    is_flag=True,
+    help="Compile the kernels for up to five other processors as well, and draw on 1 to 8 threads: minutes.",
+)
+@click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON object as well.")
+def selftest(cpus, json_file):
+    """Draw a fixed set of small frames by all engines; compare their bits with the accepted ones.
+
+    On one thread and on several, and with NumPy's extensions for newer processors switched off. A line for
+    each check; a sentence for each frame that differs; exit status 0 where none does, else 1.
+    """
+    from fixedpipe.effects.reports.files import writable_file, write_whole
+    from fixedpipe.pipeline.golden.provenance import provenance
+    from fixedpipe.pipeline.selftest.run import run_selftest
+
+    json_path = writable_file(json_file) if json_file else None
+    announce_compiling(None)
+    checks = []
+    for check in run_selftest(cpus=cpus):
+        checks.append(check)
+        click.echo(str(check))
+        for sentence in check.failures:
+            click.echo(f"    {sentence}", err=True)
+    failed = sum(len(check.failures) for check in checks)
+    versions = provenance(None)
+    if json_path:
+        written = {"passed": not failed, "versions": versions, "checks": [asdict(check) for check in checks]}
+        write_whole(json_path, (json.dumps(written, indent=2) + "\n").encode())
+    made = f"Python {versions['python']}, NumPy {versions['numpy']}, Numba {versions['numba']}"
+    drawn = sum(check.frames for check in checks)
+    if failed:
+        click.echo(f"{failed} of {drawn} drawings differ from the accepted bits ({made}).")
+        raise click.exceptions.Exit(1)
+    click.echo(f"All {drawn} drawings have the accepted bits ({made}).")

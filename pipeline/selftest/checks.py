@@ -1,0 +1,150 @@
+"""Frames drawn in several ways and compared with what was accepted; what differs, in a sentence."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fixedpipe.pipeline.execution.machine import Engine, execute
+from fixedpipe.pipeline.native.threads import default_threads
+from fixedpipe.pipeline.selftest.digests import Digest, Drawn, accepted, digest_of, drawn_by
+from fixedpipe.pipeline.selftest.frame import Frame
+from fixedpipe.pipeline.selftest.frames import FRAMES
+
+# The tallest frame has as many bands of rows.
+MOST_THREADS = 8
+
+
+@dataclass(frozen=True)
+class Way:
+    """How frames are drawn: by which of ``fixedpipe.pipeline.execution.machine.ENGINES``, on how many
+    threads.
+    """
+
+    engine: Engine | None
+    threads: int
+
+    def __str__(self) -> str:
+        engine = {None: "the fastest engines", "columns": "the column engine"}.get(
+            self.engine, f"the {self.engine} engine"
+        )
+        return f"{engine}, {self.threads} thread{'s' * (self.threads > 1)}"
+
+
+@dataclass(frozen=True)
+class Check:
+    """What came of one way to draw the frames.
+
+    where     in which environment, words for a person
+    way       engine and threads, words
+    frames    how many were drawn
+    failures  a sentence for each that differs
+    left_out  why nothing was drawn, a sentence; "" where it was
+    """
+
+    where: str
+    way: str
+    frames: int
+    failures: tuple[str, ...] = field(default_factory=tuple)
+    left_out: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing differs."""
+        return not self.failures
+
+    def __str__(self) -> str:
+        what = f"{self.where}: {self.way}" if self.way else self.where
+        if self.left_out:
+            return f"left out  {what}: {self.left_out}"
+        if self.passed:
+            return f"equal     {what}: {self.frames} frames"
+        return f"DIFFERENT {what}: {len(self.failures)} of {self.frames} frames"
+
+
+def ways(threads: Sequence[int], engines: Sequence[Engine | None] = (None, "portable")) -> tuple[Way, ...]:
+    """Compiled engines on each number of threads; and the column engine, which has one, where several are
+    asked.
+    """
+    columns = (Way("columns", 1),) if len(engines) > 1 else ()
+    return tuple(Way(engine, count) for engine in engines for count in threads) + columns
+
+
+def usual_threads() -> tuple[int, ...]:
+    """From one to as many as there are processors, two at least."""
+    return tuple(range(1, min(max(default_threads(), 2), MOST_THREADS) + 1))
+
+
+def draw(frame: Frame, way: Way) -> Drawn:
+    """What a frame leaves, drawn that way."""
+    window = {"engine": way.engine, "threads": way.threads, **frame.window}
+    return drawn_by(execute(frame.commands, frame.profile, *frame.size, **window))
+
+
+def check_frames(
+    where: str, asked: Sequence[Way], frames: Iterable[Frame] = FRAMES, known: dict[str, Digest] | None = None
+) -> tuple[Check, ...]:
+    """A Check for each Way. ``known``: other digests than those of the package."""
+    known = accepted() if known is None else known
+    frames = tuple(frames)
+    failures: dict[Way, list[str]] = {way: [] for way in asked}
+    for frame in frames:
+        for way, sentence in _failures(frame, asked, known.get(frame.name)):
+            failures[way].append(f"Frame {frame.name!r}, drawn by {way}, {where}: {sentence}")
+    return tuple(Check(where, str(way), len(frames), tuple(failures[way])) for way in asked)
+
+
+def _failures(frame, asked, digest):
+    """(way, what differs) of each way to draw a frame that does not give the accepted digest."""
+    if digest is None:
+        for way in asked:
+            yield way, "the package has no digest of it; install fixedpipe again."
+        return
+    right, wrong = None, []
+    for way in asked:
+        try:
+            drawn = draw(frame, way)
+        except Exception as error:  # whatever a broken installation raises is what the self-test is for
+            yield way, f"nothing was drawn, {type(error).__name__}: {error}"
+            continue
+        found = digest_of(frame, drawn)
+        if found.sha256 == digest.sha256:
+            right = (way, drawn) if right is None else right
+        else:
+            wrong.append((way, drawn, found))
+    for way, drawn, found in wrong:
+        yield way, _difference(drawn, right) if right else _no_way(digest, found)
+
+
+def _difference(drawn, right):
+    """Where a drawing first parts from one that is right, as (way, Drawn)."""
+    way, expected = right
+    unequal = np.zeros(expected.depth.shape, bool)
+    for name, plane in drawn.planes.items():
+        parted = plane != expected.planes[name]
+        unequal |= parted if parted.ndim == 2 else parted.any(-1)
+    if not unequal.any():
+        return f"what was read from it is not what was by {way}, whose bits are those accepted."
+    y, x = (int(k) for k in np.argwhere(unequal)[0])
+    parts = [
+        f"{name} {_told(plane[y, x])} instead of {_told(expected.planes[name][y, x])}"
+        for name, plane in drawn.planes.items()
+        if (plane[y, x] != expected.planes[name][y, x]).any()
+    ]
+    count = int(unequal.sum())
+    pixels = f"{count} pixel{'s' * (count > 1)}"
+    return (
+        f"it differs in {pixels} from the drawing by {way}, whose bits are those accepted; the first is "
+        f"({x}, {y}) from the top left, {', '.join(parts)}."
+    )
+
+
+def _told(value):
+    return "(" + ", ".join(map(str, value)) + ")" if np.ndim(value) else str(value)
+
+
+def _no_way(digest, found):
+    row = digest.first_row_that_differs(found)
+    if row is None:
+        return "what was read from it is not what was accepted, and no way of drawing it here gives that."
+    return f"row {row} from the top is the first that was not accepted so, and no way here gives that one."

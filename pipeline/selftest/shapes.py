@@ -1,0 +1,99 @@
+"""What the self-test draws: patches of triangles, and images, of whole numbers and fractions alone.
+
+Nothing here asks a library for a sine or a random number: what is handed to the machine is the same with any
+NumPy.
+"""
+
+from functools import cache
+from math import sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.pipeline.commands import Mesh
+
+PATCH = 16  # edge of a patch, pixels
+ACROSS = 2  # patches side by side
+
+
+def _inside(number, u, v, size):
+    """(x, y, z, w) in clip coordinates of a place in a patch. It is a little larger than its square and off
+    the pixels' grid, and its w differs from corner to corner.
+    """
+    column, row = number % ACROSS, number // ACROSS
+    x = (column + 0.02) * PATCH + u * (PATCH + 0.4)
+    y = (row + 0.03) * PATCH + v * (PATCH + 0.7)
+    w = 1.0 + 0.5 * u + 0.25 * v * (1 + number % 3)
+    z = 0.8 - 0.3 * u - 0.9 * v + 0.05 * number
+    return [(2.0 * x / size[0] - 1.0) * w, (2.0 * y / size[1] - 1.0) * w, z * w, w]
+
+
+@cache
+def places(steps: int) -> tuple[tuple[float, float], ...]:
+    """(u, v) of a grid of so many squares a side, row by row."""
+    edge = [k / steps for k in range(steps + 1)]
+    return tuple((u, v) for v in edge for u in edge)
+
+
+def grid_indices(steps: int) -> list[int]:
+    """Two triangles for each square of a grid, every other square's diagonal turned."""
+    indices = []
+    for row in range(steps):
+        for column in range(steps):
+            a = row * (steps + 1) + column
+            b, c, d = a + 1, a + steps + 1, a + steps + 2
+            indices += [a, b, d, a, d, c] if (row + column) % 2 else [a, b, c, b, d, c]
+    return indices
+
+
+def normal(u: float, v: float) -> list[float]:
+    """A unit vector that leans away from the patch's middle."""
+    x, y = 1.2 * (u - 0.5), 1.2 * (v - 0.4)
+    return [x, y, sqrt(1.0 - x * x - y * y)]
+
+
+def _arrays(number: int, size: tuple[int, int], steps: int) -> dict[str, Any]:
+    """What a patch's mesh is made of: ``Mesh``'s arguments."""
+    at = places(steps)
+    return {
+        "positions": [_inside(number, u, v, size) for u, v in at],
+        "colors": [[u, 0.15 + 0.8 * v, 1.0 - 0.7 * u * v, 0.2 + 0.8 * (u + v) / 2.0] for u, v in at],
+        "secondary_colors": [[0.4 * v, 0.1, 0.5 * u, 0.3 + 0.2 * u] for u, v in at],
+        "normals": [normal(u, v) for u, v in at],
+        "texture_coordinates": (
+            [[1.7 * u - 0.2, 2.3 * v - 0.4, 0.1 + 0.8 * u * v, 1.0] for u, v in at],
+            [[u - 0.4, 0.6 - v, 0.3 + 0.2 * number - u * v, 1.0 + 0.3 * u] for u, v in at],
+            [[u - v, u + v - 1.0, 0.7 - u, 1.0] for u, v in at],
+            [[0.9 - 0.4 * u, 0.3 * v - 0.1, 0.6 - 0.5 * v, 1.0] for u, v in at],
+        ),
+        "fog_coordinates": [0.1 + 0.6 * u + 0.3 * v for u, v in at],
+    }
+
+
+def patch(number: int, size: tuple[int, int]) -> Mesh:
+    """Patch ``number`` of a window of ``size``: two triangles, or, every other one, fifty small ones."""
+    steps = 5 if number % 2 else 1
+    return Mesh(indices=grid_indices(steps), **_arrays(number, size, steps))
+
+
+def values(*shape: int, seed: int = 0, most: int = 255) -> NDArray[np.int64]:
+    """Whole numbers from 0 to ``most`` without an order that the eye sees: int64 of that shape.
+
+    A multiplier and a shift, in whole numbers of 64 bits (Source: Knuth, The Art of Computer Programming,
+    volume 3, section 6.4: multiplication by the golden ratio).
+    """
+    count = int(np.prod(shape))
+    mixed = [(k + 97 * seed + 1) * 0x9E3779B97F4A7C15 % 2**64 for k in range(count)]
+    return np.array([(m >> 24) % (most + 1) for m in mixed], np.int64).reshape(shape)
+
+
+def picture(*shape: int, seed: int = 0) -> NDArray[np.uint8]:
+    """An image of bytes, RGBA in the last axis, rows and columns before it: squares of a few texels, grained.
+
+    So that smaller levels differ, which of grain alone would all be grey.
+    """
+    *layers, height, width = shape
+    squares = values(*layers, -(-height // 4), -(-width // 4), 4, seed=seed)
+    smooth = squares.repeat(4, axis=-3).repeat(4, axis=-2)[..., :height, :width, :]
+    return ((3 * smooth + values(*shape, 4, seed=seed + 50)) // 4).astype(np.uint8)
