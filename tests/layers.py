@@ -80,7 +80,10 @@ PACKAGES = {
             "native columns execution ideal"
         ),
     },
-    "pipeline/golden": {"raster": "kernel"},
+    "pipeline/golden": {
+        "raster": "kernel",
+        "pipeline": "commands profiles framebuffers validation execution inspection",
+    },
     "effects/refusal": {},
     "effects/collection": {"effects": "refusal"},
     "effects/technique": {},
@@ -191,6 +194,7 @@ LIBRARIES = {
     "pipeline/framebuffers": ("PIL",),
     "pipeline/native": ("numba",),
     "pipeline/ideal": ("numba",),
+    "pipeline/golden": ("PIL", "pytest"),
     "effects/scattering": ("scipy",),
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),

@@ -34,8 +34,8 @@ def png(image: NDArray[Any]) -> bytes:
     return buffer.getvalue()
 
 
-# PNG's numbers of grey, grey with alpha, colour, colour with alpha. Source: PNG specification, second edition,
-# section 11.2.2.
+# PNG's numbers of grey, grey with alpha, colour, colour with alpha. Source: PNG specification, second
+# edition, section 11.2.2.
 _COLOR_TYPES = {1: 0, 2: 4, 3: 2, 4: 6}
 
 

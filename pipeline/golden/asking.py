@@ -1,4 +1,6 @@
-"""The fixture ``golden`` of a test: it compares pictures with the accepted ones, and collects what is wrong."""
+"""The fixture ``golden`` of a test: it compares pictures with the accepted ones, and collects what is
+wrong.
+"""
 
 import re
 from collections.abc import Iterable
@@ -55,9 +57,9 @@ class Golden:
     def __call__(self, picture: Any, name: str | None = None) -> bool:
         """Whether a picture is the golden one of this name, pixel by pixel.
 
-        ``picture``: as of ``fixedpipe.pipeline.golden.pixels.pixels_of``, uint8 or uint16. ``name``: of letters
-        that a file's name can have, where a test has several pictures. Raises ValueError for what is no picture
-        or no name; a picture that differs makes the test fail at its end.
+        ``picture``: as of ``fixedpipe.pipeline.golden.pixels.pixels_of``, uint8 or uint16. ``name``: of
+        letters that a file's name can have, where a test has several pictures. Raises ValueError for what is
+        no picture or no name; a picture that differs makes the test fail at its end.
         """
         key, pixels = self._key(name), pixels_of(picture)
         return self._judge(key, pixels, golden_of(pixels))
@@ -73,8 +75,8 @@ class Golden:
     ) -> Any:
         """Draw a frame, compare its picture and what every command left, and give the Result.
 
-        Arguments as of ``execute``; ``machine`` what it takes by name. A frame whose picture is golden fails too
-        where a command leaves other colours, depths or stencil values than it did.
+        Arguments as of ``execute``; ``machine`` what it takes by name. A frame whose picture is golden fails
+        too where a command leaves other colours, depths or stencil values than it did.
         """
         from fixedpipe.pipeline.golden.frames import drawn_with_digests, made_by, with_stages
 
@@ -136,15 +138,21 @@ class Golden:
         return f"{self.place.module}::{key}"
 
     def _key(self, name):
-        if name is not None and (not isinstance(name, str) or not _NAME.fullmatch(name) or name.strip() != name):
+        if name is not None and (
+            not isinstance(name, str) or not _NAME.fullmatch(name) or name.strip() != name
+        ):
             raise ValueError(
-                f"golden(…, name={name!r}): a name has 1 to 80 characters, no slash, colon or control character, "
-                "and no space at its ends. Choose another."
+                f"golden(…, name={name!r}): a name has 1 to 80 characters, no slash, colon or control "
+                "character, and no space at its ends. Choose another."
             )
         key = self.place.test if name is None else f"{self.place.test}::{name}"
         if key in self.asked:
-            what = "has a second picture without a name" if name is None else f"has two pictures named {name!r}"
-            raise ValueError(f"{self.place.test} {what}; give each a name of its own: golden(picture, name=…).")
+            what = (
+                "has a second picture without a name" if name is None else f"has two pictures named {name!r}"
+            )
+            raise ValueError(
+                f"{self.place.test} {what}; give each a name of its own: golden(picture, name=…)."
+            )
         self.asked[key] = NEW
         return key
 
@@ -155,14 +163,18 @@ class Golden:
         known = self._golden(key)
         if known is None:
             if not self.place.record:
-                self.failures.append(f"{self.told(key)} has no golden picture: {golden}{self._renamed(golden)}")
+                self.failures.append(
+                    f"{self.told(key)} has no golden picture: {golden}{self._renamed(golden)}"
+                )
             self._propose(key, NEW, golden, None, pixels)
             return self.place.record
         equal = _equal(known, golden)
         if equal == self.must_differ:
             self.asked[key] = CHANGED
             if equal:
-                self.failures.append(f"{self.told(key)} must differ from its golden picture, and is equal to it")
+                self.failures.append(
+                    f"{self.told(key)} must differ from its golden picture, and is equal to it"
+                )
                 return False
             told = self._difference(key, known, golden, pixels)
             self.failures.append(f"{self.told(key)}: {told}")

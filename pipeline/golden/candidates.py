@@ -59,13 +59,15 @@ class Candidate:
 
 
 def workplace(start: Path) -> Path:
-    """The project's root: the first folder from ``start`` upwards that has a .golden folder. Raises StoreError."""
+    """The project's root: the first folder from ``start`` upwards that has a .golden folder. Raises
+    StoreError.
+    """
     for folder in (start, *start.parents):
         if (folder / FOLDER).is_dir():
             return folder
     raise StoreError(
-        f"There is no folder {FOLDER} in {start} or above it: no test has asked for a golden picture there. Run "
-        "pytest first, or name the project's folder with --root."
+        f"There is no folder {FOLDER} in {start} or above it: no test has asked for a golden picture there. "
+        "Run pytest first, or name the project's folder with --root."
     )
 
 
@@ -109,9 +111,16 @@ def read_candidates(root: Path) -> dict[str, Candidate]:
         except FileNotFoundError:  # accepted by another process meanwhile
             continue
         except (OSError, ValueError, TypeError, KeyError) as error:
-            raise StoreError(f"{path} is no candidate ({error}); remove it, and run the tests again.") from error
+            raise StoreError(
+                f"{path} is no candidate ({error}); remove it, and run the tests again."
+            ) from error
         found[candidate.name] = candidate
     return dict(sorted(found.items()))
+
+
+def candidate_files(root: Path) -> list[Path]:
+    """The files of all candidates, from the root."""
+    return [path.relative_to(root) for path in sorted((root / FOLDER / "candidates").glob("[!.]*"))]
 
 
 def candidate_pixels(root: Path, candidate: Candidate) -> Pixels:
@@ -120,8 +129,8 @@ def candidate_pixels(root: Path, candidate: Candidate) -> Pixels:
 
 
 def golden_pixels(root: Path, candidate: Candidate) -> Pixels | None:
-    """The pixels of what is golden now; None where no PNG file of it is kept. Raises StoreError where the file
-    does not hold the golden pixels.
+    """The pixels of what is golden now; None where no PNG file of it is kept. Raises StoreError where the
+    file does not hold the golden pixels.
     """
     path = picture_path(root / candidate.store, candidate.key)
     if candidate.expected is None or not path.exists():
@@ -142,7 +151,9 @@ def _kept(path, sha256, cure):
 
 
 def compared(root: Path, candidate: Candidate) -> Difference | str | None:
-    """The Difference from what is golden; a sentence where there is none to compute; None for a new picture."""
+    """The Difference from what is golden; a sentence where there is none to compute; None for a new
+    picture.
+    """
     if candidate.expected is None:
         return None
     expected = golden_pixels(root, candidate)
@@ -153,8 +164,8 @@ def compared(root: Path, candidate: Candidate) -> Difference | str | None:
 
 
 def accept(root: Path, candidate: Candidate) -> str:
-    """Make a candidate golden, and say what changed. Raises StoreError; the store and its PNG file are then as
-    they were.
+    """Make a candidate golden, and say what changed. Raises StoreError; the store and its PNG file are then
+    as they were.
     """
     store = root / candidate.store
     before = read_store(store).get(candidate.key)
@@ -186,7 +197,8 @@ def _passes(candidate):
     return f"; {first.strip()}" if first else ""
 
 
-# -------------------------------------------------------------------------------------------------- the last run
+# -------------------------------------------------------------------------------------------------- the last
+# run
 
 
 def write_run(root: Path, pictures: Mapping[str, Mapping[str, str]]) -> None:
@@ -211,3 +223,16 @@ def read_run(root: Path) -> dict[str, Any]:
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise StoreError(f"{path} is none of this fixedpipe's ({error}); run pytest again.") from error
     return found
+
+
+def remove_orphan(root: Path, name: str, picture: Mapping[str, str]) -> None:
+    """Take a picture that no test asks for out of its store, ``picture`` as ``read_run`` has it. Raises
+    StoreError.
+    """
+    store = root / picture["store"]
+    change_store(store, {picture["key"]: None})
+    with suppress(OSError):
+        picture_path(store, picture["key"]).unlink(missing_ok=True)
+    run = read_run(root)["pictures"]
+    run.pop(name, None)
+    write_run(root, run)

@@ -35,7 +35,9 @@ class Difference:
         of = ", in alpha alone" if self.alpha_alone else ""
         pixels = "1 pixel differs" if self.count == 1 else f"{self.count} pixels differ"
         where = f"from ({x0}, {y0}) to ({x1 - 1}, {y1 - 1}); most at" if self.count > 1 else "at"
-        return f"{pixels} by at most {self.largest}{of}, {where} {self.pixel}: {self.first}, now {self.second}"
+        return (
+            f"{pixels} by at most {self.largest}{of}, {where} {self.pixel}: {self.first}, now {self.second}"
+        )
 
 
 def said(pixels: Pixels) -> str:
@@ -84,5 +86,7 @@ def bounds(given: int | Sequence[int], name: str) -> tuple[int, int]:
     pair = (0, given) if isinstance(given, int) else tuple(given)
     fits = len(pair) == 2 and all(isinstance(n, int) and not isinstance(n, bool) for n in pair)
     if not fits or not 0 <= pair[0] <= pair[1]:
-        raise ValueError(f"{name} is {given!r}; give a whole number from 0 on, or a pair (least, most) of them.")
+        raise ValueError(
+            f"{name} is {given!r}; give a whole number from 0 on, or a pair (least, most) of them."
+        )
     return pair

@@ -1,4 +1,6 @@
-"""A frame drawn with a digest after every command, so that two versions of it can be told apart at the first."""
+"""A frame drawn with a digest after every command, so that two versions of it can be told apart at the
+first.
+"""
 
 import hashlib
 from collections.abc import Iterable, Sequence
@@ -38,7 +40,12 @@ def drawn_with_digests(
 
 
 def with_stages(
-    passes: Sequence[Passed], commands: Iterable[Command], profile: Profile, width: int, height: int, **machine: Any
+    passes: Sequence[Passed],
+    commands: Iterable[Command],
+    profile: Profile,
+    width: int,
+    height: int,
+    **machine: Any,
 ) -> tuple[Passed, ...]:
     """The same with what each stage made: the frame is drawn once more, by the column engine."""
     machine.pop("engine", None)
@@ -82,4 +89,8 @@ def _stage(before, now):
             return f", with a stage that was not there, {stage}"
         if made.pop(stage) != digest:
             return f", first in what {stage} made"
-    return f", without {next(iter(made))}" if made else ", though every stage made the same: tests or writes differ"
+    return (
+        f", without {next(iter(made))}"
+        if made
+        else ", though every stage made the same: tests or writes differ"
+    )

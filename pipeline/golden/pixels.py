@@ -1,4 +1,5 @@
-"""What is compared of a picture, whoever made it: its pixels, as they are, and nothing that a file says beside.
+"""What is compared of a picture, whoever made it: its pixels, as they are, and nothing that a file says
+beside.
 
 Nothing is converted. A picture whose bytes would first have to be chosen (real numbers, a palette, a rotation
 that a file only mentions, 16 bits that a reader cuts) is refused with a sentence that says how to choose.
@@ -39,8 +40,8 @@ def pixels_of(picture: Any) -> NDArray[np.uint8 | np.uint16]:
         picture = _of_pillow(picture)
     elif not hasattr(picture, "__array__"):
         raise ValueError(
-            f"A picture cannot be a {type(picture).__name__}; give an array [h, w] or [h, w, 1 to 4] of uint8 or "
-            "uint16, a Pillow image, the path of a PNG file, or what fixedpipe drew."
+            f"A picture cannot be a {type(picture).__name__}; give an array [h, w] or [h, w, 1 to 4] of "
+            "uint8 or uint16, a Pillow image, the path of a PNG file, or what fixedpipe drew."
         )
     return _of_array(np.asarray(picture))
 
@@ -60,7 +61,8 @@ def _of_array(array):
         )
     if array.ndim not in (2, 3) or (array.ndim == 3 and not 1 <= array.shape[2] <= 4):
         raise ValueError(
-            f"The picture has the shape {array.shape}; give [h, w], or [h, w, components] with 1 to 4 of them."
+            f"The picture has the shape {array.shape}; give [h, w], or [h, w, components] with 1 to 4 of "
+            f"them."
         )
     if 0 in array.shape:
         raise ValueError(f"The picture has the shape {array.shape}: no pixel. Give one that has some.")
@@ -69,9 +71,18 @@ def _of_array(array):
 
 
 def _of_pillow(image):
+    # First: what is asked for next reads the file, and forgets how it is packed.
+    tiles = getattr(image, "tile", None) or ()
+    if any(";16" in str(tile[-1]) for tile in tiles) and image.mode != "I;16":
+        raise ValueError(
+            "The file has 16 bits a component, and Pillow cuts them to 8; give the file's path, which is "
+            "read "
+            "with all of them."
+        )
     if image.getexif().get(_ORIENTATION, 1) != 1:
         raise ValueError(
-            "The picture's EXIF data says that it is to be turned or mirrored, which viewers do and arrays do "
+            "The picture's EXIF data says that it is to be turned or mirrored, which viewers do and arrays "
+            "do "
             "not; give PIL.ImageOps.exif_transpose(image)."
         )
     if image.mode == "P":
@@ -81,14 +92,8 @@ def _of_pillow(image):
         )
     if image.mode not in _MODES:
         raise ValueError(
-            f"The picture has Pillow's mode {image.mode}; golden pictures are L, LA, RGB, RGBA or I;16. Convert "
-            "it to the one that you mean."
-        )
-    tiles = getattr(image, "tile", None) or ()
-    if any(";16" in str(tile[-1]) for tile in tiles) and image.mode != "I;16":
-        raise ValueError(
-            "The file has 16 bits a component, and Pillow cuts them to 8; give the file's path, which is read "
-            "with all of them."
+            f"The picture has Pillow's mode {image.mode}; golden pictures are L, LA, RGB, RGBA or I;16. "
+            "Convert it to the one that you mean."
         )
     if 0 in image.size:
         raise ValueError(f"The picture has {image.width}x{image.height} pixels; give one that has some.")
@@ -120,7 +125,14 @@ def pixels_of_png(data: bytes, name: str = "the PNG file") -> NDArray[np.uint8 |
             return _of_array(_sixteen_bits(data, _COMPONENTS[color_type]))
         with Image.open(BytesIO(data)) as image:
             return _of_array(_of_pillow(image))
-    except (OSError, SyntaxError, IndexError, struct.error, zlib.error, Image.DecompressionBombError) as error:
+    except (
+        OSError,
+        SyntaxError,
+        IndexError,
+        struct.error,
+        zlib.error,
+        Image.DecompressionBombError,
+    ) as error:
         raise ValueError(f"{name} is no whole PNG file: {error}. Write it anew.") from error
 
 

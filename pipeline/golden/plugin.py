@@ -1,7 +1,7 @@
 """The pytest plug-in: the fixture ``golden``, and what a whole run says of golden pictures.
 
-Tests read stores and write candidates, each in a file of its own; what a process saw goes to the one that began
-the run (pytest-xdist's, or itself), which alone writes what the run found, finds orphans, and records.
+Tests read stores and write candidates, each in a file of its own; what a process saw goes to the one that
+began the run (pytest-xdist's, or itself), which alone writes what the run found, finds orphans, and records.
 """
 
 import fnmatch
@@ -24,9 +24,13 @@ def pytest_addoption(parser):
         action="store_true",
         help="Accept pictures that have no golden one yet; one that differs still fails.",
     )
-    parser.addini("golden_folder", "Folder beside a test module that keeps its golden pictures.", default="golden")
+    parser.addini(
+        "golden_folder", "Folder beside a test module that keeps its golden pictures.", default="golden"
+    )
     parser.addini("golden_png", "Whether PNG files of golden pictures are kept.", type="bool", default=True)
-    parser.addini("golden_orphans", "What an orphan does to a whole run: fail, warn or ignore.", default="fail")
+    parser.addini(
+        "golden_orphans", "What an orphan does to a whole run: fail, warn or ignore.", default="fail"
+    )
 
 
 def pytest_configure(config):
@@ -40,14 +44,17 @@ def pytest_configure(config):
         )
     folder = config.getini("golden_folder")
     if not folder or Path(folder).is_absolute() or ".." in Path(folder).parts:
-        raise pytest.UsageError(f"golden_folder is {folder!r}; name a folder beside the test modules: golden.")
+        raise pytest.UsageError(
+            f"golden_folder is {folder!r}; name a folder beside the test modules: golden."
+        )
     config.pluginmanager.register(_Run(config), _RUN)
 
 
 @pytest.fixture
 def golden(request):
-    """Compare pictures with golden ones: ``golden(picture, name=…)``, ``golden.frame(commands, profile, width,
-    height)``, ``golden.equal(a, b)``, ``golden.differs(a, b)``, ``golden.at_most(a, b, max_diff, pixels)``.
+    """Compare pictures with golden ones: ``golden(picture, name=…)``, ``golden.frame(commands, profile,
+    width, height)``, ``golden.equal(a, b)``, ``golden.differs(a, b)``, ``golden.at_most(a, b, max_diff,
+    pixels)``.
 
     All failures of a test are told together, at its end.
     """
@@ -70,7 +77,7 @@ class _Run:
         self.config, self.root = config, config.rootpath
         self.pictures, self.tests, self.passed, self.whole = {}, set(), set(), True
         self.reports = []  # of other processes
-        self.problems, self.orphans = [], []
+        self.problems, self.orphans, self.notes = [], [], []
 
     # ---------------------------------------------------------------------------------------------- tests
 
@@ -177,9 +184,12 @@ class _Run:
                 self._record()
             for path, module in stores.items() if self.whole else ():
                 self._account(path, module)
-            write_run(self.root, {**self._earlier(), **self.pictures})
         except StoreError as error:
             self.problems.append(str(error))
+        try:
+            write_run(self.root, {**self._earlier(), **self.pictures})
+        except StoreError as error:  # what the tests said is none the worse for it
+            self.notes.append(f"How the pictures went is not kept for a review: {error}")
 
     def _earlier(self):
         """Of a run of some tests alone, what is known of the others from the runs before."""
@@ -232,21 +242,24 @@ class _Run:
                         yield Path(at, name)
 
     def _account(self, path, module):
-        """How the pictures of a store went that no test asked for: orphans, or missing from a test that failed."""
+        """How the pictures of a store went that no test asked for: orphans, or missing from a test that
+        failed.
+        """
         from fixedpipe.pipeline.golden.candidates import MISSING, ORPHAN
         from fixedpipe.pipeline.golden.store import StoreError, read_store
 
         try:
             keys = read_store(path)
         except StoreError as error:
-            self.problems.append(str(error))
+            if module:  # another program's file may lie in a folder of this name
+                self.problems.append(str(error))
             return
         store = os.path.relpath(path, self.root).replace(os.sep, "/")
         asked = {p["key"] for p in self.pictures.values() if p["store"] == store}
         for key in keys.keys() - asked:
             test = f"{module}::{_test_of(key, module, self.tests)}" if module else ""
             orphan = test not in self.tests or test in self.passed
-            name = f"{module or path.with_suffix('').name}::{key}"
+            name = f"{module or store.removesuffix('.json')}::{key}"
             if orphan:
                 self.orphans.append(name)
             status = ORPHAN if orphan else MISSING
@@ -262,7 +275,7 @@ class _Run:
             sorted(name for name, p in self.pictures.items() if p["status"] == status)
             for status in (CHANGED, NEW, RECORDED)
         )
-        if not (changed or new or recorded or self.orphans or self.problems):
+        if not (changed or new or recorded or self.orphans or self.problems or self.notes):
             return
         write = terminalreporter.write_line
         terminalreporter.section("golden pictures")
@@ -278,10 +291,13 @@ class _Run:
                     write(f"  {name}")
                 if len(found) > 20:
                     write(f"  and {len(found) - 20} more")
-        for problem in self.problems:
-            write(problem)
+        for sentence in (*self.problems, *self.notes):
+            write(sentence)
         if changed or new:
-            write("Look at them: fixedpipe golden review --html golden.html; then fixedpipe golden accept NAME …")
+            write(
+                "Look at them: fixedpipe golden review --html golden.html; then fixedpipe golden accept "
+                "NAME …"
+            )
         if self.orphans:
             write("fixedpipe golden orphans lists them; --remove takes them away.")
 

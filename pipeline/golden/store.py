@@ -4,9 +4,9 @@
     tests/golden/test_sphere.json
     tests/golden/test_sphere/lit.png
 
-A file is written by who accepts pictures, and by nobody else: tests only read it. It is written whole, under a
-lock, so that neither two who accept at once nor one who is stopped loses a line. The digests are of pixels, never
-of a PNG file, which other programs may write otherwise.
+A file is written by who accepts pictures, and by nobody else: tests only read it. It is written whole, under
+a lock, so that neither two who accept at once nor one who is stopped loses a line. The digests are of pixels,
+never of a PNG file, which other programs may write otherwise.
 """
 
 import hashlib
@@ -39,8 +39,8 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class Passed:
-    """What a command of a frame left: its label and kind, and the first eight hexadecimal digits of the digests
-    of the colours, depths and stencil values; ``stages``: of what each stage of it made.
+    """What a command of a frame left: its label and kind, and the first eight hexadecimal digits of the
+    digests of the colours, depths and stencil values; ``stages``: of what each stage of it made.
     """
 
     label: str
@@ -77,7 +77,7 @@ def golden_of(pixels: Pixels, passes: tuple[Passed, ...] = (), made: Mapping[str
     return GoldenPicture(width, height, components, str(pixels.dtype), digest(pixels), passes, made or {})
 
 
-# ------------------------------------------------------------------------------------------------------ as text
+# ---------------------------------------------------------------------------------------------- as text
 
 
 def to_object(golden: GoldenPicture) -> dict[str, Any]:
@@ -123,11 +123,12 @@ def from_object(given: Any) -> GoldenPicture:
 
 def to_text(pictures: Mapping[str, GoldenPicture]) -> str:
     """A store's file: sorted, a line for each picture."""
-    lines = (
-        f"  {json.dumps(name, ensure_ascii=False)}: {json.dumps(to_object(pictures[name]), ensure_ascii=False)}"
-        for name in sorted(pictures)
-    )
+    lines = (f"  {_line(name)}: {_line(to_object(pictures[name]))}" for name in sorted(pictures))
     return f'{{"format": {FORMAT}, "pictures": {{\n' + ",\n".join(lines) + "\n}}\n"
+
+
+def _line(value):
+    return json.dumps(value, ensure_ascii=False)
 
 
 def from_text(text: str, path: Path) -> dict[str, GoldenPicture]:
@@ -135,15 +136,15 @@ def from_text(text: str, path: Path) -> dict[str, GoldenPicture]:
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith(_MARKERS):
             raise StoreError(
-                f"{path}, line {number}: a merge left its conflict markers. Keep one line for each picture and "
-                "remove the markers; a line is a picture."
+                f"{path}, line {number}: a merge left its conflict markers. Keep one line for each picture "
+                "and remove the markers; a line is a picture."
             )
     try:
         found = json.loads(text, object_pairs_hook=_once)
     except ValueError as error:
         raise StoreError(
-            f"{path} cannot be read: {error}. Take it from version control again, or remove it and record its "
-            "pictures anew."
+            f"{path} cannot be read: {error}. Take it from version control again, or remove it and record "
+            "its pictures anew."
         ) from error
     if not isinstance(found, dict) or not isinstance(found.get("pictures"), dict) or "format" not in found:
         raise StoreError(
@@ -151,8 +152,8 @@ def from_text(text: str, path: Path) -> dict[str, GoldenPicture]:
         )
     if found["format"] != FORMAT:
         raise StoreError(
-            f"{path} has the format {found['format']!r}; this fixedpipe reads {FORMAT}. Use the fixedpipe that "
-            "wrote it, or record its pictures anew."
+            f"{path} has the format {found['format']!r}; this fixedpipe reads {FORMAT}. Use the fixedpipe "
+            "that wrote it, or record its pictures anew."
         )
     pictures = {}
     for name, given in found["pictures"].items():
@@ -175,7 +176,7 @@ def _once(pairs):
     return found
 
 
-# ------------------------------------------------------------------------------------------------------ as files
+# --------------------------------------------------------------------------------------------- as files
 
 
 def read_store(path: Path) -> dict[str, GoldenPicture]:
@@ -185,13 +186,17 @@ def read_store(path: Path) -> dict[str, GoldenPicture]:
     except FileNotFoundError:
         return {}
     except UnicodeDecodeError as error:
-        raise StoreError(f"{path} is no text ({error.reason}); take it from version control again.") from error
+        raise StoreError(
+            f"{path} is no text ({error.reason}); take it from version control again."
+        ) from error
     except OSError as error:
         raise StoreError(f"{path} cannot be read: {error.strerror}.") from error
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all, its folder made if need be. Raises StoreError; what was there stays."""
+    """Write a file whole or not at all, its folder made if need be. Raises StoreError; what was there
+    stays.
+    """
     temporary = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -210,7 +215,9 @@ def write_whole(path: Path, data: bytes) -> None:
             with suppress(OSError):
                 temporary.unlink()
         if isinstance(error, OSError):
-            raise StoreError(f"{path} cannot be written: {error.strerror}. What was there is as it was.") from error
+            raise StoreError(
+                f"{path} cannot be written: {error.strerror}. What was there is as it was."
+            ) from error
         raise
 
 
@@ -248,11 +255,11 @@ def change_store(path: Path, changes: Mapping[str, GoldenPicture | None]) -> Non
 
 
 def file_name(name: str) -> str:
-    """A file's name, without an ending, for a picture's: the same where it can be, else with a digest of it."""
+    """A file's name, without an ending, for a picture's: the same where it can be, else with a digest."""
     safe = _SAFE.sub("-", name).strip("-.")[:_LONGEST]
     if safe == name == name.lower():  # of two names that differ in case alone some systems make one file
         return safe
-    return f"{safe}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+    return f"{safe or 'picture'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
 def picture_path(store: Path, name: str) -> Path:

@@ -95,6 +95,7 @@ class RegisterWitness:
         self.seen, self.number, self.label, self.general, self.one = {}, -1, "", 0, 1
 
     def __call__(self, stage, /, **columns):
+        """What a stage read and made."""
         tell = _TOLD.get(stage)
         if tell is not None:
             tell(self, **columns)

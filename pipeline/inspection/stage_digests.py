@@ -1,4 +1,4 @@
-"""What every stage of every command made, as digests: of two versions, which stage first made something else."""
+"""What every stage of every command made, as digests: which stage of two versions first made another."""
 
 import hashlib
 from collections.abc import Iterable
@@ -42,17 +42,20 @@ def stage_digests(
 ) -> dict[int, dict[str, str]]:
     """Run ``commands`` on the column engine: {number of the command: {stage: digest of what it wrote}}.
 
-    Stages are those of ``register_uses``, after the coverage: which fragments there are, and how deep. ``machine``: as ``execute`` takes it, but ``engine``. A machine whose
-    combiners do not clamp has none, as its registers have no range. Raises what ``execute`` raises.
+    Stages are those of ``register_uses``, after the coverage: which fragments there are, and how deep.
+    ``machine``: as ``execute`` takes it, but ``engine``. A machine whose combiners do not clamp has none, as
+    its registers have no range. Raises what ``execute`` raises.
     """
     if Clamp.GENERAL_COMBINER not in profile.arithmetic.clamps:
         return {}
     seen = _Digests()
     Machine(profile, width, height, engine="columns", witness=seen, **machine).run(commands)
     return {
-        number: {
-            stage: hashlib.sha256(b"".join(h.digest() for _, h in sorted(registers.items()))).hexdigest()[:SHORT]
-            for stage, registers in stages.items()
-        }
+        number: {stage: _short(registers) for stage, registers in stages.items()}
         for number, stages in seen.found.items()
     }
+
+
+def _short(registers):
+    whole = b"".join(made.digest() for _, made in sorted(registers.items()))
+    return hashlib.sha256(whole).hexdigest()[:SHORT]
