@@ -182,3 +182,26 @@ def review(html, root):
 
     with refusals():
         review_by_keys(root, _results(root))
+
+
+@golden.command()
+@click.argument("folder", metavar="DIR")
+@click.option("--profile", default="NV2A", show_default=True, metavar="NAME", help="The machine.")
+@click.option("--cases", default=256, show_default=True, type=click.IntRange(0), help="Of each stage.")
+@click.option("--frames", default=32, show_default=True, type=click.IntRange(0), help="Whole frames.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's.")
+def export(folder, profile, cases, frames, seed):
+    """Write test vectors for another renderer into DIR: random states with their inputs and the pixels that a
+    machine gives, as JSON, a case on each line, and raw pixels. docs/golden-images.md has the format.
+    """
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.options import machine_of
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.effects.reports.files import writable_folder
+    from fixedpipe.effects.reports.golden.vectors import write_vectors
+
+    machine, folder = machine_of(profile), writable_folder(folder)
+    announce_compiling()
+    with refusals():
+        written = write_vectors(folder, machine, cases, frames, seed)
+    click.echo(f"{len(written)} files of {machine.name}'s vectors are in {folder}; index.json names them.")

@@ -10,6 +10,7 @@ from typing import Any
 
 from fixedpipe.pipeline.golden.candidates import (
     CHANGED,
+    MISSING,
     NEW,
     PASSED,
     Candidate,
@@ -153,7 +154,7 @@ class Golden:
             raise ValueError(
                 f"{self.place.test} {what}; give each a name of its own: golden(picture, name=…)."
             )
-        self.asked[key] = NEW
+        self.asked[key] = MISSING  # until it is drawn
         return key
 
     def _golden(self, key) -> GoldenPicture | None:
@@ -162,6 +163,7 @@ class Golden:
     def _judge(self, key: str, pixels: Pixels, golden: GoldenPicture) -> bool:
         known = self._golden(key)
         if known is None:
+            self.asked[key] = NEW
             if not self.place.record:
                 self.failures.append(
                     f"{self.told(key)} has no golden picture: {golden}{self._renamed(golden)}"
