@@ -17,7 +17,7 @@ ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
-.PHONY: help setup figures conformance machines techniques layers docs docs-check test test-all check bench accept \
+.PHONY: help setup figures conformance machines instructions techniques layers docs docs-check test test-all check bench accept \
 	accept-conformance clean
 
 help:
@@ -27,6 +27,7 @@ help:
 	@echo "make check              style: ruff check, ruff format --check; types of what users call: mypy"
 	@echo "make bench              measure; BENCH='--peer llvmpipe' compares with Mesa"
 	@echo "make machines           write docs/machines.md: which machine has which feature"
+	@echo "make instructions       write docs/program-instructions.md: what programs' instructions become, and round"
 	@echo "make techniques         write docs/papers/index.md: which technique, figure or study an id is"
 	@echo "make layers             write into docs/architecture.md which package imports which (tests/layers.py)"
 	@echo "make docs               write into the pages what commands measure (ONLY='F004-2 P9': these alone): 5 minutes"
@@ -73,6 +74,9 @@ bench: $(READY)
 
 machines: $(READY)
 	$(BIN)/python -m tests.machines
+
+instructions: $(READY)
+	$(BIN)/python -m tests.instructions
 
 techniques: $(READY)
 	$(BIN)/python -m tests.techniques

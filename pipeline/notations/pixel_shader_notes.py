@@ -1,18 +1,33 @@
 """What Direct3D's validator refuses in a pixel shader, or defines otherwise, and the machine does not.
 
-Source: the DirectX 8.1 reference of pixel shaders: register port limits, texbem, texkill, cmp.
+Source: the DirectX 8.1 reference of pixel shaders: read port limit, instruction pairing, counting
+instructions, texbem, texkill, cmp.
 """
 
-# How many different texture registers an instruction may read; three from ps.1.2 on.
-_TEXTURE_PORTS = {"1.0": 2, "1.1": 2}
+from fixedpipe.pipeline.notations.pixel_shaders import OVER_TWO_COMBINERS, grouped
+
+# How many different registers of a kind an instruction may read, by version; of other versions two, and three
+# texture registers.
+_PORTS = {"1.0": {"t": 1, "v": 1}, "1.1": {"t": 2}}
+_MOST_TEXTURES, _MOST_OTHERS, _MOST_OF_A_PAIR = 3, 2, 3
+_KINDS = {"t": "texture", "v": "color", "c": "constant"}
+_MOST_COMPARISONS, _SLOTS = 3, 8
 _OFFSETS = ("texbem", "texbeml")
 
 
 def validator_notes(listing):
     """(line, sentence) of each, in the order of the program."""
-    offsets = {}
+    offsets, given = {}, set()
     for instruction in listing.texture:
         name, line = instruction.name, instruction.token.line
+        for source in instruction.sources:
+            if source.letter == "t" and source.register not in given:
+                yield (
+                    line,
+                    f"{name} reads t{source.number} before the text gives it, which Direct3D refuses; units "
+                    "work in the order of their numbers.",
+                )
+        given.add(instruction.destination)
         if name == "texkill":
             yield (
                 line,
@@ -33,16 +48,56 @@ def validator_notes(listing):
         if instruction.destination[0] == "v":
             yield line, f"{name} writes v{instruction.unit}, which Direct3D lets a program only read."
         read = {source.register for source in instruction.sources}
-        textures = sum(letter == "t" for letter, _ in read)
-        if textures > _TEXTURE_PORTS.get(listing.version, 3):
-            yield (
-                line,
-                f"{name} reads {textures} texture registers; ps.{listing.version} reads two at once.",
+        for letter, kind in _KINDS.items():
+            most = _PORTS.get(listing.version, {}).get(
+                letter, _MOST_TEXTURES if letter == "t" else _MOST_OTHERS
             )
+            registers = sum(register[0] == letter for register in read)
+            if registers > most:
+                at_once = f"ps.{listing.version} reads {('', 'one', 'two', 'three')[most]} at once"
+                yield line, f"{name} reads {registers} {kind} registers; {at_once}."
         if name == "cmp" and instruction.destination in read:
             yield line, "cmp writes one of its sources, which Direct3D refuses."
         yield from _read_again(instruction, offsets)
         offsets.pop(instruction.destination, None)
+    yield from _of_pairs(listing)
+    yield from _of_slots(listing)
+
+
+def _of_pairs(listing):
+    for group in grouped(listing.arithmetic):
+        read = {source.register for instruction in group for source in instruction.sources}
+        line = group[-1].token.line
+        for letter, kind in _KINDS.items():
+            registers = sum(register[0] == letter for register in read)
+            if len(group) == 2 and registers > _MOST_OF_A_PAIR:
+                yield line, f"the pair reads {registers} {kind} registers; Direct3D lets a pair read three."
+        if listing.version == "1.0" and len({instruction.destination for instruction in group}) == 2:
+            yield line, "the pair writes two registers; in ps.1.0 both write one."
+
+
+def _of_slots(listing):
+    """Slots that the chip's stages do not count."""
+    comparisons = [instruction for instruction in listing.arithmetic if instruction.name == "cmp"]
+    if len(comparisons) > _MOST_COMPARISONS:
+        yield comparisons[_MOST_COMPARISONS].token.line, "a fourth cmp; Direct3D takes three."
+    arithmetic = sum(
+        1 + (instruction.name in OVER_TWO_COMBINERS)
+        for instruction in listing.arithmetic
+        if not instruction.paired
+    )
+    luminance = sum(instruction.name == "texbeml" for instruction in listing.texture)
+    line = listing.end.line
+    if luminance and arithmetic + luminance > _SLOTS:
+        yield (
+            line,
+            f"texbeml takes one of Direct3D's {_SLOTS} slots of arithmetic, and the instructions take "
+            f"{arithmetic}.",
+        )
+    # Of texture instructions tex takes none of these, and an offset two.
+    addresses = sum(1 + (i.name in _OFFSETS) for i in listing.texture if i.name != "tex")
+    if listing.version == "1.0" and arithmetic + luminance + addresses > _SLOTS:
+        yield line, f"{arithmetic + luminance + addresses} slots without tex; ps.1.0 has {_SLOTS} in all."
 
 
 def _read_again(instruction, offsets):

@@ -29,7 +29,7 @@ minus one is ZERO through EXPAND_NORMAL.
 Beyond nvparse: ``sum()`` and ``mux()`` may follow dot products, as NV_register_combiners allows since version
 1.6; ``one`` may carry a component; white space and comments may precede the header; a constant that is not
 given is (0, 0, 0, 0), not what an earlier program left behind. Narrower than nvparse: an output may only
-carry the component that its portion writes, where nvparse ignores any other.
+carry the component that its portion writes, where nvparse ignores .a in an rgb and .b in an alpha portion.
 
 Source: the grammar, tokens and validation of nvparse's rc1.0 parser, as distributed with OGRE 3D.
 """
