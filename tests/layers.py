@@ -85,7 +85,13 @@ PACKAGES = {
         "raster": "kernel",
         "pipeline": ("enums state pixel_transfer textures commands profiles framebuffers native execution"),
     },
-    "pipeline/golden": {"raster": "kernel"},
+    "pipeline/golden": {
+        "raster": "kernel",
+        "pipeline": (
+            "enums state textures commands profiles notations framebuffers validation native execution "
+            "inspection selftest"
+        ),
+    },
     "effects/refusal": {},
     "effects/collection": {"effects": "refusal"},
     "effects/technique": {},
@@ -199,6 +205,7 @@ LIBRARIES = {
     "pipeline/native": ("numba",),
     "pipeline/ideal": ("numba",),
     "pipeline/selftest": ("llvmlite", "numba"),
+    "pipeline/golden": ("PIL", "pytest"),
     "effects/scattering": ("scipy",),
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),

@@ -31,6 +31,7 @@ _COMMANDS = (
     "profiles",
     "conformance",
     "selftest",
+    "golden",
 )
 
 _WELCOME = """\
@@ -67,6 +68,7 @@ What to do next:
   fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
   fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot
   fixedpipe profiles            which machines there are, and how each of their numbers is known
+  fixedpipe golden review       pictures that your tests drew and nobody has accepted: look, then accept
   fixedpipe conformance DIR     redraw captures of a real NV2A and count the pixels that agree
   fixedpipe selftest            does this computer draw the accepted bits, by every engine?
   fixedpipe --help              all commands and options"""

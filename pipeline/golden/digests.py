@@ -14,14 +14,18 @@ GOLDEN_SIZE = 256  # edge of a panel, pixels: small enough for every test run, l
 
 
 def digest(color):
-    """SHA-256, in hexadecimal, of a framebuffer's shape and colour bytes: uint8 [h, w, 4], top row first."""
+    """SHA-256, in hexadecimal, of a picture's shape and pixels: uint8 or uint16 [h, w, components], top row
+    first. Of uint16 the type is digested too, and each word's low byte first.
+    """
     color = np.ascontiguousarray(color)
-    if color.dtype != np.uint8:
+    if color.dtype not in (np.uint8, np.uint16):
         raise ValueError(
-            f"A digest is of bytes; this picture holds {color.dtype}; give uint8, as Result.image() is."
+            f"A digest is of bytes or words; this picture holds {color.dtype}; give uint8, as Result.image() "
+            "is, or uint16."
         )
-    shape = "x".join(map(str, color.shape))
-    return hashlib.sha256(f"{shape}\n".encode() + color.tobytes()).hexdigest()
+    head = "x".join(map(str, color.shape)) + (" uint16" if color.dtype == np.uint16 else "")
+    little = color.astype(color.dtype.newbyteorder("<"), copy=False)
+    return hashlib.sha256(f"{head}\n".encode() + little.tobytes()).hexdigest()
 
 
 @dataclass(frozen=True, kw_only=True)

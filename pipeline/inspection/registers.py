@@ -88,13 +88,14 @@ class _Seen:
         )
 
 
-class _Registers:
-    """A witness of whole frames that counts what registers hold."""
+class RegisterWitness:
+    """A witness of whole frames that counts what registers hold; ``add`` is told of each."""
 
     def __init__(self):
         self.seen, self.number, self.label, self.general, self.one = {}, -1, "", 0, 1
 
     def __call__(self, stage, /, **columns):
+        """What a stage read and made."""
         tell = _TOLD.get(stage)
         if tell is not None:
             tell(self, **columns)
@@ -103,7 +104,8 @@ class _Registers:
         """Every RegisterUse, in the order of the frame."""
         return tuple(seen.use(*names) for names, seen in self.seen.items())
 
-    def _add(self, stage, register, components, codes, bounds, free=None):
+    def add(self, stage, register, components, codes, bounds, free=None):
+        """Codes [components, k] of a stage's register, fragment by fragment; ``free``: before its clamp."""
         low, high, one = bounds
         if not codes.shape[-1]:  # tests ended every fragment
             return
@@ -120,11 +122,11 @@ class _Registers:
         self.one = 2**bits - 1
         for name in ("primary", "secondary"):
             codes = getattr(fragments, name).T
-            self._add("fragment", f"{name} color", _RGBA, codes, (0, self.one, self.one))
+            self.add("fragment", f"{name} color", _RGBA, codes, (0, self.one, self.one))
 
     def _texture(self, unit, texel, one, register):
         low = -self.one - 1 if register.min(initial=0) else 0
-        self._add(f"texture unit {unit}", f"tex{unit}", _RGBA, register, (low, self.one, self.one))
+        self.add(f"texture unit {unit}", f"tex{unit}", _RGBA, register, (low, self.one, self.one))
 
     def _general(self, number, stage, registers):
         self.general = number
@@ -138,25 +140,25 @@ class _Registers:
         for register, codes in values:
             free = unclamped(register, portion, ab, cd, a)
             components, name = _ALPHA if alpha else _RGB, REGISTER_NAMES[register]
-            self._add(stage, name, components, codes, (a.low, a.high, a.one), free)
+            self.add(stage, name, components, codes, (a.low, a.high, a.one), free)
 
     def _final(self, color, arithmetic, **columns):
-        self._add("final combiner", "color", _RGBA, color, (0, arithmetic.one, arithmetic.one))
+        self.add("final combiner", "color", _RGBA, color, (0, arithmetic.one, arithmetic.one))
 
     def _blending(self, colors, result):
         codes = np.clip(result, 0, self.one)
-        self._add("blending", "blended", _RGBA, codes.T, (0, self.one, self.one), result.T)
+        self.add("blending", "blended", _RGBA, codes.T, (0, self.one, self.one), result.T)
 
 
 _TOLD = {
-    "command": _Registers._command,
-    "shaded": _Registers._shaded,
-    "texture": _Registers._texture,
-    "general combiner": _Registers._general,
-    "portion": _Registers._portion,
-    "outputs": _Registers._outputs,
-    "final combiner": _Registers._final,
-    "blending": _Registers._blending,
+    "command": RegisterWitness._command,
+    "shaded": RegisterWitness._shaded,
+    "texture": RegisterWitness._texture,
+    "general combiner": RegisterWitness._general,
+    "portion": RegisterWitness._portion,
+    "outputs": RegisterWitness._outputs,
+    "final combiner": RegisterWitness._final,
+    "blending": RegisterWitness._blending,
 }
 
 
@@ -173,6 +175,6 @@ def register_uses(
             f"{profile.name}'s general combiners do not clamp, so their registers have no range; give a "
             "machine with that clamp."
         )
-    seen = _Registers()
+    seen = RegisterWitness()
     Machine(profile, width, height, engine="columns", witness=seen, **machine).run(commands)
     return seen.uses()

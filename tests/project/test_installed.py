@@ -3,18 +3,14 @@
 import doctest
 import os
 import re
-import site
 import subprocess
 import sys
 import tomllib
-import venv
 import zipfile
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-FOLDERS = ("raster", "pipeline", "effects")
+from tests.project.conftest import FOLDERS, ROOT
 
 
 def packages():
@@ -35,25 +31,6 @@ def test_every_package_is_listed_and_every_module_lies_in_one():
             assert (path.parent / "__init__.py").exists(), path
 
 
-def pip(*arguments):
-    """Run pip without a network."""
-    command = [sys.executable, "-m", "pip", *arguments, "--quiet", "--no-deps", "--no-index"]
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-
-
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """The wheel of this checkout, built by the pinned setuptools of this environment."""
-    source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
-    # A copy: building leaves build/ and *.egg-info where it is done.
-    for name in ("pyproject.toml", "README.md", "LICENSE", *FOLDERS):
-        (source / name).symlink_to(ROOT / name)
-    pip("wheel", "--no-build-isolation", "--wheel-dir", out, source)
-    (path,) = out.glob("*.whl")
-    return path
-
-
 def test_the_wheel_holds_fixedpipe_alone_and_all_of_it(wheel):
     names = [name for name in zipfile.ZipFile(wheel).namelist() if not name.endswith("/")]
     assert {name.split("/")[0].split("-")[0] for name in names} == {"fixedpipe"}
@@ -70,15 +47,10 @@ def test_the_wheel_holds_fixedpipe_alone_and_all_of_it(wheel):
 
 
 @pytest.fixture(scope="module")
-def installed(wheel, tmp_path_factory):
-    """A fresh environment with the wheel, and a project's folder with packages of our names: run(code)."""
-    home, project = tmp_path_factory.mktemp("environment"), tmp_path_factory.mktemp("project")
-    venv.create(home, with_pip=False)
-    python = home / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    pip("--python", python, "install", wheel)
-    # Numpy, Numba and the rest are this environment's; its own fixedpipe is a hook, which no path brings.
-    (place,) = home.glob("**/site-packages")
-    (place / "dependencies.pth").write_text("\n".join(site.getsitepackages()))
+def beside_folders_of_ours(installed, tmp_path_factory):
+    """A project's folder with packages of our names: run(code)."""
+    python, place = installed
+    project = tmp_path_factory.mktemp("project")
     for folder in FOLDERS:
         (project / folder).mkdir()
         (project / folder / "__init__.py").write_text('raise RuntimeError("not ours")\n')
@@ -95,8 +67,8 @@ def installed(wheel, tmp_path_factory):
     return run, place
 
 
-def test_it_is_found_beside_folders_of_our_names_and_is_the_wheel_s(installed):
-    run, place = installed
+def test_it_is_found_beside_folders_of_our_names_and_is_the_wheel_s(beside_folders_of_ours):
+    run, place = beside_folders_of_ours
     for name in ("fixedpipe.raster.codes", "fixedpipe.pipeline", "fixedpipe.effects.figures"):
         assert run("-c", f"import {name} as found; print(found.__file__)").startswith(str(place))
     names = "Clear, Draw, Mesh, PassState, GEFORCE_256, validate"
@@ -105,8 +77,8 @@ def test_it_is_found_beside_folders_of_our_names_and_is_the_wheel_s(installed):
     assert not {"numba", "fixedpipe.raster.kernel"} & set(loaded)
 
 
-def test_the_command_line_answers(installed):
-    run, place = installed
+def test_the_command_line_answers(beside_folders_of_ours):
+    run, place = beside_folders_of_ours
     assert "F004-4" in run("-m", "fixedpipe.effects.cli", "figures", "--list")
     assert (
         run(place.parents[2] / "bin" / "fixedpipe", "--version").startswith("fixedpipe ") or os.name == "nt"
@@ -114,8 +86,8 @@ def test_the_command_line_answers(installed):
 
 
 @pytest.mark.slow
-def test_the_readme_s_examples_run_there(installed):
-    run, _ = installed
+def test_the_readme_s_examples_run_there(beside_folders_of_ours):
+    run, _ = beside_folders_of_ours
     examples = doctest.DocTestParser().get_examples((ROOT / "README.md").read_text())
     assert len(examples) >= 10
     assert any(re.search(r"\bexecute\(", example.source) for example in examples)
@@ -176,8 +148,8 @@ MISTAKES = {
 
 
 @pytest.mark.slow
-def test_an_editor_knows_the_door_s_types_and_says_what_is_wrong(installed, tmp_path):
-    _, place = installed
+def test_an_editor_knows_the_door_s_types_and_says_what_is_wrong(beside_folders_of_ours, tmp_path):
+    _, place = beside_folders_of_ours
     python = place.parents[2] / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", python]
 

@@ -1,0 +1,207 @@
+"""``fixedpipe golden``: pictures that a project's tests hold to, recorded, checked, looked at, accepted."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+
+_ROOT = click.option(
+    "--root", metavar="DIR", help="The project's folder; else the nearest with a .golden folder."
+)
+_PYTEST = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[-- PYTEST ARGUMENTS]")
+PICTURES, REFUSED, TESTS = 1, 2, 3  # exit statuses
+
+
+@click.group(short_help="Golden pictures of your tests: record, check, review, accept.")
+def golden():
+    """Exact pictures for a project's tests, whatever draws them: the pytest fixture ``golden`` compares
+    pixels with accepted ones, and these commands are what a person does with them.
+
+    Exit statuses: 0, all is golden; 1, a picture differs, is new, missing or an orphan; 2, what was asked for
+    cannot be done; 3, all pictures are golden, and tests fail for other reasons.
+    """
+
+
+def _place(root):
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.pipeline.golden.candidates import workplace
+
+    with refusals():
+        return Path(root).resolve() if root else workplace(Path.cwd())
+
+
+def _run_pytest(*arguments):
+    """pytest's exit status: 0 all passed, 1 tests failed, 5 there were none. Others are refused."""
+    from importlib.util import find_spec
+
+    from fixedpipe.effects.refusal import Refusal
+
+    if find_spec("pytest") is None:
+        raise Refusal("pytest is not installed here; install fixedpipe[pytest].")
+    status = subprocess.run([sys.executable, "-m", "pytest", *arguments], check=False).returncode
+    if status not in (0, 1, 5):
+        raise Refusal(
+            f"pytest ended with the status {status}, before its tests did; what it printed says why."
+        )
+    return status
+
+
+@golden.command()
+@_PYTEST
+def record(arguments):
+    """Run pytest, and accept the pictures that have no golden one yet. Those that differ stay as they are."""
+    from fixedpipe.pipeline.golden.candidates import FOLDER
+
+    status = _run_pytest("--golden-record", *arguments)
+    root = next((folder for folder in (Path.cwd(), *Path.cwd().parents) if (folder / FOLDER).is_dir()), None)
+    _end(status, [] if root is None else _results(root))
+
+
+@golden.command()
+@click.option("--no-run", is_flag=True, help="Judge the run of pytest that ended last; begin none.")
+@click.option(
+    "--json", "json_file", metavar="FILE", help="Write how each picture went, and all paths written."
+)
+@click.option("--junit", metavar="FILE", help="Write the same as JUnit's XML, a case for each picture.")
+@_ROOT
+@_PYTEST
+def check(no_run, json_file, junit, root, arguments):
+    """Run pytest, and say how the pictures went, for a person, as JSON and as JUnit's XML."""
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.reports.files import write_whole
+    from fixedpipe.effects.reports.golden.results import results_json, results_junit
+
+    if no_run and arguments:
+        raise Refusal("--no-run runs no pytest, so arguments of it are of no use; leave one of them out.")
+    status = 0 if no_run else _run_pytest(*arguments)
+    root = _place(root)
+    found = _results(root)
+    if junit:
+        write_whole(Path(junit), results_junit(found))
+    if json_file:
+        written = [path for path in (junit, json_file) if path]
+        write_whole(Path(json_file), results_json(root, found, written).encode())
+    _tell(found)
+    _end(status, found)
+
+
+def _results(root):
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.effects.reports.golden.results import results
+
+    with refusals():
+        return results(root)
+
+
+def _tell(found):
+    from fixedpipe.effects.reports.golden.results import GOOD, STATUSES
+
+    for entry in found:
+        if entry["status"] not in GOOD:
+            click.echo(f"{entry['status']:8} {entry['name']}")
+            for line in entry["told"].splitlines():
+                click.echo(f"         {line.strip()}")
+    counts = ((status, sum(e["status"] == status for e in found)) for status in STATUSES)
+    click.echo("pictures: " + (", ".join(f"{count} {status}" for status, count in counts if count) or "none"))
+
+
+def _end(status, found):
+    from fixedpipe.effects.reports.golden.results import GOOD
+
+    pictures = any(entry["status"] not in GOOD for entry in found)
+    click.get_current_context().exit(PICTURES if pictures else TESTS if status == 1 else 0)
+
+
+@golden.command()
+@click.argument("names", nargs=-1, metavar="NAME…", required=True)
+@_ROOT
+def accept(names, root):
+    """Make what the tests drew golden, picture by picture: NAME as the tests and the review print it."""
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.pipeline.golden.accepting import accept_where_sound
+    from fixedpipe.pipeline.golden.candidates import read_candidates
+
+    root = _place(root)
+    with refusals():
+        candidates = read_candidates(root)
+        if not candidates:
+            raise Refusal(
+                "No picture waits to be accepted: all that the tests drew is golden. Run pytest first."
+            )
+        chosen = [
+            choose("picture that waits to be accepted", name, candidates) for name in dict.fromkeys(names)
+        ]
+        for candidate in chosen:
+            for sentence in accept_where_sound(root, [candidate]):
+                click.echo(sentence)
+
+
+@golden.command()
+@click.option("--remove", is_flag=True, help="Remove them from their stores, with their PNG files.")
+@_ROOT
+def orphans(remove, root):
+    """Name golden pictures that no test asked for in the last run of pytest that was a whole one."""
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.pipeline.golden.candidates import ORPHAN, read_run, remove_orphan
+
+    root = _place(root)
+    with refusals():
+        found = {n: p for n, p in read_run(root)["pictures"].items() if p["status"] == ORPHAN}
+        for name, picture in found.items():
+            if remove:
+                remove_orphan(root, name, picture)
+            click.echo(f"{name}{', removed' if remove else ''}")
+    click.echo(f"{len(found)} orphans" if found else "No picture is an orphan.")
+    click.get_current_context().exit(PICTURES if found and not remove else 0)
+
+
+@golden.command()
+@click.option(
+    "--html", metavar="FILE", help="Write a page, one file that needs no other, instead of asking here."
+)
+@_ROOT
+def review(html, root):
+    """Look at the pictures that are not golden: here, by keys, or on a page (--html).
+
+    Keys: a accepts, s leaves for later, d shows more, q ends.
+    """
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.effects.reports.files import writable_file, write_whole
+
+    root = _place(root)
+    if html:
+        from fixedpipe.effects.reports.golden.page import golden_page
+
+        path = writable_file(html)
+        with refusals():
+            write_whole(path, golden_page(root, _results(root)).encode())
+        click.echo(f"{path} shows them; open it in a browser.")
+        return
+    from fixedpipe.effects.cli.golden_review import review_by_keys
+
+    with refusals():
+        review_by_keys(root, _results(root))
+
+
+@golden.command()
+@click.argument("folder", metavar="DIR")
+@click.option("--profile", default="NV2A", show_default=True, metavar="NAME", help="The machine.")
+@click.option("--cases", default=256, show_default=True, type=click.IntRange(0), help="Of each stage.")
+@click.option("--frames", default=32, show_default=True, type=click.IntRange(0), help="Whole frames.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's.")
+def export(folder, profile, cases, frames, seed):
+    """Write test vectors for another renderer into DIR: random states with their inputs and the pixels that a
+    machine gives, as JSON, a case on each line, and raw pixels. docs/golden-images.md has the format.
+    """
+    from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.options import machine_of
+    from fixedpipe.effects.refusal import refusals
+    from fixedpipe.effects.reports.files import writable_folder
+    from fixedpipe.effects.reports.golden.vectors import write_vectors
+
+    machine, folder = machine_of(profile), writable_folder(folder)
+    announce_compiling()
+    with refusals():
+        written = write_vectors(folder, machine, cases, frames, seed)
+    click.echo(f"{len(written)} files of {machine.name}'s vectors are in {folder}; index.json names them.")

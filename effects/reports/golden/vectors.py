@@ -1,0 +1,50 @@
+"""Test vectors in a folder: JSON files with a case on each line, pixels of frames, an index of digests."""
+
+import hashlib
+import json
+
+from fixedpipe.effects.reports.files import writable_folder, write_whole
+from fixedpipe.pipeline.golden.provenance import provenance
+from fixedpipe.pipeline.golden.vectors import STAGES, frame_case, raw_planes, stage_case
+
+FORMAT = 1
+
+
+def write_vectors(folder, profile, cases, frames, seed):
+    """Write ``cases`` of each stage that the machine has, and ``frames``, from the seed on; the files' names.
+
+    Raises Refusal for a folder that cannot be written, and ValueError for a machine that draws none.
+    """
+    files = {}
+    for stage in STAGES:
+        if stage == "combiners" and not profile.combiners.max_general_combiners:
+            continue
+        made = (stage_case(stage, profile, seed + k) for k in range(cases))
+        files[f"{stage}.json"] = _lines({"stage": stage}, made)
+    if frames:
+        writable_folder(folder / "frames")
+    for k in range(frames):
+        case, framebuffer = frame_case(profile, seed + k)
+        name = f"frames/{seed + k:06}"
+        planes = {f"{name}.{plane}": data for plane, data in raw_planes(framebuffer).items()}
+        files |= planes
+        case["depth_bits"], case["expected"] = framebuffer.depth_bits, sorted(planes)
+        files[f"{name}.json"] = _lines({}, [case])
+    for name, data in files.items():
+        write_whole(folder / name, data)
+    known = provenance(profile)
+    index = {
+        "format": FORMAT,
+        **{name: known[name] for name in ("profile", "fixedpipe", "kernels")},
+        "seed": seed,
+        "files": {name: hashlib.sha256(data).hexdigest() for name, data in sorted(files.items())},
+    }
+    write_whole(folder / "index.json", (json.dumps(index, indent=1) + "\n").encode())
+    return [*files, "index.json"]
+
+
+def _lines(head, cases):
+    """A JSON object with ``format``, ``head`` and ``cases``, each of which has a line of its own."""
+    begin = json.dumps({"format": FORMAT, **head})[:-1]
+    lines = ",\n".join(json.dumps(case) for case in cases)
+    return f'{begin}, "cases": [\n{lines}\n]}}\n'.encode()

@@ -1,0 +1,236 @@
+"""The fixture ``golden`` of a test: it compares pictures with the accepted ones, and collects what is
+wrong.
+"""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from fixedpipe.pipeline.golden.candidates import (
+    CHANGED,
+    MISSING,
+    NEW,
+    PASSED,
+    Candidate,
+    golden_pixels,
+    remove_candidate,
+    write_candidate,
+)
+from fixedpipe.pipeline.golden.differences import Pixels, bounds, difference, kinds_differ
+from fixedpipe.pipeline.golden.pixels import pixels_of
+from fixedpipe.pipeline.golden.store import GoldenPicture, StoreError, golden_of, read_store
+
+_NAME = re.compile(r"[^/\\\x00-\x1f\x7f:]{1,80}")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a test's pictures are kept.
+
+    root     the project's folder; store: the module's file, below it or not
+    module   the module as pytest names it: tests/test_sphere.py; test: the test in it: test_lit[wide]
+    keep     whether PNG files are kept; record: whether a picture that is not there yet may be recorded
+    """
+
+    root: Path
+    store: Path
+    module: str
+    test: str
+    keep: bool = True
+    record: bool = False
+
+
+@dataclass
+class Golden:
+    """Compares pictures of one test with golden ones. Nothing is raised where one differs: the test goes on,
+    and fails at its end with all of them. A test without a ``name`` has one picture, named after the test.
+    """
+
+    place: Place
+    must_differ: bool = False
+    asked: dict[str, str] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)
+
+    # ---------------------------------------------------------------------------------------------- pictures
+
+    def __call__(self, picture: Any, name: str | None = None) -> bool:
+        """Whether a picture is the golden one of this name, pixel by pixel.
+
+        ``picture``: as of ``fixedpipe.pipeline.golden.pixels.pixels_of``, uint8 or uint16. ``name``: of
+        letters that a file's name can have, where a test has several pictures. Raises ValueError for what is
+        no picture or no name; a picture that differs makes the test fail at its end.
+        """
+        key, pixels = self._key(name), pixels_of(picture)
+        return self._judge(key, pixels, golden_of(pixels))
+
+    def frame(
+        self,
+        commands: Iterable[Any],
+        profile: Any,
+        width: int,
+        height: int,
+        name: str | None = None,
+        **machine: Any,
+    ) -> Any:
+        """Draw a frame, compare its picture and what every command left, and give the Result.
+
+        Arguments as of ``execute``; ``machine`` what it takes by name. A frame whose picture is golden fails
+        too where a command leaves other colours, depths or stencil values than it did.
+        """
+        from fixedpipe.pipeline.golden.frames import drawn_with_digests, made_by, with_stages
+
+        key, commands = self._key(name), tuple(commands)
+        given = commands, profile, width, height
+        result, passes = drawn_with_digests(*given, **machine)
+        pixels = pixels_of(result)
+        golden = golden_of(pixels, passes, made_by(profile))
+        known = self._golden(key)
+        if known is None or not _equal(known, golden):
+            golden = golden_of(pixels, with_stages(passes, *given, **machine), golden.made)
+        self._judge(key, pixels, golden)
+        return result
+
+    # --------------------------------------------------------------------------------------------- relations
+
+    def equal(self, first: Any, second: Any) -> bool:
+        """Whether two pictures are equal in every component of every pixel."""
+        return self._relation(first, second, lambda found: found is None, "must be equal")
+
+    def differs(self, first: Any, second: Any) -> bool:
+        """Whether two pictures differ, in their pixels or in what they are."""
+        a, b = pixels_of(first), pixels_of(second)
+        apart = bool(kinds_differ(a, b)) or difference(a, b) is not None
+        if not apart:
+            self.failures.append("two pictures must differ, and all their pixels are equal")
+        return apart
+
+    def at_most(
+        self, first: Any, second: Any, max_diff: int | tuple[int, int], pixels: int | tuple[int, int]
+    ) -> bool:
+        """Whether two pictures differ by no more: in each component by ``max_diff``, in ``pixels`` pixels.
+
+        Each is the most that is allowed, or a pair (least, most), both inclusive, as the web platform's fuzzy
+        reftests have them: with a least one above 0 equal pictures fail.
+        """
+        diff, count = bounds(max_diff, "max_diff"), bounds(pixels, "pixels")
+
+        def fits(found):
+            largest, differing = (0, 0) if found is None else (found.largest, found.count)
+            return diff[0] <= largest <= diff[1] and count[0] <= differing <= count[1]
+
+        wish = f"may differ by {diff[0]} to {diff[1]} in {count[0]} to {count[1]} pixels"
+        return self._relation(first, second, fits, wish)
+
+    def _relation(self, first, second, fits, wish):
+        a, b = pixels_of(first), pixels_of(second)
+        apart = kinds_differ(a, b)
+        found = None if apart else difference(a, b)
+        if not apart and fits(found):
+            return True
+        self.failures.append(f"two pictures {wish}: {apart or found or 'all their pixels are equal'}")
+        return False
+
+    # ------------------------------------------------------------------------------------------------ judging
+
+    def told(self, key: str) -> str:
+        """A picture's whole name."""
+        return f"{self.place.module}::{key}"
+
+    def _key(self, name):
+        if name is not None and (
+            not isinstance(name, str) or not _NAME.fullmatch(name) or name.strip() != name
+        ):
+            raise ValueError(
+                f"golden(…, name={name!r}): a name has 1 to 80 characters, no slash, colon or control "
+                "character, and no space at its ends. Choose another."
+            )
+        key = self.place.test if name is None else f"{self.place.test}::{name}"
+        if key in self.asked:
+            what = (
+                "has a second picture without a name" if name is None else f"has two pictures named {name!r}"
+            )
+            raise ValueError(
+                f"{self.place.test} {what}; give each a name of its own: golden(picture, name=…)."
+            )
+        self.asked[key] = MISSING  # until it is drawn
+        return key
+
+    def _golden(self, key) -> GoldenPicture | None:
+        return read_store(self.place.store).get(key)
+
+    def _judge(self, key: str, pixels: Pixels, golden: GoldenPicture) -> bool:
+        known = self._golden(key)
+        if known is None:
+            self.asked[key] = NEW
+            if not self.place.record:
+                self.failures.append(
+                    f"{self.told(key)} has no golden picture: {golden}{self._renamed(golden)}"
+                )
+            self._propose(key, NEW, golden, None, pixels)
+            return self.place.record
+        equal = _equal(known, golden)
+        if equal == self.must_differ:
+            self.asked[key] = CHANGED
+            if equal:
+                self.failures.append(
+                    f"{self.told(key)} must differ from its golden picture, and is equal to it"
+                )
+                return False
+            told = self._difference(key, known, golden, pixels)
+            self.failures.append(f"{self.told(key)}: {told}")
+            self._propose(key, CHANGED, golden, known.sha256, pixels, told)
+            return False
+        self.asked[key] = PASSED
+        remove_candidate(self.place.root, self.told(key))
+        return True
+
+    def _difference(self, key, known, golden, pixels):
+        lines = []
+        if str(known) != str(golden):
+            lines.append(f"was {known}, is {golden}")
+        elif known.sha256 == golden.sha256:
+            lines.append("the picture is the golden one, but not what its commands left on the way")
+        else:
+            shown = Candidate("", self._store(), key, CHANGED, golden, known.sha256, "")
+            try:
+                expected = golden_pixels(self.place.root, shown)
+                lines.append(
+                    "its pixels differ (no PNG file of the golden picture is kept)"
+                    if expected is None
+                    else str(difference(expected, pixels))
+                )
+            except StoreError as error:
+                lines.append(f"its pixels differ ({error})")
+        if known.passes and golden.passes:
+            from fixedpipe.pipeline.golden.frames import parted
+
+            lines.append(parted(known.passes, golden.passes))
+        return "\n  ".join(line for line in lines if line)
+
+    def _renamed(self, golden):
+        """Which other picture of the module has the same pixels: a renamed test's."""
+        same = [name for name, g in read_store(self.place.store).items() if g.sha256 == golden.sha256]
+        return f"\n  {same[0]} has the same pixels; was the test renamed?" if same else ""
+
+    def _store(self):
+        try:
+            return self.place.store.relative_to(self.place.root).as_posix()
+        except ValueError:
+            return self.place.store.as_posix()
+
+    def _propose(self, key, status, golden, expected, pixels, told=""):
+        candidate = Candidate(
+            self.told(key), self._store(), key, status, golden, expected, told, self.place.keep
+        )
+        try:
+            write_candidate(self.place.root, candidate, pixels)
+        except StoreError as error:
+            self.failures.append(f"{self.told(key)}: what was drawn cannot be kept for a look: {error}")
+
+
+def _equal(known, golden):
+    """Equal pixels, and where both are frames, equal planes after every command."""
+    first, second = ([(p.label, p.kind, p.planes) for p in g.passes] for g in (known, golden))
+    return known.sha256 == golden.sha256 and (first == second or not first or not second)

@@ -1,0 +1,309 @@
+"""The pytest plug-in: the fixture ``golden``, and what a whole run says of golden pictures.
+
+Tests read stores and write candidates, each in a file of its own; what a process saw goes to the one that
+began the run (pytest-xdist's, or itself), which alone writes what the run found, finds orphans, and records.
+"""
+
+import fnmatch
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+_SENT = "fixedpipe_golden"  # under which a process of pytest-xdist sends what it saw
+_RUN = "golden-run"
+_ORPHANS = ("fail", "warn", "ignore")
+
+
+def pytest_addoption(parser):
+    """Options and settings."""
+    group = parser.getgroup("golden", "golden pictures (fixedpipe)")
+    group.addoption(
+        "--golden-record",
+        action="store_true",
+        help="Accept pictures that have no golden one yet; one that differs still fails.",
+    )
+    parser.addini(
+        "golden_folder", "Folder beside a test module that keeps its golden pictures.", default="golden"
+    )
+    parser.addini("golden_png", "Whether PNG files of golden pictures are kept.", type="bool", default=True)
+    parser.addini(
+        "golden_orphans", "What an orphan does to a whole run: fail, warn or ignore.", default="fail"
+    )
+
+
+def pytest_configure(config):
+    """The marker, and what this process sees."""
+    config.addinivalue_line(
+        "markers", "golden_differs: the test's pictures must differ from those that are kept as golden"
+    )
+    if config.getini("golden_orphans") not in _ORPHANS:
+        raise pytest.UsageError(
+            f"golden_orphans is {config.getini('golden_orphans')!r}; it is fail, warn or ignore."
+        )
+    folder = config.getini("golden_folder")
+    if not folder or Path(folder).is_absolute() or ".." in Path(folder).parts:
+        raise pytest.UsageError(
+            f"golden_folder is {folder!r}; name a folder beside the test modules: golden."
+        )
+    config.pluginmanager.register(_Run(config), _RUN)
+
+
+@pytest.fixture
+def golden(request):
+    """Compare pictures with golden ones: ``golden(picture, name=…)``, ``golden.frame(commands, profile,
+    width, height)``, ``golden.equal(a, b)``, ``golden.differs(a, b)``, ``golden.at_most(a, b, max_diff,
+    pixels)``.
+
+    All failures of a test are told together, at its end.
+    """
+    from fixedpipe.pipeline.golden.asking import Golden
+
+    run = request.config.pluginmanager.get_plugin(_RUN)
+    must_differ = request.node.get_closest_marker("golden_differs") is not None
+    asking = Golden(run.place(request.node), must_differ)
+    request.node.stash[_ASKING] = asking
+    return asking
+
+
+_ASKING = pytest.StashKey()
+
+
+class _Run:
+    """What a process sees of a run: {name: how a picture went}, tests that are there, those that passed."""
+
+    def __init__(self, config):
+        self.config, self.root = config, config.rootpath
+        self.pictures, self.tests, self.passed, self.whole = {}, set(), set(), True
+        self.reports = []  # of other processes
+        self.problems, self.orphans, self.notes = [], [], []
+
+    # ---------------------------------------------------------------------------------------------- tests
+
+    def place(self, item):
+        """The Place of a test."""
+        from fixedpipe.pipeline.golden.asking import Place
+
+        module, _, test = item.nodeid.partition("::")
+        path = item.path
+        store = path.parent / self.config.getini("golden_folder") / f"{path.stem}.json"
+        return Place(
+            self.root,
+            store,
+            module,
+            test,
+            self.config.getini("golden_png"),
+            self.config.getoption("golden_record"),
+        )
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self, item):
+        """A test that ends well fails with all that its pictures lack; one that fails is told them too."""
+        try:
+            result = yield
+        except BaseException:
+            asking = self._asked(item)
+            if asking is not None and asking.failures:
+                item.add_report_section("call", "golden", "\n".join(asking.failures))
+            raise
+        asking = self._asked(item)
+        if asking is not None and asking.failures:
+            pytest.fail("golden pictures:\n" + "\n".join(asking.failures), pytrace=False)
+        return result
+
+    def _asked(self, item):
+        asking = item.stash.get(_ASKING, None)
+        if asking is not None:
+            for key, status in asking.asked.items():
+                name = asking.told(key)
+                store = os.path.relpath(asking.place.store, self.root).replace(os.sep, "/")
+                self.pictures[name] = {"status": status, "store": store, "key": key, "test": item.nodeid}
+        return asking
+
+    def pytest_runtest_logreport(self, report):
+        """Which tests ran to their end."""
+        if report.when == "call" and report.passed:
+            self.passed.add(report.nodeid)
+
+    def pytest_collection_finish(self, session):
+        """Which tests there are."""
+        self.tests |= {item.nodeid for item in session.items}
+
+    def pytest_deselected(self, items):
+        """Tests that are there and do not run: the run is no whole one."""
+        self.tests |= {item.nodeid for item in items}
+        self.whole = self.whole and not items
+
+    # ------------------------------------------------------------------------------------------ processes
+
+    def _seen(self):
+        return {
+            "pictures": self.pictures,
+            "tests": sorted(self.tests),
+            "passed": sorted(self.passed),
+            "whole": self.whole,
+        }
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node, error):
+        """Take what a process of pytest-xdist sent; one that crashed sent nothing."""
+        sent = getattr(node, "workeroutput", {}).get(_SENT)
+        if sent is None:
+            self.whole = False
+        else:
+            self.reports.append(json.loads(sent))
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session, exitstatus):
+        """Send, or gather: what the run found, orphans, what is recorded."""
+        if hasattr(self.config, "workeroutput"):
+            self.config.workeroutput[_SENT] = json.dumps(self._seen())
+            return
+        for sent in self.reports:
+            self.pictures |= sent["pictures"]
+            self.tests |= set(sent["tests"])
+            self.passed |= set(sent["passed"])
+            self.whole = self.whole and sent["whole"]
+        stopped = exitstatus not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+        self.whole = self.whole and not stopped and not any("::" in arg for arg in self.config.args)
+        stores = self._stores() if self.whole or self.pictures else {}
+        if not (self.pictures or stores):
+            return
+        self._conclude(stores)
+        failed = self.problems or (self.orphans and self.config.getini("golden_orphans") == "fail")
+        if failed and session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def _conclude(self, stores):
+        from fixedpipe.pipeline.golden.candidates import write_run
+        from fixedpipe.pipeline.golden.store import StoreError
+
+        try:
+            if self.config.getoption("golden_record"):
+                self._record()
+            for path, module in stores.items() if self.whole else ():
+                self._account(path, module)
+        except StoreError as error:
+            self.problems.append(str(error))
+        try:
+            write_run(self.root, {**self._earlier(), **self.pictures})
+        except StoreError as error:  # what the tests said is none the worse for it
+            self.notes.append(f"How the pictures went is not kept for a review: {error}")
+
+    def _earlier(self):
+        """Of a run of some tests alone, what is known of the others from the runs before."""
+        from fixedpipe.pipeline.golden.candidates import FOLDER, read_run
+
+        if self.whole or not (self.root / FOLDER / "run.json").exists():
+            return {}
+        return read_run(self.root)["pictures"]
+
+    def _record(self):
+        from fixedpipe.pipeline.golden.accepting import accept_where_sound
+        from fixedpipe.pipeline.golden.candidates import NEW, RECORDED, read_candidates
+
+        candidates = read_candidates(self.root)
+        for name, picture in self.pictures.items():
+            if picture["status"] == NEW and name in candidates:
+                accept_where_sound(self.root, [candidates[name]])
+                picture["status"] = RECORDED
+
+    # --------------------------------------------------------------------------------------------- orphans
+
+    def _stores(self):
+        """{file of a store: its test module's name} that the run is about."""
+        folder, found = self.config.getini("golden_folder"), {}
+        modules = {test.partition("::")[0] for test in self.tests}
+        for module in modules:
+            path = self.root / module
+            store = path.parent / folder / f"{path.stem}.json"
+            if store.is_file():
+                found[store] = module
+        if self.whole:
+            for store in self._beside_no_module(folder):
+                found.setdefault(store, None)
+        return found
+
+    def _beside_no_module(self, folder):
+        """Stores below the folders that were asked for, whose test module is gone."""
+        skipped = self.config.getini("norecursedirs")
+        for arg in self.config.args:
+            start = Path(self.config.invocation_params.dir, arg)
+            if not start.is_dir():
+                continue
+            for at, folders, files in os.walk(start):
+                folders[:] = [name for name in folders if not any(fnmatch.fnmatch(name, p) for p in skipped)]
+                if Path(at).name != folder:
+                    continue
+                for name in files:
+                    gone = not Path(at).with_name(name.removesuffix(".json") + ".py").exists()
+                    if name.endswith(".json") and gone:
+                        yield Path(at, name)
+
+    def _account(self, path, module):
+        """How the pictures of a store went that no test asked for: orphans, or missing from a test that
+        failed.
+        """
+        from fixedpipe.pipeline.golden.candidates import MISSING, ORPHAN
+        from fixedpipe.pipeline.golden.store import StoreError, read_store
+
+        try:
+            keys = read_store(path)
+        except StoreError as error:
+            if module:  # another program's file may lie in a folder of this name
+                self.problems.append(str(error))
+            return
+        store = os.path.relpath(path, self.root).replace(os.sep, "/")
+        asked = {p["key"] for p in self.pictures.values() if p["store"] == store}
+        for key in keys.keys() - asked:
+            test = f"{module}::{_test_of(key, module, self.tests)}" if module else ""
+            orphan = test not in self.tests or test in self.passed
+            name = f"{module or store.removesuffix('.json')}::{key}"
+            if orphan:
+                self.orphans.append(name)
+            status = ORPHAN if orphan else MISSING
+            self.pictures[name] = {"status": status, "store": store, "key": key, "test": test}
+
+    # ---------------------------------------------------------------------------------------------- words
+
+    def pytest_terminal_summary(self, terminalreporter):
+        """What a person does next."""
+        from fixedpipe.pipeline.golden.candidates import CHANGED, NEW, RECORDED
+
+        changed, new, recorded = (
+            sorted(name for name, p in self.pictures.items() if p["status"] == status)
+            for status in (CHANGED, NEW, RECORDED)
+        )
+        if not (changed or new or recorded or self.orphans or self.problems or self.notes):
+            return
+        write = terminalreporter.write_line
+        terminalreporter.section("golden pictures")
+        for title, found in (
+            ("differ", changed),
+            ("have no golden picture yet", new),
+            ("recorded", recorded),
+            ("are golden, and no test asks for them", sorted(self.orphans)),
+        ):
+            if found:
+                write(f"{len(found)} {title}:")
+                for name in found[:20]:
+                    write(f"  {name}")
+                if len(found) > 20:
+                    write(f"  and {len(found) - 20} more")
+        for sentence in (*self.problems, *self.notes):
+            write(sentence)
+        if changed or new:
+            write(
+                "Look at them: fixedpipe golden review --html golden.html; then fixedpipe golden accept "
+                "NAME …"
+            )
+        if self.orphans:
+            write("fixedpipe golden orphans lists them; --remove takes them away.")
+
+
+def _test_of(key, module, tests):
+    """The test of a picture's key: the longest beginning that is a test, as names of pictures follow it."""
+    if f"{module}::{key}" in tests:
+        return key
+    return key.rpartition("::")[0] if f"{module}::{key.rpartition('::')[0]}" in tests else key
