@@ -11,9 +11,9 @@ from fixedpipe.pipeline.native.readiness import without_waiting
 def accept_where_sound(root: Path, candidates: Iterable[Candidate]) -> list[str]:
     """Accept them, one after the other; the sentences on what changed.
 
-    Raises StoreError; what was accepted before the one that cannot be stays accepted. Nothing is accepted where
-    the quick self-test fails, which runs once for an installation; where no kernels are compiled it draws
-    without them.
+    Raises StoreError; what was accepted before the one that cannot be stays accepted. Nothing is accepted
+    where the quick self-test fails, which runs once for an installation; where no kernels are compiled it
+    draws without them.
     """
     from fixedpipe.pipeline.selftest.quick import failures
 
