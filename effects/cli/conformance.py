@@ -30,7 +30,30 @@ _HOW = (
 @click.option(
     "--threads", type=click.IntRange(min=1), metavar="N", help="Cases at a time; any number, the same bits."
 )
-def conformance(folder, suites, text, list_only, inputs, json_file, html_file, threads):
+@click.option(
+    "--jobs", type=click.IntRange(min=1), metavar="N", help="Cases at a time, in processes of their own."
+)
+@click.option(
+    "--other", metavar="DIR", help="Another renderer's pictures, DIR/SUITE/CASE.png, counted beside ours."
+)
+@click.option("--explain", is_flag=True, help="Of every case that is not exact, what drew its worst pixel.")
+@click.option(
+    "--discriminates", metavar="RULE", help="Which captures tell an open rule from its rival; list: which."
+)
+def conformance(
+    folder,
+    suites,
+    text,
+    list_only,
+    inputs,
+    json_file,
+    html_file,
+    threads,
+    jobs,
+    other,
+    explain,
+    discriminates,
+):
     """Redraw the captures in FOLDER (or FIXEDPIPE_CAPTURES) on the NV2A; print pixels equal / compared.
 
     FOLDER holds SUITE/CASE.png, 640x480: the folder `results` of nxdk_pgraph_tests_golden_results. Text in
@@ -45,32 +68,59 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
         refuse_beside(click.get_current_context(), "--list")
         _list_suites()
         return
+    if discriminates == "list":
+        from fixedpipe.effects.cli.conformance_rules import list_rules
+
+        list_rules()
+        return
     folder = _folder_of_captures(folder)
     inputs = _folder_of_inputs(inputs, folder)
     captures = find_captures(folder, suites, text)
     if json_file and html_file and Path(json_file).resolve() == Path(html_file).resolve():
         raise Refusal(f"--json and --html both name {json_file}; give each a file of its own.")
     json_path, html_path = (writable_file(name) if name else None for name in (json_file, html_file))
+    other = _folder_of_other(other)
+    if jobs and threads:
+        raise Refusal("--jobs and --threads both say how many cases at a time; give one of them.")
 
     announce_compiling()
     from fixedpipe.effects.conformance.case import Inputs
     from fixedpipe.effects.conformance.redraw import known_suites
     from fixedpipe.effects.conformance.run import Totals, compare_all
+    from fixedpipe.effects.conformance.scoreboard import reader, row_of
     from fixedpipe.effects.reports.conformance import Page, record_of
+    from fixedpipe.effects.reports.scoreboard import score_record, scoreboard_html, scoreboard_text
     from fixedpipe.pipeline.validation.walk import DisabledTexture
 
     warnings.simplefilter("ignore", DisabledTexture)  # captures are what a chip drew of it
+    modules, inputs = known_suites(), Inputs(inputs)
+    if discriminates:
+        if html_file or other or explain or jobs or threads:
+            raise Refusal(
+                "--discriminates counts pixels by two rules, one case at a time; --html, --other, --explain, "
+                "--jobs and --threads are of no use to it. Leave them out."
+            )
+        from fixedpipe.effects.cli.conformance_rules import tell_distinctions
+
+        tell_distinctions(discriminates, captures, modules, inputs, json_path, _progress)
+        return
     page, records, total, failed = Page() if html_path else None, [], Totals(), 0
-    modules = known_suites()
+    rows, read = {}, reader(other) if other else None
     with _progress(len(captures)) as (say, step):
-        comparisons = compare_all(captures, modules, Inputs(inputs), threads)
+        comparisons = compare_all(captures, modules, inputs, threads, jobs=jobs)
         for suite, cases in groupby(comparisons, lambda c: c.suite):
             of_suite = Totals()
             for case in cases:
                 if suite in modules:
                     say(_line(case))
+                    if explain and case.covered and not case.exact:
+                        say(_explained(case, modules[suite], inputs))
                 of_suite, failed = of_suite + Totals.of(case), failed + case.failed
-                records.append(record_of(case))
+                record = record_of(case)
+                if read and case.covered:
+                    row = rows[suite, case.name] = row_of(case, read)
+                    record |= score_record(row)
+                records.append(record)
                 if page:
                     page.add(case)
                 step(f"{case.suite}/{case.name}")
@@ -79,12 +129,52 @@ def conformance(folder, suites, text, list_only, inputs, json_file, html_file, t
     if json_path:
         write_whole(json_path, (json.dumps(records, indent=1) + "\n").encode())
     if html_path:
-        write_whole(html_path, page.text(total).encode())
+        write_whole(html_path, page.text(total, scoreboard_html(rows, other) if rows else "").encode())
         click.echo(f"open {html_path}", err=True)
     if failed:
         click.echo(f"{failed} case{'s' * (failed != 1)} ended with an error.", err=True)
+    if rows:
+        click.echo(scoreboard_text(rows))
     click.echo(str(total))
     sys.exit(1 if failed else 0)
+
+
+def _folder_of_other(other):
+    from fixedpipe.effects.refusal import Refusal
+
+    if other is None or Path(other).is_dir():
+        return other and Path(other)
+    raise Refusal(
+        f"There is no folder {other!r}; --other takes one with SUITE/CASE.png, as the captures lie."
+    )
+
+
+def _explained(case, module, inputs):
+    """What drew the worst pixel of a case that is not exact: the last command that changed it, and stages."""
+    import numpy as np
+
+    from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+    from fixedpipe.pipeline.inspection.inspect import history
+    from fixedpipe.pipeline.inspection.recording import record
+    from fixedpipe.pipeline.profiles import NV2A
+
+    made = module.case(case.name, inputs)
+    apart = np.abs(case.ours.astype(np.int16) - case.theirs).max(axis=2) * case.compared
+    y, x = (int(n) for n in np.unravel_index(int(apart.argmax()), apart.shape))
+    frame = record(made.commands, NV2A, WIDTH, HEIGHT, depth_bits=made.depth_bits)
+    if frame.steps and frame.steps[-1].surface is not None:
+        return f"  worst at ({x}, {y}): the frame ends in a pbuffer"
+    told = [t for t in history(frame, (x, y)).touched if t.before != t.after]
+    ours, theirs = (" ".join(map(str, picture[y, x].tolist())) for picture in (case.ours, case.theirs))
+    head = f"  worst at ({x}, {y}): ours {ours}, the chip's {theirs}"
+    if not told:
+        return f"{head}; no command changed it"
+    last = told[-1]
+    lines = [f"{head}; last changed by command {last.number}, {last.kind} {last.label!r}"]
+    for stage in last.fragments[-1].stages if last.fragments else ():
+        made_there = "; ".join(f"{q.name} {' '.join(map(str, q.codes or q.values))}" for q in stage.made[:4])
+        lines.append(f"    {stage.title}: {made_there}")
+    return "\n".join(lines)
 
 
 def _line(case):

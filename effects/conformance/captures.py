@@ -1,5 +1,7 @@
 """A folder of captures: SUITE/CASE.png, found, checked before anything is drawn, and read."""
 
+from functools import partial
+
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
 from fixedpipe.effects.refusal import Refusal, choose
 
@@ -66,4 +68,4 @@ def find_captures(folder, suites=(), text=""):
         raise Refusal(f"No case in {folder} has a name with {text!r} in it.")
     for _, path in chosen:
         _check(path)
-    return [Capture(suite, path.stem, lambda path=path: _read(path)) for suite, path in chosen]
+    return [Capture(suite, path.stem, partial(_read, path)) for suite, path in chosen]

@@ -102,8 +102,8 @@ def zeta_colors(framebuffer):
     return out
 
 
-def compare(suite, module, name, theirs, inputs, threads=None):
-    """Redraw one case and compare it with its capture ``theirs``, uint8 [HEIGHT, WIDTH, 4]."""
+def compare(suite, module, name, theirs, inputs, threads=None, profile=NV2A):
+    """Redraw one case on a machine and compare it with its capture ``theirs``, uint8 [HEIGHT, WIDTH, 4]."""
     given = {"suite": suite, "name": name, "theirs": theirs}
     try:
         case = module.case(name, inputs) if module is not None else None
@@ -113,7 +113,7 @@ def compare(suite, module, name, theirs, inputs, threads=None):
         note = "the suite has no such case" if module is not None else "the suite is not covered"
         return Comparison(**given, note=note)
     framebuffer = execute(
-        case.commands, NV2A, WIDTH, HEIGHT, depth_bits=case.depth_bits, threads=threads
+        case.commands, profile, WIDTH, HEIGHT, depth_bits=case.depth_bits, threads=threads
     ).framebuffer
     ours = {
         Shows.COLOR: Framebuffer.image,

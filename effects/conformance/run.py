@@ -1,14 +1,19 @@
 """Compare many captures, several at a time, in order; what goes wrong in one case stays that case's."""
 
+import multiprocessing
+import warnings
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, fields
+from functools import partial
 
 import numpy as np
 
-from fixedpipe.effects.conformance.redraw import Comparison, compare
+from fixedpipe.effects.conformance.redraw import Comparison, compare, known_suites
 from fixedpipe.pipeline.native.threads import default_threads
+from fixedpipe.pipeline.profiles import NV2A
+from fixedpipe.pipeline.validation.walk import DisabledTexture
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,36 +25,62 @@ class Capture:
     read: Callable[[], np.ndarray]
 
 
-def _compare(capture, module, inputs):
+def _compare(capture, module, inputs, profile):
     theirs = capture.read()
     try:
-        return compare(capture.suite, module, capture.name, theirs, inputs, threads=1)
+        return compare(capture.suite, module, capture.name, theirs, inputs, 1, profile)
     # A case is a program of its own: whatever stops it, the other cases' results are worth having.
     except Exception as error:
         note = f"{type(error).__name__}: {' '.join(str(error).split())}"
         return Comparison(suite=capture.suite, name=capture.name, theirs=theirs, failed=True, note=note)
 
 
-def compare_all(captures, modules, inputs, threads=None):
+def compare_all(captures, modules, inputs, threads=None, profile=NV2A, jobs=None):
     """Yield the Comparison of every Capture, in their order.
 
     ``modules``: of the suites, by name (``known_suites()``). ``inputs``: an Inputs. ``threads``: cases at a
-    time; None: one per processor. The bits are the same for any number. What ``read`` raises is raised here;
-    what a case raises is its Comparison's note.
+    time; None: one per processor. ``jobs``: cases at a time, each in a process of its own, which finds the
+    suites itself; the captures' ``read`` has to be picklable then. ``profile``: the machine. The bits are the
+    same for any number. What ``read`` raises is raised here; what a case raises is its Comparison's note.
     """
+    if jobs is None:
+        threads = threads or default_threads()
+        with ThreadPoolExecutor(threads, "fixedpipe-case") as pool:
+            submit = partial(pool.submit, _compare)
+            yield from _in_order(
+                submit, ((c, modules.get(c.suite), inputs, profile) for c in captures), threads
+            )
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, context, _find_suites) as pool:
+        submit = partial(pool.submit, _compare_there)
+        yield from _in_order(submit, ((c, inputs, profile) for c in captures), jobs)
+
+
+def _in_order(submit, given, workers):
     pending = deque()
-    threads = threads or default_threads()
-    with ThreadPoolExecutor(threads, "fixedpipe-case") as pool:
-        try:
-            for capture in captures:
-                pending.append(pool.submit(_compare, capture, modules.get(capture.suite), inputs))
-                if len(pending) > 2 * threads:  # no more: each holds its pictures until it is taken
-                    yield pending.popleft().result()
-            while pending:
+    try:
+        for arguments in given:
+            pending.append(submit(*arguments))
+            if len(pending) > 2 * workers:  # no more: each holds its pictures until it is taken
                 yield pending.popleft().result()
-        finally:
-            for case in pending:
-                case.cancel()
+        while pending:
+            yield pending.popleft().result()
+    finally:
+        for case in pending:
+            case.cancel()
+
+
+_suites = {}  # of a process that compares cases
+
+
+def _find_suites():
+    warnings.simplefilter("ignore", DisabledTexture)  # captures are what a chip drew of it
+    _suites.update(known_suites())
+
+
+def _compare_there(capture, inputs, profile):
+    return _compare(capture, _suites.get(capture.suite), inputs, profile)
 
 
 @dataclass(frozen=True)

@@ -172,8 +172,8 @@ class Page:
         if comparison.covered and not comparison.exact:
             pictures.append(_inexact(comparison))
 
-    def text(self, total):
-        """The whole page. ``total``: the Totals of all cases."""
+    def text(self, total, scoreboard=""):
+        """The whole page. ``total``: the Totals of all cases; ``scoreboard``: another renderer's, as HTML."""
         key = [(color, f"differs by {words}") for _, color, words in _STEPS]
         key += [(_TEXT, "text, not compared"), (_OUTSIDE, "outside the compared region")]
         legend = "".join(
@@ -193,7 +193,7 @@ class Page:
             "colour says by how many bytes the component that is farthest off differs. Where no more than "
             f"{_FEW} pixels differ, each is drawn three wide.</p>"
             f'<p class="quiet legend">{legend}</p>'
-            f"{_summary(self._totals)}{sections}</body></html>\n"
+            f"{_summary(self._totals)}{scoreboard}{sections}</body></html>\n"
         )
 
 

@@ -1,0 +1,171 @@
+"""Open questions of the arithmetic, each with the rule that would answer otherwise: which captures can tell.
+
+A capture distinguishes two rules where the frame that its program drew comes out otherwise under the other
+rule. What the capture then shows is evidence; where none comes out otherwise, all captures are silent, and an
+owner of the hardware has to run another program.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.effects.conformance.redraw import Comparison
+from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.enums import Mapping, ProductRounding, Register
+from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.profiles import NV2A
+from fixedpipe.pipeline.profiles.profile import Profile
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A question; ``stands``: the rule that the profile has, ``otherwise`` the other, on the machine
+    ``changed``.
+
+    Where no profile has the other rule, ``changed`` is None. Fragments are then counted: of Draws whose
+    combiners ``concern`` the rule, those for which a ``stage`` would give another number, as ``differs``
+    finds by what the column engine's witness is told of it.
+    """
+
+    question: str
+    stands: str
+    otherwise: str
+    changed: Profile | None = None
+    stage: str = ""
+    concern: Callable[[Any], bool] = lambda combiners: True
+    differs: Callable[[dict[str, Any]], Any] = lambda columns: False
+
+
+def _interpolates(combiners):
+    """Whether the final combiner's A can be another value than zero or one."""
+    return combiners.final.a.register != Register.ZERO
+
+
+def _rounded(n):
+    return (2 * n + 255) // 510
+
+
+def _lerp_differs(columns):
+    a, b, c, *_ = columns["mapped"]
+    a = np.minimum(a, 255)
+    joint, apart = _rounded(a * b + (255 - a) * c), _rounded(a * b) + _rounded((255 - a) * c)
+    return (joint != apart).any(axis=0)
+
+
+def _maps_half_bias(combiners):
+    return any(
+        given.mapping in (Mapping.HALF_BIAS_NORMAL, Mapping.HALF_BIAS_NEGATE)
+        for stage in combiners.general
+        for portion in (stage.rgb, stage.alpha)
+        for given in (portion.a, portion.b, portion.c, portion.d)
+    )
+
+
+def _negative_differs(columns):
+    """Whether a negative sum of products is no whole number of codes, so that its rounding can be seen."""
+    total = sum([*columns["ab"], *columns["cd"]])
+    return ((total < 0) & (_rounded(total) != -(-total // 255))).any(axis=0)
+
+
+RULES = {
+    "expand-half": Rule(
+        "What is one half to the mappings EXPAND_NORMAL and EXPAND_NEGATE?",
+        "128: 2 x - 256",
+        "127.5: 2 x - 255",
+        NV2A.changed(expand_half=127.5),
+    ),
+    "product-rounding": Rule(
+        "Where is the sum of a general combiner's two products rounded?",
+        "once, after the sum",
+        "each product on its own",
+        NV2A.changed(product_rounding=ProductRounding.PER_PRODUCT),
+    ),
+    "round-before-scale": Rule(
+        "Is a general combiner's sum rounded before it is scaled?",
+        "rounded, then scaled",
+        "scaled, then rounded",
+        NV2A.changed(round_before_scale=False),
+    ),
+    "clamp-low": Rule(
+        "What is the least value of a general combiner's output?",
+        "-256",
+        "-255",
+        NV2A.changed(clamp_low=-255),
+    ),
+    "half-bias": Rule(
+        "What is one half to the mappings HALF_BIAS_NORMAL and HALF_BIAS_NEGATE?",
+        "128: x - 128",
+        "127.5, rounded somewhere",
+        stage="portion",
+        concern=_maps_half_bias,
+        differs=lambda columns: np.ones(columns["mapped"][0].shape[1], bool),
+    ),
+    "negative-products": Rule(
+        "Is a negative sum of products rounded to nearest, or is its magnitude cut?",
+        "to nearest",
+        "its magnitude is cut",
+        stage="portion",
+        differs=_negative_differs,
+    ),
+    "final-lerp": Rule(
+        "Where is the final combiner's A B + (1 - A) C rounded?",
+        "once, after the sum",
+        "each product on its own",
+        stage="final combiner",
+        concern=_interpolates,
+        differs=_lerp_differs,
+    ),
+    "color-bits": Rule(
+        "How many significant bits of a float vertex colour become a byte?",
+        "14",
+        "24",
+        NV2A.changed(color_mantissa_bits=24),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Distinction:
+    """A case whose picture depends on a rule: of the pixels that come out otherwise under the other one, how
+    many the chip drew as the profile does, and how many as the other rule does.
+    """
+
+    suite: str
+    name: str
+    pixels: int
+    as_it_stands: int
+    otherwise: int
+
+
+def distinction(ours: Comparison, changed: Comparison) -> Distinction | None:
+    """The Distinction of one capture by its two Comparisons, or None where no compared pixel tells."""
+    if not (ours.covered and changed.covered):
+        return None
+    apart = (ours.ours != changed.ours).any(axis=2) & ours.compared
+    pixels = int(apart.sum())
+    if not pixels:
+        return None
+    stands, otherwise = (int((c.equal & apart).sum()) for c in (ours, changed))
+    return Distinction(ours.suite, ours.name, pixels, stands, otherwise)
+
+
+def fragments_that_differ(case: Case, rule: Rule) -> int:
+    """Of how many fragments of a case a stage would give another number by the other rule, of those that its
+    Draws shade, whether they are seen afterwards or not. ``rule``: one that no profile has.
+    """
+    drawn = (c.state.register_combiners for c in case.commands if isinstance(c, Draw))
+    if not any(combiners is not None and rule.concern(combiners) for combiners in drawn):
+        return 0
+    found = 0
+
+    def watch(stage, /, **columns):
+        nonlocal found
+        if stage == rule.stage:
+            found += int(np.count_nonzero(rule.differs(columns)))
+
+    machine = Machine(NV2A, WIDTH, HEIGHT, depth_bits=case.depth_bits, engine="columns", witness=watch)
+    machine.run(case.commands)
+    return found
