@@ -58,7 +58,9 @@ def _quads():
     """
     step = (single(FAR) - single(NEAR)) / (single(3 + COUNT * COUNT) + single(1))
     z, rise = single(NEAR), step * single(0.75)
-    begin = [low + 4 + (high - low - (SQUARE + COUNT * STEP)) / 2 for low, high in ((LEFT, RIGHT), (TOP, BOTTOM))]
+    begin = [
+        low + 4 + (high - low - (SQUARE + COUNT * STEP)) / 2 for low, high in ((LEFT, RIGHT), (TOP, BOTTOM))
+    ]
     for row in range(COUNT):
         for column in range(COUNT):
             x, y, far = begin[0] + STEP * column, begin[1] + STEP * row, z + rise
