@@ -6,8 +6,6 @@ specular and emissive colour, of the light's diffuse and specular one. Source: s
 nxdk_pgraph_tests.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from fixedpipe.effects.conformance import lit_scenes, scenes
@@ -15,7 +13,7 @@ from fixedpipe.effects.conformance.case import Case
 from fixedpipe.effects.conformance.suites.material_color_source import COEFFICIENTS
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import SecondaryColor
-from fixedpipe.pipeline.state import Lighting, Material
+from fixedpipe.pipeline.state import Light, Lighting, Material
 
 SUITE = "Material_color"
 
@@ -43,7 +41,7 @@ def case(name, inputs):
         scenes.single(COLORS[letter]) for letter in name.replace("_", "")
     )
     colors = lit_scenes.colors(scene * ambient, own_diffuse * diffuse, own_specular * specular)
-    light = replace(lit_scenes.directional((0.0, 0.0, 1.0), **colors), half_vector=(0.0, 0.0, 0.0))
+    light = Light(position=(0.0, 0.0, 1.0, 0.0), half_vector=(0.0, 0.0, 0.0), **colors)
     white = lit_scenes.WHITE
     lighting = Lighting(
         lights=(light,),
