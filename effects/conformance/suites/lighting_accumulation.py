@@ -39,9 +39,7 @@ def case(name, inputs):
     white = lit_scenes.WHITE
     lighting = Lighting(
         lights=CASES[name],
-        front=Material(
-            white, white, white, specular_coefficients=lit_scenes.COEFFICIENTS["Pow2_0"]
-        ),
+        front=Material(white, white, white, specular_coefficients=lit_scenes.COEFFICIENTS["Pow2_0"]),
         model_ambient=lit_scenes.BLACK,
         separate_specular_color=True,
         viewer_direction=lit_scenes.EYE_DIRECTION,
@@ -49,6 +47,4 @@ def case(name, inputs):
     state = lit_scenes.state(lighting, secondary_color=SecondaryColor.FROM_VERTEX)
     draws = lit_scenes.model_draws(inputs, (lit_scenes.GRID,), VERTEX_DIFFUSE, VERTEX_SPECULAR, state)
     background = scenes.background(0xFF202020, 0xFF909090, 24)
-    return Case(
-        commands=(scenes.clear(0xFF232623), *background, *draws), explanation=lit_scenes.HALF_VECTORS
-    )
+    return Case(commands=(scenes.clear(0xFF232623), *background, *draws), explanation=lit_scenes.HALF_VECTORS)
