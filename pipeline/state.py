@@ -158,7 +158,8 @@ class ColorMaterial:
 class ColorSources:
     """A lighting unit's colour material: where each colour of a face's material comes from.
 
-    An emission that comes from the vertices is multiplied by the material's, unless the ambient colour does too.
+    An emission that comes from the vertices is multiplied by the material's, unless the ambient colour does
+    too.
     """
 
     emission: ColorSource = ColorSource.MATERIAL

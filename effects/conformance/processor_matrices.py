@@ -1,8 +1,8 @@
-"""Matrices as the suites' programs compute them on the processor: single precision, row vectors from the left,
-every sum from left to right.
+"""Matrices as the suites' programs compute them on the processor: single precision, row vectors from the
+left, every sum from left to right.
 
-Source: xbox_math3d (xbox_math_matrix, _vector, _d3d, _util) and NV2AState of pbkitplusplus, which the programs
-of nxdk_pgraph_tests call.
+Source: xbox_math3d (xbox_math_matrix, _vector, _d3d, _util) and NV2AState of pbkitplusplus, which the
+programs of nxdk_pgraph_tests call.
 """
 
 from dataclasses import dataclass
@@ -61,8 +61,8 @@ def _dot(a, b):
 
 
 def _normalized(v):
-    """By the reciprocal of the length. Measured: W_buffering ZBuf24D_FloorQuad_V0, 161641 of 161700 depths; divided
-    by the length, 2.
+    """By the reciprocal of the length. Measured: W_buffering ZBuf24D_FloorQuad_V0, 161641 of 161700 depths;
+    divided by the length, 2.
     """
     return v * (single(1) / np.sqrt(_dot(v, v)))
 

@@ -207,9 +207,9 @@ def _light_color(light, name, side, material):
 def _start(lighting, material, side, sources, vertex_colors):
     """The primary colour before any light: emission plus ambient times the scene's.
 
-    The unit has two registers for this and multiplies the second by a vertex colour. Measured: of emission that
-    its own setting takes from the vertices, too (Material_color_source, 15 of 15 captures); color material's
-    driver has 1 there.
+    The unit has two registers for this and multiplies the second by a vertex colour. Measured: of emission
+    that its own setting takes from the vertices, too (Material_color_source, 15 of 15 captures); color
+    material's driver has 1 there.
     """
     scene = lighting.model_ambient
     if side == Face.BACK and lighting.back_model_ambient is not None:

@@ -32,8 +32,9 @@ def window_coordinates(clip_coordinates, viewport, half_size, center):
 def composite_coordinates(clip_coordinates, offset, height):
     """Window x, y (up), depth units and 1 / w; product and sum in single precision, truncated.
 
-    The reciprocal is the transform unit's, and 1 / w too. Measured: Depth_buffer_fixed_function z24_Cn_FZn_Mffffff,
-    its 48089 depths that a truncated quotient makes too large, and 62 of 64 colours beside it.
+    The reciprocal is the transform unit's, and 1 / w too. Measured: Depth_buffer_fixed_function
+    z24_Cn_FZn_Mffffff, its 48089 depths that a truncated quotient makes too large, 62 of 64 colours beside
+    it.
     """
     *coordinates, w = clip_coordinates
     reciprocal = transform_reciprocal(w)

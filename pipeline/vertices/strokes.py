@@ -178,8 +178,8 @@ def with_squares(primitives, sizes, units, profile):
         odd, x, y = (half & 8) != 0, primitives.x[at], primitives.y[at]
         grown["x"][first:] = np.where(odd, (x & -16) + 8, (x + 8) & -16)
         grown["y"][first:] = np.where(odd, -(-y & -16) - 8, -((8 - y) & -16))  # window y runs upwards
-    # Below an eighth of a pixel a point is the pixel that it lies in. Measured: size 0, through a program and the
-    # fixed functions (Point_size PointSmoothOff_01_VS, SmallestPointSize_FF).
+    # Below an eighth of a pixel a point is the pixel that it lies in. Measured: size 0, through a program
+    # and the fixed functions (Point_size PointSmoothOff_01_VS, SmallestPointSize_FF).
     nothing = half == 0
     for name, upper in (("x", right), ("y", low)):
         at_corner = grown[name][first:]

@@ -458,9 +458,7 @@ def composite_to_window(v, composite, height):
     unit's reciprocal (Depth_buffer_fixed_function z24_Cn_FZn_Mffffff: 48089 depths).
     """
     *coordinates, w = v.clip
-    reciprocal = float(
-        lighting_unit.transform_reciprocal(w if math.isnan(w) or math.isinf(w) else Fraction(w))
-    )
+    reciprocal = float(lighting_unit.transform_reciprocal(Fraction(w) if math.isfinite(w) else w))
     x, y, z = (
         fixed.keep_significant_bits(fixed.keep_significant_bits(c * reciprocal, 24) + fixed.to_single(o), 24)
         for c, o in zip(coordinates, composite.offset, strict=True)

@@ -54,7 +54,7 @@ def names():
 
 def _quads():
     """The scene, front to back: (left, top, right, bottom), z and colours of the four corners, from the upper
-    left clockwise. The program hands its colours over counter-clockwise, so they run along the other diagonal.
+    left clockwise. The program hands its colours over counter-clockwise, so two of them change places.
     """
     step = (single(FAR) - single(NEAR)) / (single(3 + COUNT * COUNT) + single(1))
     z, rise = single(NEAR), step * single(0.75)
@@ -81,7 +81,7 @@ def _quads():
 
 @cache
 def _mesh():
-    """The scene in the world. It is made while the depth buffer still has 16 bits, whatever the case's format."""
+    """The scene in the world: made while the depth buffer still has 16 bits, whatever the case's format."""
     view = default_view(65535.0)
     points, colors = [], []
     for box, depths, corners in _quads():

@@ -1,9 +1,9 @@
-"""Material_color: a quad, half of it turned away from the light, whose colours the program multiplies as a driver
-does.
+"""Material_color: a quad, half of it turned away from the light, whose colours the program multiplies as a
+driver does.
 
-A name tells the colours: of the scene's, the material's and the light's ambient colour, of the material's diffuse,
-specular and emissive colour, of the light's diffuse and specular one. Source: src/tests/material_color_tests.cpp of
-nxdk_pgraph_tests.
+A name tells the colours: of the scene's, the material's and the light's ambient colour, of the material's
+diffuse, specular and emissive colour, of the light's diffuse and specular one. Source:
+src/tests/material_color_tests.cpp of nxdk_pgraph_tests.
 """
 
 import numpy as np

@@ -1,7 +1,8 @@
-"""Material_color_source: nine quads whose lit colours take parts of their material from the vertices' colours.
+"""Material_color_source: nine quads whose lit colours take parts of their material from the vertices'
+colours.
 
-Each quad is cut into primary colour, secondary colour and their sum, and into its own alpha and an opaque half.
-Source: src/tests/material_color_source_tests.cpp of nxdk_pgraph_tests.
+Each quad is cut into primary colour, secondary colour and their sum, and into its own alpha and an opaque
+half. Source: src/tests/material_color_source_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace

@@ -74,8 +74,8 @@ def _largest(offset):
 
 
 def _smallest(stage):
-    """Points of 0 to 8 eighths of a pixel; a program's are as large as the one before, 8 eighths, as the vertices'
-    sizes take no part.
+    """Points of 0 to 8 eighths of a pixel; a program's are as large as the one before, 8 eighths, as the
+    vertices' sizes take no part.
     """
     for eighths in range(9):
         x = 16.0 + 85.0 * eighths

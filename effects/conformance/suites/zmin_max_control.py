@@ -1,8 +1,8 @@
-"""ZMinMaxControl: blocks of small quads whose z and w grow beyond the depth clip, which is 10 to 100: what lies
-outside is culled or clamped, by fragment and (NEARFAR) by primitive.
+"""ZMinMaxControl: blocks of small quads whose z and w grow beyond the depth clip, which is 10 to 100: what
+lies outside is culled or clamped, by fragment and (NEARFAR) by primitive.
 
-Ctrl: through a vertex program; CtrlFixed: through the fixed-function stage. WBuf: depth is w. IgnW: ignores w, in
-which no capture differs. Source: src/tests/z_min_max_control_tests.cpp of nxdk_pgraph_tests.
+Ctrl: through a vertex program; CtrlFixed: through the fixed-function stage. WBuf: depth is w. IgnW: ignores
+w, in which no capture differs. Source: src/tests/z_min_max_control_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
@@ -85,8 +85,9 @@ def _quads():
 
 
 def _triangles(by_primitive):
-    """Corners and colours of the quads' triangles. ``by_primitive``: without those all of whose corners have a z
-    beyond one limit, which the chip culls whatever depth is. Measured: Ctrl_WBuf_NEARFAR_ZCLAMP, 301363 pixels.
+    """Corners and colours of the quads' triangles. ``by_primitive``: without those all of whose corners
+    have a z beyond one limit, which the chip culls whatever depth is. Measured: Ctrl_WBuf_NEARFAR_ZCLAMP,
+    301363 pixels.
     """
     points, colors = [], []
     for corners, given in _quads():
@@ -109,10 +110,10 @@ def _view():
 
 
 def _fixed_function(points):
-    """Where the fixed-function stage puts the points: the program puts them where the view shows them there,
-    and multiplies all four coordinates by w, which the chip divides by again. Of a w of 0 nothing is left: the
-    reciprocal is infinite, and zero times infinity is 0. Measured: CtrlFixed captures, from whose upper left
-    corner the two quads that begin with a w of 0 reach.
+    """Where the fixed-function stage puts the points: the program puts them where the view shows them
+    there, and multiplies all four coordinates by w, which the chip divides by again. Of a w of 0 nothing is
+    left: the reciprocal is infinite, and zero times infinity is 0. Measured: CtrlFixed captures, from whose
+    upper left corner the two quads that begin with a w of 0 reach.
     """
     view = _view()
     world = [np.array([*view.unprojected(*point[:3]), 1], single) * single(point[3]) for point in points]

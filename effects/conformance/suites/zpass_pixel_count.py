@@ -1,5 +1,5 @@
-"""ZPass_pixel_count: a quad, and points or lines of every size behind it and beside it, whose passing pixels the
-chip counts; the counts are printed, the pictures hold the pixels.
+"""ZPass_pixel_count: a quad, and points or lines of every size behind it and beside it, whose passing pixels
+the chip counts; the counts are printed, the pictures hold the pixels.
 
 Source: src/tests/zpass_pixel_count_tests.cpp of nxdk_pgraph_tests.
 """
@@ -53,8 +53,8 @@ def names():
 
 
 def _draw(label, color, places, state, primitive=PrimitiveType.QUADS):
-    """What the chip puts at device ``places`` (x, y, z): further by the viewport's offset, and with a depth of
-    the view's, unless a program passes them on.
+    """What the chip puts at device ``places`` (x, y, z): further by the viewport's offset, with the view's
+    depth, unless a program passes them on.
     """
     colors = scenes.single([scenes.abgr(color)] * len(places))
     if state.vertex == scenes.PROGRAM_RESULTS:
