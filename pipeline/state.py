@@ -156,7 +156,11 @@ class ColorMaterial:
 
 @dataclass(frozen=True, slots=True)
 class ColorSources:
-    """A lighting unit's colour material: where each colour of a face's material comes from."""
+    """A lighting unit's colour material: where each colour of a face's material comes from.
+
+    An emission that comes from the vertices is multiplied by the material's, unless the ambient colour does
+    too.
+    """
 
     emission: ColorSource = ColorSource.MATERIAL
     ambient: ColorSource = ColorSource.MATERIAL

@@ -7,6 +7,8 @@ exact arithmetic up to 20 differ: a vertex in the middle of the screen lands jus
 import numpy as np
 
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+from fixedpipe.effects.conformance.processor_matrices import inverse, times
+from fixedpipe.effects.conformance.processor_matrices import product as product_of
 from fixedpipe.effects.conformance.scenes import single
 from fixedpipe.pipeline.vertices.chip_floats import (
     TRANSFORM_BITS,
@@ -53,30 +55,10 @@ def perspective(points, depth_maximum=16777215.0, eye=EYE_DISTANCE, far=FAR, off
 # ------------------------------------------------------------------------------------------- projection
 
 
-def _determinant(m):
-    """Along the first row, in the number type of the matrix."""
-    if len(m) == 1:
-        return m[0][0]
-    minors = (_determinant(np.delete(m[1:], column, axis=1)) for column in range(len(m)))
-    terms = [m[0][column] * minor for column, minor in enumerate(minors)]
-    total = terms[0]
-    for column, term in enumerate(terms[1:], 1):
-        total = total - term if column % 2 else total + term
-    return total
-
-
-def _times(vector, matrix):
-    """Row vector times matrix in single precision, term by term."""
-    terms = [vector[k] * matrix[k] for k in range(4)]
-    return ((terms[0] + terms[1]) + terms[2]) + terms[3]
-
-
 def _unprojection(z_maximum=16777215.0):
     """The inverse of the default view's matrix for row vectors, in single precision and by cofactors.
 
-    The viewport's depth range is -1 to 1 there. Source: MatrixInvert of xbox_math3d and
-    CalculateViewportMatrix of ProjectionVertexShader. Measured: Specular/ControlFlagsLightDisable_VS,
-    300970 of 300970.
+    The viewport's depth range is -1 to 1 there. Source: CalculateViewportMatrix of ProjectionVertexShader.
     """
     f = np.float32
     y_scale = f(1) / f(np.tan(f(np.pi / 8)))
@@ -88,19 +70,12 @@ def _unprojection(z_maximum=16777215.0):
     viewport[0, 0], viewport[1, 1], viewport[2, 2] = WIDTH / 2, -HEIGHT / 2, f(z_maximum) / f(2)
     viewport[3, :3] = WIDTH / 2, HEIGHT / 2, f(z_maximum) / f(2)
     view[3, 2] = EYE_DISTANCE
-    screen = np.array([_times(row, viewport) for row in projection])
-    composite = np.array([_times(row, screen) for row in view])
-    adjoint = np.empty((4, 4), f)
-    for row in range(4):
-        for column in range(4):
-            minor = np.delete(np.delete(composite, row, axis=0), column, axis=1)
-            adjoint[column, row] = f((-1) ** (row + column)) * _determinant(minor)
-    return adjoint * (f(1) / _determinant(composite))
+    return inverse(product_of(view, product_of(projection, viewport)))
 
 
 def unproject(x, y, z):
     """World position [3] of a device pixel at the depth ``z``, in depth units."""
-    world = _times(np.array([x, y, z, 1], np.float32), _unprojection())
+    world = times((x, y, z, 1), _unprojection())
     return (world[:3] / world[3]).astype(np.float64)
 
 

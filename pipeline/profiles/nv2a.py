@@ -206,7 +206,9 @@ NV2A = Profile(
         ),
         subpixel_bits=known(4, "Measured: 294000 of 294000 pixels (TopLeftRaster capture)"),
         guard_band=known(
-            8192, "Measured: off-screen vertices stay unclipped (tex_diff_pers captures); its width Assumed"
+            1 << 20,
+            "Measured: vertices 513421 pixels away stay unclipped, 235200 of 235200 depths (W_buffering "
+            "WBuf24D_FloorQuad_V0_ZB0_ZS0); how much farther, Assumed",
         ),
         device_origin=known(WindowOrigin.UPPER_LEFT, "Measured: TopLeftRaster capture"),
         color_weights=known(

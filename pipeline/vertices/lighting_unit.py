@@ -205,7 +205,12 @@ def _light_color(light, name, side, material):
 
 
 def _start(lighting, material, side, sources, vertex_colors):
-    """The primary colour before any light: emission plus ambient times the scene's."""
+    """The primary colour before any light: emission plus ambient times the scene's.
+
+    The unit has two registers for this and multiplies the second by a vertex colour. Measured: of emission
+    that its own setting takes from the vertices, too (Material_color_source, 15 of 15 captures); color
+    material's driver has 1 there.
+    """
     scene = lighting.model_ambient
     if side == Face.BACK and lighting.back_model_ambient is not None:
         scene = lighting.back_model_ambient
@@ -214,6 +219,8 @@ def _start(lighting, material, side, sources, vertex_colors):
         lit = [np.float64(material.ambient[c]) * np.float64(scene[c]) for c in range(3)]
         if emission is None:
             return _register(np.float64(material.emission[c]) + lit[c] for c in range(3))
+        if (lighting.front_sources if side == Face.FRONT else lighting.back_sources) is not None:
+            emission = [_times(e, r) for e, r in zip(emission, _register(material.emission[:3]), strict=True)]
         return [_plus(r, e) for r, e in zip(_register(lit), emission, strict=True)]
     emission = _register(material.emission[:3]) if emission is None else emission
     return [_plus(e, _times(a, s)) for e, a, s in zip(emission, ambient, _register(scene[:3]), strict=True)]

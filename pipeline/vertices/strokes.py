@@ -11,6 +11,7 @@ import numpy as np
 from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType, VertexStage
 from fixedpipe.pipeline.vertices.arithmetic import (
     ONE,
+    ZERO,
     columns_of,
     length,
     positive,
@@ -24,7 +25,6 @@ from fixedpipe.raster.rows import COUNTER, END_STEP, FIRST_STEP, KIND
 _EDGES = ((1, 2), (2, 0), (0, 1))  # in the order in which a triangle's outline is drawn
 _SIZE_BITS = 7  # significant bits of what a point size's inverse square root reads
 
-_SMALLEST = 1 / 8  # pixels: a size of 0 draws what this draws
 _NO_SOURCE = (0, -1, -1, -1, 0, 0, 0)
 
 
@@ -53,7 +53,7 @@ def point_sizes(mesh, state, profile, eye):
         under = keep_significant_bits(np.asarray(positive(under)), _SIZE_BITS)
         factor = np.fmin(positive(ONE / np.sqrt(under) + np.float64(given.bias)), ONE)
         size = factor * np.float64(given.range) + np.float64(given.minimum)
-    return np.fmin(np.fmax(size, np.float64(_SMALLEST)), np.float64(profile.primitives.max_point_size))
+    return np.fmin(np.fmax(size, ZERO), np.float64(profile.primitives.max_point_size))
 
 
 def outlined(triangles, boundary, x, y, polygon):
@@ -178,8 +178,13 @@ def with_squares(primitives, sizes, units, profile):
         odd, x, y = (half & 8) != 0, primitives.x[at], primitives.y[at]
         grown["x"][first:] = np.where(odd, (x & -16) + 8, (x + 8) & -16)
         grown["y"][first:] = np.where(odd, -(-y & -16) - 8, -((8 - y) & -16))  # window y runs upwards
-    grown["x"][first:] += np.where(right, half, -half)
-    grown["y"][first:] += np.where(low, half, -half)
+    # Below an eighth of a pixel a point is the pixel that it lies in. Measured: size 0, through a program
+    # and the fixed functions (Point_size PointSmoothOff_01_VS, SmallestPointSize_FF).
+    nothing = half == 0
+    for name, upper in (("x", right), ("y", low)):
+        at_corner = grown[name][first:]
+        pixel = (at_corner & -16) + np.where(upper, 16, 0)
+        grown[name][first:] = np.where(nothing, pixel, at_corner + np.where(upper, half, -half))
     for i in units:
         grown["coordinates"][first:, i] = np.stack([right, low, right & False, right | True], axis=1)
     triangles = primitives.triangles.copy()

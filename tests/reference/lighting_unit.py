@@ -328,6 +328,9 @@ def start(lighting, material, side, follows):
         own = [float(m) * float(s) for m, s in zip(material.ambient[:3], scene[:3], strict=True)]
         if emission is None:
             return register([float(e) + o for e, o in zip(material.emission[:3], own, strict=True)])
+        if (lighting.front_sources if side == Face.FRONT else lighting.back_sources) is not None:
+            factors = register(material.emission[:3])  # Measured: Material_color_source, 15 of 15 captures
+            emission = [times(e, f) for e, f in zip(emission, factors, strict=True)]
         return [plus(o, e) for o, e in zip(register(own), emission, strict=True)]
     emission = register(material.emission[:3]) if emission is None else emission
     scene = register(scene[:3])

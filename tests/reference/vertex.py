@@ -454,15 +454,16 @@ def snap(device, extent, profile):
 def composite_to_window(v, composite, height):
     """Window x, y (up), depth units and 1/w.
 
-    Measured: single precision toward zero (NV2A, Viewport captures, 1832971 of 1833172 pixels).
+    Measured: single precision toward zero (NV2A, Viewport captures, 1832971 of 1833172 pixels); the transform
+    unit's reciprocal (Depth_buffer_fixed_function z24_Cn_FZn_Mffffff: 48089 depths).
     """
     *coordinates, w = v.clip
-    reciprocal = fixed.keep_significant_bits(divide(1.0, w), 24)
+    reciprocal = float(lighting_unit.transform_reciprocal(Fraction(w) if math.isfinite(w) else w))
     x, y, z = (
         fixed.keep_significant_bits(fixed.keep_significant_bits(c * reciprocal, 24) + fixed.to_single(o), 24)
         for c, o in zip(coordinates, composite.offset, strict=True)
     )
-    return x, height - y, z, divide(1.0, w)
+    return x, height - y, z, reciprocal
 
 
 def viewport_to_window(v, viewport, width, height):

@@ -46,7 +46,9 @@ def _quad(color, left, top, right, bottom, z, function):
     return Draw(
         label=f"a quad through {function.name}",
         mesh=mesh,
-        state=replace(scenes.DEFAULT, vertex=scenes.xdk_vertex(), depth_test=DepthTest(function)),
+        state=replace(
+            scenes.DEFAULT, vertex=scenes.xdk_vertex(depth_maximum=65535.0), depth_test=DepthTest(function)
+        ),
     )
 
 
@@ -63,4 +65,5 @@ def case(name, inputs):
             for color, down, height, z in SWATCHES:
                 y = top + down
                 commands.append(_quad(color, x, y, x + 24, y + height, z, function))
-    return Case(commands=tuple(commands), shows=Shows.ZETA if name.endswith("_ZB") else Shows.COLOR)
+    shows = Shows.ZETA if name.endswith("_ZB") else Shows.COLOR
+    return Case(commands=tuple(commands), shows=shows, depth_bits=16)

@@ -23,14 +23,15 @@ HIGHEST = 0x1FF
 STAGES = {"FF": scenes.XDK_OFFSET, "VS": 0.0}  # how far from its pixel coordinates a point lands
 STEPS = (1, 4, 8, 16)
 LARGEST = 64.0  # pixels
-GREY, GREEN, WHITE, RED, YELLOW = 0xFFBBBBBB, 0xFF00BB00, 0xFFFFFFFF, 0xFF0000FF, 0xFF00FFFF
+GREY, GREEN, WHITE, BLUE = 0xFFBBBBBB, 0xFF00BB00, 0xFFFFFFFF, 0xFFFF0000
 
 
 def names():
     """Every case of the suite."""
     given = product(("On", "Off"), STEPS, STAGES)
     sweeps = (f"PointSmooth{on}_{step:02d}_{stage}" for on, step, stage in given)
-    return [*sweeps, "LargestPointSize_FF", "LargestPointSize_VS", "VSPointSize"]
+    extremes = (f"{which}PointSize_{stage}" for which, stage in product(("Largest", "Smallest"), STAGES))
+    return [*sweeps, *extremes, "VSPointSize"]
 
 
 def _point(x, y, color, eighths, offset):
@@ -72,18 +73,44 @@ def _largest(offset):
     return draws
 
 
+def _smallest(stage):
+    """Points of 0 to 8 eighths of a pixel; a program's are as large as the one before, 8 eighths, as the
+    vertices' sizes take no part.
+    """
+    for eighths in range(9):
+        x = 16.0 + 85.0 * eighths
+        size = 8 if stage == "VS" else eighths
+        yield _point(x, 240.0, scenes.abgr(WHITE), size, STAGES[stage])
+
+
+def _program_sizes():
+    """Four rows of a point from immediate commands and one from an array, whose size the program also makes a
+    colour of. Without point parameters the register's size stands; with them the program's, which immediate
+    commands leave as the last array had it.
+    """
+    before = 0.0
+    for y, eighths, size, written in (
+        (150.0, 240, 2.0, False), (210.0, 80, 50.0, False), (286.0, 240, 2.0, True), (346.0, 80, 25.0, True),
+    ):  # fmt: skip
+        shade = scenes.single(scenes.single(size) * scenes.single(1 / 64))
+        for x, color, own in ((128.0, scenes.abgr(BLUE), before), (400.0, (shade, 0.0, 0.0, 1.0), size)):
+            point = PointState(program_size=True) if written else PointState(size=eighths / 8)
+            mesh = scenes.window_mesh(
+                [(x, y, 1.0)], PrimitiveType.POINTS, colors=scenes.single([color]), point_sizes=[own]
+            )
+            yield Draw(label=f"{own} pixels", mesh=mesh, state=replace(scenes.DEFAULT, point=point))
+        before = size
+
+
 def case(name, inputs):
     """The case of that name, or None."""
     del inputs
     if name not in names():
         return None
-    if name == "VSPointSize":  # the sizes that the program's vertices carry take no part
-        draws = [
-            _point(x, y, scenes.abgr(color), eighths, 0.0)
-            for y, eighths in ((210.0, 240), (320.0, 80))
-            for x, color in ((128.0, RED), (400.0, YELLOW))
-        ]
-        return Case(commands=(scenes.clear(0xFF444444), *draws))
+    if name == "VSPointSize":
+        return Case(commands=(scenes.clear(0xFF444444), *_program_sizes()))
+    if name.startswith("Smallest"):
+        return Case(commands=(scenes.clear(0xFF444444), *_smallest(name[-2:])))
     offset = STAGES[name[-2:]]
     if name.startswith("Largest"):
         return Case(commands=(scenes.clear(0xFF444444), *_largest(offset)))

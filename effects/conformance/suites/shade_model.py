@@ -13,7 +13,7 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes, vertex_programs
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import Face, FrontFace, PrimitiveType, ProvokingVertex, ShadeModel
+from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode, PrimitiveType, ProvokingVertex, ShadeModel
 from fixedpipe.pipeline.state import Light, Lighting, Material, PolygonState, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
@@ -120,6 +120,7 @@ def case(name, inputs):
         return None
     prefix, shape, model, provoking = name.rsplit("_", 3)
     programmed, textured = prefix.startswith("Prog"), prefix.endswith("Tex")
+    outlined = PolygonMode.LINE if prefix == "ProgLM" else PolygonMode.FILL
     state = replace(
         scenes.DEFAULT,
         vertex=scenes.PROGRAM_RESULTS if programmed else replace(scenes.xdk_vertex(), lighting=LIT),
@@ -128,6 +129,8 @@ def case(name, inputs):
             front_face=FrontFace.CW,
             shade_model=MODELS[model],
             provoking_vertex=PROVOKING[provoking],
+            front_mode=outlined,
+            back_mode=outlined,
         ),
     )
     commands = [scenes.clear(0xFF2C302E)]

@@ -11,6 +11,7 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Shows
+from fixedpipe.effects.conformance.processor_matrices import default_view, look_at
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat, PrimitiveType, WrapMode
 from fixedpipe.pipeline.state import DepthClamp, DepthTest, PolygonState, Scissor, TextureUnit
@@ -141,20 +142,14 @@ def names():
 
 def _fixed_function(farthest):
     """The view from 50 above the floor, a little downwards, as vertex state, and the floor."""
-    eye, at = np.array([0.0, 50.0, -7.0]), np.array([0.0, 47.0, 0.0])
-    z = (at - eye) / np.linalg.norm(at - eye)
-    x = np.cross([0.0, 1.0, 0.0], z) / np.linalg.norm(np.cross([0.0, 1.0, 0.0], z))
-    view = np.eye(4)
-    view[:3, :3] = x, np.cross(z, x), z
-    view[:3, 3] = -view[:3, :3] @ eye
     points = [
         (-15000.0, 0.0, 30000.0),
         (15000.0, 0.0, 30000.0),
         (15000.0, 0.0, -10.0),
         (-15000.0, 0.0, -10.0),
     ]
-    vertex = scenes.xdk_vertex(depth_maximum=farthest, view=view)
-    return vertex, Mesh(points, QUADS, texture_coordinates=(COORDINATES * 100.0,))
+    view = default_view(farthest, look_at((0.0, 50.0, -7.0), (0.0, 47.0, 0.0)))
+    return view.vertex_state(), Mesh(points, QUADS, texture_coordinates=(COORDINATES * 100.0,))
 
 
 def _lines(pixels, depth_format, left, top):

@@ -93,6 +93,8 @@ def test_a_stepped_line_draws_one_pixel_a_step_without_the_last():
         ((4.5, 4.5), 2.0, box(3, 3, 5, 5)),
         ((4.5, 4.5), 6.0, box(1, 1, 8, 8)),
         ((4.5, 4.5), 0.0, box(4, 4, 5, 5)),
+        ((4.0, 4.0), 0.0, box(4, 4, 5, 5)),  # the pixel that it lies in (Point_size PointSmoothOff_01_VS)
+        ((4.0, 4.0), 0.125, set()),
     ],
 )
 def test_points_as_the_chip_draws_them(at, size, expected):

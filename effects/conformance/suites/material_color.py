@@ -1,0 +1,57 @@
+"""Material_color: a quad, half of it turned away from the light, whose colours the program multiplies as a
+driver does.
+
+A name tells the colours: of the scene's, the material's and the light's ambient colour, of the material's
+diffuse, specular and emissive colour, of the light's diffuse and specular one. Source:
+src/tests/material_color_tests.cpp of nxdk_pgraph_tests.
+"""
+
+import numpy as np
+
+from fixedpipe.effects.conformance import lit_scenes, scenes
+from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites.material_color_source import COEFFICIENTS
+from fixedpipe.pipeline.commands import Draw, Mesh
+from fixedpipe.pipeline.enums import SecondaryColor
+from fixedpipe.pipeline.state import Light, Lighting, Material
+
+SUITE = "Material_color"
+
+NAMES = ("001_RG0_11", "011_rG0_B1", "011_rBg_11", "301_rG0_11", "310_rG0_11", "311_rG0_11")
+COLORS = {
+    "R": (1.0, 0.0, 0.0), "r": (0.5, 0.0, 0.0), "G": (0.0, 1.0, 0.0), "g": (0.0, 0.5, 0.0),
+    "B": (0.0, 0.0, 1.0), "b": (0.0, 0.0, 0.5),
+    "0": (0.0,) * 3, "1": (1.0,) * 3, "3": (0.33,) * 3,
+}  # fmt: skip
+LEFT, TOP, RIGHT, BOTTOM = -2.75, 1.75, 2.75, -1.75  # of the quad, in the world
+CORNERS = [(LEFT, TOP), (RIGHT, TOP), (RIGHT, BOTTOM), (LEFT, TOP), (RIGHT, BOTTOM), (LEFT, BOTTOM)]
+
+
+def names():
+    """Every case of the suite."""
+    return list(NAMES)
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name not in NAMES:
+        return None
+    scene, own_ambient, ambient, own_diffuse, own_specular, emission, diffuse, specular = (
+        scenes.single(COLORS[letter]) for letter in name.replace("_", "")
+    )
+    colors = lit_scenes.colors(scene * ambient, own_diffuse * diffuse, own_specular * specular)
+    light = Light(position=(0.0, 0.0, 1.0, 0.0), half_vector=(0.0, 0.0, 0.0), **colors)
+    white = lit_scenes.WHITE
+    lighting = Lighting(
+        lights=(light,),
+        front=Material(white, white, white, specular_coefficients=COEFFICIENTS),
+        model_ambient=lit_scenes.color(scenes.single(scene * own_ambient) + emission),
+        local_viewer=True,
+        separate_specular_color=True,
+        viewer_direction=lit_scenes.EYE_DIRECTION,
+    )
+    normals = np.repeat([(0.0, 0.0, -1.0), (0.0, 0.0, 1.0)], 3, axis=0)
+    mesh = Mesh(scenes.single([(x, y, 0.0) for x, y in CORNERS]), normals=normals)
+    state = lit_scenes.state(lighting, secondary_color=SecondaryColor.OPAQUE)
+    return Case(commands=(scenes.clear(0xFF303030), Draw(label="a quad", mesh=mesh, state=state)))
