@@ -79,8 +79,8 @@ def _mesh(programmed):
     return Mesh(scenes.single(corners), PrimitiveType.QUADS, **arrays)
 
 
-def _registers(mode, absolute, generation):
-    if generation != FogGeneration.SECONDARY_ALPHA:
+def _registers(mode, absolute, generation, programmed):
+    if programmed or generation != FogGeneration.SECONDARY_ALPHA:
         bias, multiplier = fog.bias_and_multiplier(mode, START, END)
     else:
         bias, multiplier = {
@@ -105,7 +105,7 @@ def case(name, inputs):
         fog=Fog(
             mode,
             color=scenes.argb(0xDDFF0000),
-            registers=_registers(mode, absolute, GENERATIONS[generation]),
+            registers=_registers(mode, absolute, GENERATIONS[generation], programmed),
         ),
     )
     draw = Draw(label="squares", mesh=_mesh(programmed), state=state)

@@ -1,0 +1,106 @@
+"""The matrices that the suites' programs compute on the console's processor, in single precision and in its order.
+
+Vectors are rows: ``times(a, b)`` is a, then b. Source: xbox_math3d (xbox_math_matrix, xbox_math_d3d,
+xbox_math_util) and pbkitplusplus (NV2AState, ProjectionVertexShader), which the programs call.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+
+EYE_DISTANCE, NEAR, FAR = 7.0, 1.0, 200.0
+Z16, Z24 = 65535.0, 16777215.0  # the farthest word of a fixed depth format
+FAR_PROBE = 64000.0  # the second of the two depths through which a ray of unproject goes
+
+_f = np.float32
+
+
+def times(a, b):
+    """Row vectors or a matrix times a matrix, float32: each sum's four terms from left to right."""
+    a, b = np.asarray(a, _f), np.asarray(b, _f)
+    terms = [a[..., k, None] * b[k] for k in range(4)]
+    return ((terms[0] + terms[1]) + terms[2]) + terms[3]
+
+
+def view(eye=EYE_DISTANCE):
+    """Looking along z from z = -eye."""
+    matrix = np.eye(4, dtype=_f)
+    matrix[3, 2] = eye
+    return matrix
+
+
+def projection(near=NEAR, far=FAR):
+    """45 degrees high, of the screen's shape, z forwards."""
+    y_scale = _f(1) / np.tan(_f(np.pi / 8))
+    depth = _f(far) / (_f(far) - _f(near))
+    matrix = np.zeros((4, 4), _f)
+    matrix[0, 0], matrix[1, 1] = y_scale / _f(WIDTH / HEIGHT), y_scale
+    matrix[2, 2:] = depth, 1
+    matrix[3, 2] = -_f(near) * depth
+    return matrix
+
+
+def viewport(z_scale, z_offset=0.0):
+    """To device pixels, y down, and depth words."""
+    matrix = np.eye(4, dtype=_f)
+    matrix[0, 0], matrix[1, 1], matrix[2, 2] = WIDTH / 2, -HEIGHT / 2, z_scale
+    matrix[3, :3] = WIDTH / 2, HEIGHT / 2, z_offset
+    return matrix
+
+
+def _determinant_3(m):
+    (a, b, c), (d, e, f), (g, h, i) = m
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def _determinant_4(m):
+    """The first row's elements times products of the last two rows, in the library's order."""
+    (a, b, c, d), (e, f, g, h), (i, j, k, l), (m_, n, o, p) = m
+    kp_lo, jp_ln, jo_kn = k * p - l * o, j * p - l * n, j * o - k * n
+    ip_lm, io_km, in_jm = i * p - l * m_, i * o - k * m_, i * n - j * m_
+    return (
+        (a * ((f * kp_lo - g * jp_ln) + h * jo_kn) - b * ((e * kp_lo - g * ip_lm) + h * io_km))
+        + c * ((e * jp_ln - f * ip_lm) + h * in_jm)
+    ) - d * ((e * jo_kn - f * io_km) + g * in_jm)
+
+
+def inverse(matrix):
+    """By cofactors, times the reciprocal of the determinant."""
+    out = np.empty((4, 4), _f)
+    for row in range(4):
+        for column in range(4):
+            minor = np.delete(np.delete(matrix, row, axis=0), column, axis=1)
+            out[column, row] = _f((-1) ** (row + column)) * _determinant_3(minor)
+    return out * (_f(1) / _determinant_4(matrix))
+
+
+@cache
+def fixed_function(z_maximum=Z16, near=NEAR, far=FAR):
+    """The composite matrix of the XDK's default view, and its inverse; not to be written to."""
+    composite = times(view(), times(projection(near, far), viewport(_f(z_maximum))))
+    return composite, inverse(composite)
+
+
+@cache
+def programmed(z_maximum=Z16, near=NEAR, far=FAR):
+    """The composite matrix of a perspective vertex program's default view, whose depth range is -1 to 1, and
+    its inverse; not to be written to.
+    """
+    half = _f(z_maximum) * _f(0.5)
+    composite = times(view(), times(projection(near, far), viewport(half, half)))
+    return composite, inverse(composite)
+
+
+def unproject(inverse_composite, x, y, z):
+    """World positions [n, 3], float32: where the ray through device pixels x, y meets the world's depth z."""
+    x, y, z = (np.atleast_1d(np.asarray(v, _f)) for v in (x, y, z))
+    planes = []
+    for depth in (0.0, FAR_PROBE):
+        screen = np.stack([x, y, np.full_like(x, depth), np.ones_like(x)], axis=-1)
+        world = times(screen, inverse_composite)
+        planes.append(world[:, :3] / world[:, 3:])
+    near, far = planes
+    t = (z - near[:, 2]) / (far[:, 2] - near[:, 2])
+    return np.stack([near[:, i] + (far[:, i] - near[:, i]) * t for i in (0, 1)] + [z], axis=-1)
