@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
+from fixedpipe.pipeline.state import Composite, VertexState
 
 EYE_DISTANCE, NEAR, FAR = 7.0, 1.0, 200.0
 Z16, Z24 = 65535.0, 16777215.0  # the farthest word of a fixed depth format
@@ -104,3 +105,16 @@ def unproject(inverse_composite, x, y, z):
     near, far = planes
     t = (z - near[:, 2]) / (far[:, 2] - near[:, 2])
     return np.stack([near[:, i] + (far[:, i] - near[:, i]) * t for i in (0, 1)] + [z], axis=-1)
+
+
+def xdk_vertex(z_maximum=Z16, near=NEAR, far=FAR, offset=17 / 32):
+    """The XDK's default view as vertex state, in the programs' own numbers; ``offset``: the viewport's."""
+    composite, _ = fixed_function(z_maximum, near, far)
+    return VertexState(
+        modelview=_rows(view().T),
+        composite=Composite(_rows(composite.T), (offset, offset, 0.0)),
+    )
+
+
+def _rows(matrix):
+    return tuple(tuple(row) for row in matrix.tolist())

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance import host_matrices, scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.effects.conformance.suites import fog
 from fixedpipe.pipeline.commands import Draw, Mesh
@@ -50,33 +50,35 @@ def _squares():
         z, coordinate = z + 0.5, coordinate - np.float32(0.2)
 
 
-def _mesh(programmed):
-    corners, coordinates = [], []
-    for left, top, z, coordinate in _squares():
+def _corners():
+    """Device x, y and world depth of every square's corners, in order: upper left, upper right, lower right,
+    lower left.
+    """
+    for left, top, z, _ in _squares():
         for x, y, depth in (
             (left, top, z),
             (left + SIZE, top, z + 1),
             (left + SIZE, top + SIZE, z + 1),
             (left, top + SIZE, z),
         ):
-            w = depth + scenes.XDK_EYE
-            scale = 1.0 if programmed else scenes.XDK_SCALE / w
-            corners.append(
-                (x, y, 0.0, w)
-                if programmed
-                else ((x - WIDTH / 2) / scale, (HEIGHT / 2 - y) / scale, depth, 1.0)
-            )
-        coordinates += [coordinate] * 4
+            yield x, y, depth
+
+
+def _mesh(programmed):
+    corners = np.array(list(_corners()))
+    coordinates = np.repeat([coordinate for *_, coordinate in _squares()], 4)
     secondary = np.zeros((len(corners), 4))
     secondary[:, 3] = np.tile(SPECULAR_ALPHA, len(corners) // 4)
     arrays = {
         "colors": np.tile((0.0, 0.0, 1.0, 1.0), (len(corners), 1)),
         "secondary_colors": secondary,
-        "fog_coordinates": np.array(coordinates),
+        "fog_coordinates": coordinates,
     }
     if programmed:
+        corners = np.concatenate([corners[:, :2], np.zeros((len(corners), 1)), corners[:, 2:] + scenes.XDK_EYE], 1)
         return scenes.window_mesh(corners, **arrays)
-    return Mesh(scenes.single(corners), PrimitiveType.QUADS, **arrays)
+    _, inverse = host_matrices.fixed_function()
+    return Mesh(host_matrices.unproject(inverse, *corners.T), PrimitiveType.QUADS, **arrays)
 
 
 def _registers(mode, absolute, generation, programmed):
@@ -100,7 +102,7 @@ def case(name, inputs):
     (mode, absolute), programmed = fog.MODES[mode], stage == "VS"
     state = replace(
         scenes.DEFAULT,
-        vertex=scenes.PROGRAM_RESULTS if programmed else scenes.xdk_vertex(),
+        vertex=scenes.PROGRAM_RESULTS if programmed else host_matrices.xdk_vertex(),
         register_combiners=fog.combined(),
         fog=Fog(
             mode,
