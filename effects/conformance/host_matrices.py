@@ -118,3 +118,19 @@ def xdk_vertex(z_maximum=Z16, near=NEAR, far=FAR, offset=17 / 32):
 
 def _rows(matrix):
     return tuple(tuple(row) for row in matrix.tolist())
+
+
+def uploaded(*matrices):
+    """Constants of a vertex program from c[96] on: matrices of the programs, transposed, four rows each."""
+    rows = [row for matrix in matrices for row in np.asarray(matrix, _f).T]
+    return {96 + i: row for i, row in enumerate(rows)}
+
+
+def perspective_constants(z_maximum=Z16, near=NEAR, far=FAR, half_range=True):
+    """The model, view and projection matrices of a perspective vertex program's default view, as it reads them.
+
+    ``half_range``: the viewport's depth range is -1 to 1; else 0 to 1, in the D3D style.
+    """
+    half = _f(z_maximum) * _f(0.5)
+    device = viewport(half, half) if half_range else viewport(_f(z_maximum))
+    return uploaded(np.eye(4), view(), times(projection(near, far), device))
