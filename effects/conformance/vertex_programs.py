@@ -60,7 +60,7 @@ def unproject(x, y, z):
 
     Measured: Specular/ControlFlagsLightDisable_VS, 300970 of 300970.
     """
-    _, inverse = host_matrices.programmed(host_matrices.Z24)
+    _, inverse = host_matrices.programmed()
     world = host_matrices.times(np.array([x, y, z, 1], np.float32), inverse)
     return (world[:3] / world[3]).astype(np.float64)
 

@@ -23,6 +23,7 @@ from fixedpipe.pipeline.vertices.chip_floats import (
     transform_reciprocal,
 )
 from fixedpipe.pipeline.vertices.transform_tables import exponential, lit_power, logarithm
+from fixedpipe.raster.floats import LEAST_SINGLE
 
 TEMPORARIES, CONSTANTS = 12, 192
 # By name, the number of each input register. Source: NV097_SET_VERTEX_DATA_ARRAY_FORMAT's order.
@@ -246,11 +247,17 @@ class VertexProgram:
             return _Run(self, inputs, constants or {}).results()
 
 
+def _normal(values):
+    """Numbers in single precision, denormal ones as zeros of their sign, as every operation takes them."""
+    found = np.asarray(values).astype(np.float32).astype(np.float64)
+    return np.where(np.abs(found) < LEAST_SINGLE, np.copysign(0.0, found), found)
+
+
 def _filled(values, count):
     """Four columns of an array [n, 1..4] or of 1 to 4 numbers, in single precision."""
     values = np.asarray(values, np.float64)
     given = values.T if values.ndim == 2 else np.atleast_1d(values)
-    columns = [np.full(count, column, np.float64) for column in given.astype(np.float32)]
+    columns = [np.full(count, column) for column in _normal(given)]
     return columns + [np.full(count, d) for d in _DEFAULT[len(columns) :]]
 
 
@@ -269,7 +276,7 @@ class _Run:
         for number, values in constants.items():
             if not 0 <= number < CONSTANTS:
                 raise ValueError(f"A program has no constant {number}; give 0 to {CONSTANTS - 1}.")
-            self.constants[number] = np.asarray(values, np.float32)
+            self.constants[number] = _normal(values)
         self.temporaries = [_filled((0.0, 0.0, 0.0, 0.0), self.count) for _ in range(TEMPORARIES)]
 
     def _register(self, operand):

@@ -64,9 +64,23 @@ def _corners():
             yield x, y, depth
 
 
-def _mesh(programmed):
+def _radius_left_behind(world):
+    """The distance from the eye of the last vertex of the cases before, all through the fixed functions.
+
+    Measured: RADIAL fog of a vertex program is the same at every vertex, between 204.5 and 222 (3 captures);
+    Inferred: the unit that measures distances keeps the last one it was given.
+    """
+    x, y, z = world.astype(np.float64)
+    return float(np.sqrt(x * x + y * y + (z + scenes.XDK_EYE) ** 2))
+
+
+def _mesh(programmed, generation):
     corners = np.array(list(_corners()))
     coordinates = np.repeat([coordinate for *_, coordinate in _squares()], 4)
+    _, inverse = host_matrices.fixed_function()
+    world = host_matrices.unproject(inverse, *corners.T)
+    if programmed and generation == FogGeneration.RADIAL:
+        coordinates = np.full(len(corners), _radius_left_behind(world[-1]))
     secondary = np.zeros((len(corners), 4))
     secondary[:, 3] = np.tile(SPECULAR_ALPHA, len(corners) // 4)
     arrays = {
@@ -77,8 +91,7 @@ def _mesh(programmed):
     if programmed:
         corners = np.concatenate([corners[:, :2], np.zeros((len(corners), 1)), corners[:, 2:] + scenes.XDK_EYE], 1)
         return scenes.window_mesh(corners, **arrays)
-    _, inverse = host_matrices.fixed_function()
-    return Mesh(host_matrices.unproject(inverse, *corners.T), PrimitiveType.QUADS, **arrays)
+    return Mesh(world, PrimitiveType.QUADS, **arrays)
 
 
 def _registers(mode, absolute, generation, programmed):
@@ -110,5 +123,5 @@ def case(name, inputs):
             registers=_registers(mode, absolute, GENERATIONS[generation], programmed),
         ),
     )
-    draw = Draw(label="squares", mesh=_mesh(programmed), state=state)
+    draw = Draw(label="squares", mesh=_mesh(programmed, GENERATIONS[generation]), state=state)
     return Case(commands=(scenes.clear(0xFF232623), draw))
