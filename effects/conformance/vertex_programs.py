@@ -17,6 +17,7 @@ from fixedpipe.pipeline.vertices.chip_floats import (
     transform_dot,
     transform_inverse_root,
 )
+from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 
 EYE_DISTANCE, NEAR, FAR = 7.0, 1.0, 200.0
 
@@ -79,6 +80,7 @@ PROJECTS = "\n".join(
         "RCP R1.x, R0.w; MUL o[HPOS].xyz, R0, R1.x; MOV o[HPOS].w, R0;",
     ]
 )
+PROJECTION = vertex_program(PROJECTS)
 COPIES_COLORS = "MOV o[COL0], v[COL0]; MOV o[COL1], v[COL1]; MOV o[BFC0], v[BFC0]; MOV o[BFC1], v[BFC1];"
 
 
