@@ -64,6 +64,7 @@ def shows(register):
 
 
 SHOWS_PRIMARY = shows(PRIMARY)
+SHOWS_PRIMARY_OPAQUE = program(stage(total(PRIMARY, to=SPARE0)), shown(SPARE0))
 SHOWS_TEXTURE0 = shows(TEXTURE0)
 RECTANGLES = LineState(rasterization=LineRasterization.RECTANGLE)
 # Faces whose corners turn clockwise on the screen; the others are culled.
