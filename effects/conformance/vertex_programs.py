@@ -88,6 +88,10 @@ def results_mesh(results, primitive=PrimitiveType.QUADS, **arrays):
     """A mesh of what a VertexProgram's ``run`` gave, in device pixels. ``arrays``: what it did not write."""
     written = {"colors": "COL0", "secondary_colors": "COL1", "fog_coordinates": "FOGC"}
     arrays |= {array: results[output] for array, output in written.items() if output in results}
+    for name in ("colors", "secondary_colors"):
+        if name in arrays:  # Measured: a NaN is 1, with its sign bit 0 (Attrib_float, -NaNq_NaNq)
+            numbers = np.where(np.signbit(arrays[name]), 0.0, 1.0)
+            arrays[name] = np.where(np.isfinite(arrays[name]), arrays[name], numbers)
     return window_mesh(results["HPOS"], primitive, **arrays)
 
 
