@@ -1,4 +1,4 @@
-"""The matrices that the suites' programs compute on the console's processor, in single precision and in its order.
+"""The matrices that the suites' programs compute on the console's processor: single precision, its order.
 
 Vectors are rows: ``times(a, b)`` is a, then b. Source: xbox_math3d (xbox_math_matrix, xbox_math_d3d,
 xbox_math_util) and pbkitplusplus (NV2AState, ProjectionVertexShader), which the programs call.
@@ -58,9 +58,9 @@ def _determinant_3(m):
 
 def _determinant_4(m):
     """The first row's elements times products of the last two rows, in the library's order."""
-    (a, b, c, d), (e, f, g, h), (i, j, k, l), (m_, n, o, p) = m
-    kp_lo, jp_ln, jo_kn = k * p - l * o, j * p - l * n, j * o - k * n
-    ip_lm, io_km, in_jm = i * p - l * m_, i * o - k * m_, i * n - j * m_
+    (a, b, c, d), (e, f, g, h), (i, j, k, q), (m_, n, o, p) = m
+    kp_lo, jp_ln, jo_kn = k * p - q * o, j * p - q * n, j * o - k * n
+    ip_lm, io_km, in_jm = i * p - q * m_, i * o - k * m_, i * n - j * m_
     return (
         (a * ((f * kp_lo - g * jp_ln) + h * jo_kn) - b * ((e * kp_lo - g * ip_lm) + h * io_km))
         + c * ((e * jp_ln - f * ip_lm) + h * in_jm)
@@ -90,7 +90,7 @@ def fixed_function(z_maximum=Z16, near=NEAR, far=FAR):
 @cache
 def programmed(z_maximum=Z24, near=NEAR, far=FAR):
     """The composite matrix of a perspective vertex program's default view, whose depth range is -1 to 1, and
-    its inverse; not to be written to. Measured: depths of 24 bits (Fog_exceptional_value, all of 44 captures).
+    its inverse; not to be written to. Measured: depths of 24 bits (Fog_exceptional_value, 44 of 44).
     """
     half = _f(z_maximum) * _f(0.5)
     composite = times(view(), times(projection(near, far), viewport(half, half)))
@@ -130,7 +130,7 @@ def uploaded(*matrices):
 
 
 def perspective_constants(z_maximum=Z24, near=NEAR, far=FAR, half_range=True):
-    """The model, view and projection matrices of a perspective vertex program's default view, as it reads them.
+    """The model, view and projection matrices of a perspective vertex program's default view, as uploaded.
 
     ``half_range``: the viewport's depth range is -1 to 1; else 0 to 1, in the D3D style.
     """

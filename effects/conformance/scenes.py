@@ -79,6 +79,12 @@ def single(values):
     return np.asarray(values, np.float32).astype(np.float64)
 
 
+def from_patterns(words):
+    """Float64 of bit patterns of single-precision numbers, which may be infinite or none."""
+    with np.errstate(invalid="ignore"):  # a signalling NaN says so when it is read
+        return np.array(words, np.uint32).view(np.float32).astype(np.float64)
+
+
 def window_mesh(positions, primitive=PrimitiveType.QUADS, height=HEIGHT, **arrays):
     """A mesh whose positions are device pixels (x right, y down), z in depth units and clip w, as a vertex
     program's results.

@@ -97,6 +97,7 @@ def results_mesh(results, primitive=PrimitiveType.QUADS, **arrays):
 
 # ------------------------------------------------------------------------------------------ instructions
 
+
 def dp3(a, b):
     """DP3 of two vectors of three columns."""
     return transform_dot(a, b)

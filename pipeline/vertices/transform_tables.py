@@ -46,7 +46,9 @@ def _logarithm_steps(column):
     fraction = np.ldexp(mantissa, 24).astype(np.int64) - (1 << 23)
     piece, rest = fraction >> 18, fraction >> 10 & 255
     return (
-        _LOGARITHM_STARTS[piece] * 256 + _LOGARITHM[piece] * rest + (power.astype(np.int64) - 1) * _LOGARITHM_STEPS
+        _LOGARITHM_STARTS[piece] * 256
+        + _LOGARITHM[piece] * rest
+        + (power.astype(np.int64) - 1) * _LOGARITHM_STEPS
     )
 
 
@@ -62,7 +64,9 @@ def lit_power(base, exponent):
     """LIT's z where its x is positive: 2^(exponent log2(base)), the exponent within -128 and 128."""
     some = np.isfinite(base) & (base > 0)
     steps = _logarithm_steps(np.where(some, base, 1.0))
-    power = np.clip(np.trunc(np.clip(np.nan_to_num(exponent), -256, 256) * _POWER_STEPS), -(1 << 20), (1 << 20) - 1)
+    power = np.clip(
+        np.trunc(np.clip(np.nan_to_num(exponent), -256, 256) * _POWER_STEPS), -(1 << 20), (1 << 20) - 1
+    )
     # Python's integers of a product of up to 54 bits fit int64: 34 bits times 21.
     value = _exponential_of_steps(steps * power.astype(np.int64) >> 26)
     limit = np.where(np.signbit(exponent) == np.isinf(base), 0.0, np.inf)

@@ -3,9 +3,9 @@
     program = vertex_program("MUL o[HPOS], v[OPOS], c[0].x; MOV o[COL0], v[COL0];")
     results = program.run({"OPOS": positions, "COL0": colors}, {0: (2.0, 0.0, 0.0, 0.0)})
 
-The results are what ``VertexStage.PROGRAM_RESULTS`` draws. Beside the extension's a program has the NV2A's: 192
-constants; R12, which reads what was written to o[HPOS]; and two instructions at a time, ``ADD R0, v[3], v[4] +
-RCP R1.x, v[3].x;``, that read their operands before either writes. Numbers are the transform unit's
+The results are what ``VertexStage.PROGRAM_RESULTS`` draws. Beside the extension's a program has the NV2A's:
+192 constants; R12, which reads what was written to o[HPOS]; and two instructions at a time, ``ADD R0, v[3],
+v[4] + RCP R1.x, v[3].x;``, that read their operands before either writes. Numbers are the transform unit's
 (docs/numbers.md, section 2). Source: NV_vertex_program, NV_vertex_program1_1; envytools (nvhw/xf.c).
 """
 
@@ -59,7 +59,7 @@ def _dot(a, b, components):
 
 
 def _clamped_reciprocal(x):
-    """RCC: a reciprocal between 2^-64 and 2^64 in magnitude. Source: envytools (xf_rcp), NV_vertex_program1_1."""
+    """RCC: a reciprocal of 2^-64 to 2^64 in magnitude. Source: NV_vertex_program1_1; envytools (xf_rcp)."""
     size = np.abs(transform_reciprocal(x))
     return np.copysign(np.fmin(np.fmax(size, np.float64(2.0**-64)), np.float64(2.0**64)), x)
 
@@ -147,8 +147,8 @@ def _matched(text, instruction):
     found = _OPERAND.match(text)
     if found is None:
         raise ValueError(
-            f"{text!r} in {instruction!r} is no register; give R0 to R12, v[OPOS], c[96], c[A0.x+96], o[COL0], "
-            "with .xyzw where components are chosen."
+            f"{text!r} in {instruction!r} is no register; give R0 to R12, v[OPOS], c[96], c[A0.x+96], "
+            "o[COL0], with .xyzw where components are chosen."
         )
     return found
 
@@ -200,7 +200,8 @@ def _instruction(text):
         return Instruction(name, "R", number, mask, read)
     if target["file"] != "o" or target["index"] not in OUTPUTS:
         raise ValueError(
-            f"{operands[0]!r} in {text!r} cannot be written; write R0 to R11, or o[...] of {', '.join(OUTPUTS)}."
+            f"{operands[0]!r} in {text!r} cannot be written; write R0 to R11, or o[...] of "
+            f"{', '.join(OUTPUTS)}."
         )
     return Instruction(name, "o", target["index"], mask, read)
 
@@ -239,9 +240,9 @@ class VertexProgram:
                    missing, and inputs, are (0, 0, 0, 1)
         constants  four numbers each, by number; others are 0
 
-        What is never written is not among the outputs; of a vector of which some components are, the others are
-        (0, 0, 0, 1) (undefined in the extension). Numbers may be infinite or none. Raises ValueError for an
-        input or constant that there is not.
+        What is never written is not among the outputs; of a vector of which some components are, the others
+        are (0, 0, 0, 1) (undefined in the extension). Numbers may be infinite or none. Raises ValueError for
+        an input or constant that there is not.
         """
         with np.errstate(all="ignore"):
             return _Run(self, inputs, constants or {}).results()
@@ -270,7 +271,9 @@ class _Run:
         for key, values in inputs.items():
             number = INPUTS.get(key, key)
             if number not in self.inputs:
-                raise ValueError(f"A program has no input {key!r}; give 0 to 15 or one of {', '.join(INPUTS)}.")
+                raise ValueError(
+                    f"A program has no input {key!r}; give 0 to 15 or one of {', '.join(INPUTS)}."
+                )
             self.inputs[number] = _filled(values, self.count)
         self.constants = np.zeros((CONSTANTS, 4))
         for number, values in constants.items():

@@ -1,4 +1,4 @@
-"""Attrib_carryover: a line or triangle with an attribute, then one whose vertices do not give it, in its colour.
+"""Attrib_carryover: a shape with an attribute, then one whose vertices do not give it, in its colour.
 
 Measured: an attribute that a draw does not give has the value of the last vertex drawn before, by whatever
 command (49 captures). Source: src/tests/attribute_carryover_tests.cpp and its vertex program, of
@@ -15,8 +15,8 @@ from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 
 SUITE = "Attrib_carryover"
 
-# What takes the test's colour: c[96].x is the number of an attribute, compared with (0, 1, 2, 3), (4, 5, 6, 7)
-# and (8, 9, 10, 11); the one that is equal has the factor one.
+# c[96].x is the number of the attribute that is shown, compared with (0, 1, 2, 3), (4, 5, 6, 7) and
+# (8, 9, 10, 11); the one that is equal has the factor one.
 PROGRAM = vertex_program("""
     MOV R0.x, c[96];
     SGE R1, c[99], R0.x;  SGE R2, R0.x, c[99];  MUL R8, R1, R2;

@@ -82,5 +82,5 @@ def case(name, inputs):
         return Case(commands=(scenes.clear(0xFF333333), *_colors()))
     if name not in ENDS:
         return None
-    first, last = np.array(ENDS[name], np.uint32).view(np.float32)
+    first, last = scenes.from_patterns(ENDS[name])
     return Case(commands=(scenes.clear(0xFF6495ED), *_gradients(first, last)))

@@ -23,12 +23,12 @@ PROGRAMS = {
     )
     for prefix, instruction in (("", "MOV"), ("RCP-", "RCP"))
 }
-# Bit patterns: 0, 1, 10, 100, 1000, -1.24, -10.75, infinities, quiet and signalling NaN, the largest, the least
-# normal, the largest and the least denormal number, each with both signs.
+# Bit patterns: 0, 1, 10, 100, 1000, -1.24, -10.75; and with both signs infinity, a quiet and a signalling NaN,
+# the largest, the least normal, the largest and the least denormal number.
 VALUES = (
-    0x00000000, 0x3F800000, 0x41200000, 0x42C80000, 0x447A0000, 0xBF9EB852, 0xC12C0000, 0x7F800000, 0xFF800000,
-    0x7FC00000, 0xFFC00000, 0x7F800001, 0xFF800001, 0x7F7FFFFF, 0xFF7FFFFF, 0x00800000, 0x80800000, 0x007FFFFF,
-    0x807FFFFF, 0x00000001, 0x80000001,
+    0x00000000, 0x3F800000, 0x41200000, 0x42C80000, 0x447A0000, 0xBF9EB852, 0xC12C0000,
+    0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC00000, 0x7F800001, 0xFF800001, 0x7F7FFFFF, 0xFF7FFFFF,
+    0x00800000, 0x80800000, 0x007FFFFF, 0x807FFFFF, 0x00000001, 0x80000001,
 )  # fmt: skip
 PARAMETERS = {"INF-": np.inf, "NaN-": np.nan}  # one value, with every bias and multiplier below
 BIASES = (-1.0, 1.0, 1.5, 1000.0)
@@ -74,8 +74,8 @@ def case(name, inputs):
     del inputs
     if name not in names():
         return None
-    prefix, mode, generation = name.replace("FogExc-", "|").replace("|", "-", 1).rsplit("-", 2)
-    prefix = f"{prefix.rstrip('-')}-" if prefix.rstrip("-") else ""
+    prefix, rest = name.split("FogExc-")
+    mode, generation = rest.split("-")
     fog_mode, absolute = fog.MODES[mode]
 
     def state(bias, multiplier):
@@ -86,8 +86,8 @@ def case(name, inputs):
     if prefix in PARAMETERS:
         squares = [(PARAMETERS[prefix], bias, multiplier) for bias in BIASES for multiplier in MULTIPLIERS]
     else:
-        values = np.array(VALUES, np.uint32).view(np.float32)
-        squares = [(value, *fog.bias_and_multiplier(fog_mode)) for value in values]
+        line = fog.bias_and_multiplier(fog_mode)
+        squares = [(value, *line) for value in scenes.from_patterns(VALUES)]
     program = PROGRAMS.get(prefix, PROGRAMS[""])
     draws = [
         _square(place, value, program, state(bias, multiplier))

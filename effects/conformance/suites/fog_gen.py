@@ -55,13 +55,10 @@ def _corners():
     lower left.
     """
     for left, top, z, _ in _squares():
-        for x, y, depth in (
-            (left, top, z),
-            (left + SIZE, top, z + 1),
-            (left + SIZE, top + SIZE, z + 1),
-            (left, top + SIZE, z),
-        ):
-            yield x, y, depth
+        yield left, top, z
+        yield left + SIZE, top, z + 1
+        yield left + SIZE, top + SIZE, z + 1
+        yield left, top + SIZE, z
 
 
 def _radius_left_behind(world):
@@ -89,7 +86,9 @@ def _mesh(programmed, generation):
         "fog_coordinates": coordinates,
     }
     if programmed:
-        corners = np.concatenate([corners[:, :2], np.zeros((len(corners), 1)), corners[:, 2:] + scenes.XDK_EYE], 1)
+        corners = np.concatenate(
+            [corners[:, :2], np.zeros((len(corners), 1)), corners[:, 2:] + scenes.XDK_EYE], 1
+        )
         return scenes.window_mesh(corners, **arrays)
     return Mesh(world, PrimitiveType.QUADS, **arrays)
 

@@ -52,6 +52,4 @@ def case(name, inputs):
         if again:
             color, alpha = np.array(AGAIN, np.float32), alpha * FADING
     mesh = scenes.window_mesh(corners, colors=np.array(colors, np.float64))
-    return Case(
-        commands=(scenes.clear(0xFF444444), Draw(label="squares", mesh=mesh, state=scenes.DEFAULT))
-    )
+    return Case(commands=(scenes.clear(0xFF444444), Draw(label="squares", mesh=mesh, state=scenes.DEFAULT)))

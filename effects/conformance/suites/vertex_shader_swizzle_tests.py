@@ -18,10 +18,13 @@ SUITE = "Vertex_shader_swizzle_tests"
 # Masks, every one with every swizzle of its row, in pictures of nine. Those of NAMov are drawn opaque.
 INSTRUCTIONS = {
     "Mov": (
-        "xw x yz xyzw yw zw xy z yzw w xzw xyw xz xyz y".split(),
-        "xw zy yw yzw yx wzy xzw zx zxy wz".split(),
+        ("xw", "x", "yz", "xyzw", "yw", "zw", "xy", "z", "yzw", "w", "xzw", "xyw", "xz", "xyz", "y"),
+        ("xw", "zy", "yw", "yzw", "yx", "wzy", "xzw", "zx", "zxy", "wz"),
     ),
-    "NAMov": ("y xz xy z yz x xyz".split(), "wz xw zx xy yzw wzy zy yw xzw zxy yx wy".split()),
+    "NAMov": (
+        ("y", "xz", "xy", "z", "yz", "x", "xyz"),
+        ("wz", "xw", "zx", "xy", "yzw", "wzy", "zy", "yw", "xzw", "zxy", "yx", "wy"),
+    ),
 }
 PER_PICTURE = 9
 CASES = {"Control": ((), False), "ControlNA": ((), True)}

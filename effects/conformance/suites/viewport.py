@@ -94,4 +94,7 @@ def case(name, inputs):
     if name not in CASES:
         return None
     explanation = ON_AN_EDGE if CASES[name] in (0.5625, -0.4375) else ""
-    return Case(commands=(scenes.clear(0xFE404040), *draws((GREY, PROGRAMMED, FIXED), CASES[name])), explanation=explanation)
+    return Case(
+        commands=(scenes.clear(0xFE404040), *draws((GREY, PROGRAMMED, FIXED), CASES[name])),
+        explanation=explanation,
+    )

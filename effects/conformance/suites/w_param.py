@@ -1,4 +1,4 @@
-"""W_param: clip coordinates w that are zero, infinite, tiny, huge or negative, and the clamped reciprocal RCC.
+"""W_param: clip coordinates w that are zero, infinite, tiny, huge or negative; the clamped reciprocal RCC.
 
 Source: src/tests/w_param_tests.cpp of nxdk_pgraph_tests. Not drawn are the cases with a negative w in which a
 primitive goes through infinity, and the strips with such gaps.
@@ -8,12 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.conformance import scenes, vertex_programs
+from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
-from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.effects.conformance.through_infinity import near_part
+from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import BlendFactor, PrimitiveType, TextureTarget
-from fixedpipe.pipeline.state import Blending, Composite, DepthClamp, TextureUnit, VertexState
+from fixedpipe.pipeline.state import Blending, DepthClamp, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.vertices.projection import composite_coordinates
 from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 
 SUITE = "W_param"
@@ -22,13 +24,13 @@ LEAST, MOST = np.float32(5.421011e-20), np.float32(1.8446744e19)  # about what R
 INFINITE = 2.0**65  # beyond what the chip tells from infinity
 # By name, the factor that the last corner's w is multiplied with and the first one's divided by.
 FACTORS = {
-    "0.00": 0.0, "0.25": 0.25, "0.50": 0.5, "1.00": 1.0, "2.00": 2.0, "4.00": 4.0, "inf": np.inf, "-inf": -np.inf,
-    "-4.00": -4.0, "-2.00": -2.0, "-1.00": -1.0, "-0.50": -0.5, "-0.25": -0.25, "-0.00": -0.0,
+    "0.00": 0.0, "0.25": 0.25, "0.50": 0.5, "1.00": 1.0, "2.00": 2.0, "4.00": 4.0, "inf": np.inf,
+    "-inf": -np.inf, "-4.00": -4.0, "-2.00": -2.0, "-1.00": -1.0, "-0.50": -0.5, "-0.25": -0.25, "-0.00": -0.0,
 } | {
     name: -LEAST * (np.float32(steps) * LEAST)
     for name, steps in (
-        ("-3.08e-33", 1048576), ("-0.96e-34", 32768), ("-1.50e-36", 512), ("-7.52e-37", 256), ("-3.76e-37", 128),
-        ("-1.88e-37", 64),
+        ("-3.08e-33", 1048576), ("-0.96e-34", 32768), ("-1.50e-36", 512), ("-7.52e-37", 256),
+        ("-3.76e-37", 128), ("-1.88e-37", 64),
     )
 }  # fmt: skip
 SHAPES = ("_bitri", "_quad")
@@ -46,7 +48,12 @@ def names():
     """Every case of the suite."""
     return [
         *(f"rcc_w_zero_inf__z{factor}" for factor in FACTORS),
-        *(f"{stage}_w_zero_inf_{shape}_w{factor}" for stage in ("prog", "ff") for shape in SHAPES for factor in FACTORS),
+        *(
+            f"{stage}_w_zero_inf_{shape}_w{factor}"
+            for stage in ("prog", "ff")
+            for shape in SHAPES
+            for factor in FACTORS
+        ),
         *(
             f"{case}{suffix}"
             for suffix in ("", "_tex_persp")
@@ -76,7 +83,8 @@ def _reciprocals(factor):
     red, yellow, cyan, green = (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 1.0), (0.0, 1.0, 0.0)
     colors = np.array([(*c, 1.0) for c in (red, yellow, cyan, green, cyan, yellow)])
     results = RECIPROCAL.run({"OPOS": np.array(corners), "COL0": colors})
-    mesh = vertex_programs.results_mesh(results, PrimitiveType.TRIANGLES)
+    rows = np.concatenate([results["HPOS"], results["COL0"]], axis=1)
+    mesh = near_part(rows, "colors", SPLIT["_bitri"])
     yield scenes.clear(BACKGROUND)
     state = replace(scenes.DEFAULT, blending=ADDED, depth_clamp=DepthClamp())
     yield Draw(label="triangles", mesh=mesh, state=state)
@@ -87,29 +95,34 @@ def _texture(first, second):
     return TexImage(label="checkerboard", texture="checkerboard", image=image)
 
 
-TEXELS = {"_quad": ((0, 0), (1, 0), (1, 1), (0, 1)), "_bitri": ((0, 0), (1, 0), (0, 1), (1, 1), (0, 1), (1, 0))}
+SPLIT = {"_quad": ((0, 1, 2), (0, 2, 3)), "_bitri": ((0, 1, 2), (3, 4, 5))}  # corners of each triangle
+TEXELS = {
+    "_quad": ((0, 0), (1, 0), (1, 1), (0, 1)),
+    "_bitri": ((0, 0), (1, 0), (0, 1), (1, 1), (0, 1), (1, 0)),
+}
 
 
-def _textured(shape, positions, vertex, programmed, **state):
-    primitive = PrimitiveType.QUADS if shape == "_quad" else PrimitiveType.TRIANGLES
-    coordinates = (SIZE * np.array(TEXELS[shape], np.float64),)
-    if programmed:
-        mesh = scenes.window_mesh(positions, primitive, texture_coordinates=coordinates)
-    else:
-        mesh = Mesh(scenes.single(positions), primitive, texture_coordinates=coordinates)
-    state = replace(
-        scenes.DEFAULT,
-        vertex=vertex,
-        register_combiners=scenes.SHOWS_TEXTURE0,
-        texture_units=(TextureUnit("checkerboard", scenes.NEAREST),),
-        **state,
+def _textured(shape, positions):
+    """The square through infinity, as a vertex program's results."""
+    rows = np.concatenate([scenes.single(positions), SIZE * np.array(TEXELS[shape], np.float64)], axis=1)
+    return Draw(
+        label="square",
+        mesh=near_part(rows, "texture_coordinates", SPLIT[shape]),
+        state=replace(
+            scenes.DEFAULT,
+            register_combiners=scenes.SHOWS_TEXTURE0,
+            texture_units=(TextureUnit("checkerboard", scenes.NEAREST),),
+            blending=ADDED,
+            depth_clamp=DepthClamp(),
+        ),
     )
-    return Draw(label="square", mesh=mesh, state=state)
 
 
 def _programmed(shape, factor):
-    first, last = (min(float(w), INFINITE) for w in _ends(factor))
-    upper, lower = (LEFT, TOP, 0.0, first), (RIGHT, BOTTOM, 0.0, last)
+    first, last = (np.clip(w, -INFINITE, INFINITE) for w in _ends(factor))
+    ends = ((LEFT, TOP), (RIGHT, BOTTOM))  # the other way round where w is negative
+    upper = (*ends[int(np.signbit(first))], 0.0, first)
+    lower = (*ends[1 - int(np.signbit(last))], 0.0, last)
     if shape == "_quad":
         corners = [upper, (RIGHT, TOP, 0.0, 1.0), lower, (LEFT, BOTTOM, 0.0, 1.0)]
     else:
@@ -120,22 +133,23 @@ def _programmed(shape, factor):
         ]
     yield scenes.clear(BACKGROUND)
     yield _texture(0xFF00C0C0, 0xFFC00000)
-    yield _textured(
-        shape, corners, scenes.PROGRAM_RESULTS, True, blending=ADDED, depth_clamp=DepthClamp()
-    )
+    yield _textured(shape, corners)
 
 
 def _fixed(shape, factor):
-    first, last = (min(float(w), INFINITE) for w in _ends(factor))
+    """The same through the fixed functions, whose viewport moves the origin to the screen's middle."""
+    first, last = (np.clip(w, -INFINITE, INFINITE) for w in _ends(factor))
     near, far = float(LEAST), float(MOST)
     upper = (-HALF * near, -HALF * near, 0.0, first)
     lower = (HALF * far, HALF * far, 0.0, last)
     right, left = (HALF, -HALF, 0.0, 1.0), (-HALF, HALF, 0.0, 1.0)
     corners = [upper, right, lower, left] if shape == "_quad" else [upper, right, left, lower, left, right]
-    vertex = VertexState(composite=Composite(offset=(WIDTH / 2, HEIGHT / 2, 0.0)))
+    columns = scenes.single(corners).T
+    columns[3] = np.copysign(np.clip(np.abs(columns[3]), 2.0**-64, 2.0**64), columns[3])
+    x, y, z, _ = composite_coordinates(columns, (WIDTH / 2, HEIGHT / 2, 0.0), HEIGHT)
     yield scenes.clear(BACKGROUND)
     yield _texture(0xFF00FFFF, 0xFFFF0000)
-    yield _textured(shape, corners, vertex, False, blending=ADDED, depth_clamp=DepthClamp())
+    yield _textured(shape, np.stack([x, HEIGHT - y, z, columns[3]], axis=1))
 
 
 def _strip(perspective):
