@@ -1,8 +1,9 @@
-"""Triangles whose corners have a w of either sign, or lie further off than a machine's guard band, as polygons
-that have neither: what of them is near the screen.
+"""Triangles whose corners have a w of either sign, or lie further off than a machine's guard band, as
+polygons that have neither: what of them is near the screen.
 
-Measured: the chip fills what the homogeneous triangle covers where w is positive (W_param: 24 captures of quads
-that go through infinity), and keeps the direction of a corner at 1e35 pixels (rcc_w_zero_inf__z-3.08e-33).
+Measured: the chip fills what the homogeneous triangle covers where w is positive (W_param: all pixels of 11
+captures of quads that go through infinity), and keeps the direction of a corner at 1e35 pixels
+(rcc_w_zero_inf__z-3.08e-33).
 """
 
 from fractions import Fraction
@@ -51,6 +52,14 @@ def _clamped(corner):
     return [x, y, z, float(np.copysign(size, w)), *values]
 
 
+def _middle(ws):
+    """A power of two in the middle of numbers: the weights depend on their quotients, and reciprocals of
+    extreme ones are clamped.
+    """
+    exponents = [w.numerator.bit_length() - w.denominator.bit_length() for w in ws] or [0]
+    return Fraction(2) ** ((min(exponents) + max(exponents)) // 2)
+
+
 def near_part(corners, name, split):
     """The mesh of triangles' parts near the screen.
 
@@ -63,10 +72,11 @@ def near_part(corners, name, split):
         if not all(_is_near(corner) for corner in polygon):
             exact = [[Fraction(v) for v in corner] for corner in polygon]
             homogeneous = [[x * w, y * w, z * w, w, *values] for x, y, z, w, *values in exact]
+            clipped = [v for v in _clipped(homogeneous) if v[3] > 0]
+            unit = _middle([w for _, _, _, w, *_ in clipped])
             polygon = [
-                [float(v) for v in (x / w, y / w, z / w, w, *values)]
-                for x, y, z, w, *values in _clipped(homogeneous)
-                if w > 0
+                [float(v) for v in (x / w, y / w, z / w, w / unit, *values)]
+                for x, y, z, w, *values in clipped
             ]
         for i in range(1, len(polygon) - 1):
             rows += [polygon[0], polygon[i], polygon[i + 1]]

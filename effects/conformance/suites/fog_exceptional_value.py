@@ -23,8 +23,8 @@ PROGRAMS = {
     )
     for prefix, instruction in (("", "MOV"), ("RCP-", "RCP"))
 }
-# Bit patterns: 0, 1, 10, 100, 1000, -1.24, -10.75; and with both signs infinity, a quiet and a signalling NaN,
-# the largest, the least normal, the largest and the least denormal number.
+# Bit patterns: 0, 1, 10, 100, 1000, -1.24, -10.75; and with both signs infinity, a quiet and a signalling
+# NaN, the largest, the least normal, the largest and the least denormal number.
 VALUES = (
     0x00000000, 0x3F800000, 0x41200000, 0x42C80000, 0x447A0000, 0xBF9EB852, 0xC12C0000,
     0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC00000, 0x7F800001, 0xFF800001, 0x7F7FFFFF, 0xFF7FFFFF,
