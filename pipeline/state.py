@@ -599,8 +599,9 @@ class FogRegisters:
     """The NV2A's own fog parameters: the factor is a function of ``multiplier * coordinate + bias``.
 
     LINEAR fog is that sum minus 1; EXP fog is 2^(16 x) and EXP2 fog 2^(-32 x^2) of the sum minus 1.5, x.
-    ``plane``: of PLANAR and ABSOLUTE_PLANAR generation, in eye coordinates. ``absolute``: the coordinate's
-    magnitude (the modes with _ABS). After a vertex program the coordinate is the vertices' own.
+    ``plane``: of PLANAR and ABSOLUTE_PLANAR generation, in eye coordinates. ``absolute``: the magnitude (the
+    modes with _ABS), of LINEAR's coordinate and EXP's x; EXP2 has no sign. After a vertex program the
+    coordinate is the vertices' own, which may be infinite or no number.
     """
 
     bias: float = 1.0

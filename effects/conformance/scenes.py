@@ -64,6 +64,7 @@ def shows(register):
 
 
 SHOWS_PRIMARY = shows(PRIMARY)
+SHOWS_PRIMARY_OPAQUE = program(stage(total(PRIMARY, to=SPARE0)), shown(SPARE0))
 SHOWS_TEXTURE0 = shows(TEXTURE0)
 RECTANGLES = LineState(rasterization=LineRasterization.RECTANGLE)
 # Faces whose corners turn clockwise on the screen; the others are culled.
@@ -76,6 +77,12 @@ DEFAULT = PassState(
 def single(values):
     """Numbers as the chip reads them, in single precision."""
     return np.asarray(values, np.float32).astype(np.float64)
+
+
+def from_patterns(words):
+    """Float64 of bit patterns of single-precision numbers, which may be infinite or none."""
+    with np.errstate(invalid="ignore"):  # a signalling NaN says so when it is read
+        return np.array(words, np.uint32).view(np.float32).astype(np.float64)
 
 
 def window_mesh(positions, primitive=PrimitiveType.QUADS, height=HEIGHT, **arrays):

@@ -6,10 +6,10 @@ exact arithmetic up to 20 differ: a vertex in the middle of the screen lands jus
 
 import numpy as np
 
+from fixedpipe.effects.conformance import host_matrices
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
-from fixedpipe.effects.conformance.processor_matrices import inverse, times
-from fixedpipe.effects.conformance.processor_matrices import product as product_of
-from fixedpipe.effects.conformance.scenes import single
+from fixedpipe.effects.conformance.scenes import single, window_mesh
+from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.vertices.chip_floats import (
     TRANSFORM_BITS,
     product,
@@ -17,6 +17,7 @@ from fixedpipe.pipeline.vertices.chip_floats import (
     transform_dot,
     transform_inverse_root,
 )
+from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 
 EYE_DISTANCE, NEAR, FAR = 7.0, 1.0, 200.0
 
@@ -55,41 +56,46 @@ def perspective(points, depth_maximum=16777215.0, eye=EYE_DISTANCE, far=FAR, off
 # ------------------------------------------------------------------------------------------- projection
 
 
-def _unprojection(z_maximum=16777215.0):
-    """The inverse of the default view's matrix for row vectors, in single precision and by cofactors.
-
-    The viewport's depth range is -1 to 1 there. Source: CalculateViewportMatrix of ProjectionVertexShader.
-    """
-    f = np.float32
-    y_scale = f(1) / f(np.tan(f(np.pi / 8)))
-    depth = f(FAR) / (f(FAR) - f(NEAR))
-    projection, viewport, view = np.zeros((4, 4), f), np.eye(4, dtype=f), np.eye(4, dtype=f)
-    projection[0, 0], projection[1, 1] = y_scale / f(WIDTH / HEIGHT), y_scale
-    projection[2, 2:] = depth, 1
-    projection[3, 2] = -depth * f(NEAR)
-    viewport[0, 0], viewport[1, 1], viewport[2, 2] = WIDTH / 2, -HEIGHT / 2, f(z_maximum) / f(2)
-    viewport[3, :3] = WIDTH / 2, HEIGHT / 2, f(z_maximum) / f(2)
-    view[3, 2] = EYE_DISTANCE
-    return inverse(product_of(view, product_of(projection, viewport)))
-
-
 def unproject(x, y, z):
-    """World position [3] of a device pixel at the depth ``z``, in depth units."""
-    world = times((x, y, z, 1), _unprojection())
+    """World position [3] of a device pixel at the depth ``z``, in depth units of 24 bits.
+
+    Measured: Specular/ControlFlagsLightDisable_VS, 300970 of 300970.
+    """
+    _, inverse = host_matrices.programmed()
+    world = host_matrices.times(np.array([x, y, z, 1], np.float32), inverse)
     return (world[:3] / world[3]).astype(np.float64)
 
 
-# ------------------------------------------------------------------------------------------ instructions
+# ---------------------------------------------------------------------------------------------- programs
 
-# Slopes of 32 pieces of 2^x and of log2(x); the pieces' starts follow. Source: envytools (nvhw/xf.c).
-EXPONENTIAL_SLOPES = (
-    359, 366, 375, 383, 391, 400, 409, 417, 427, 436, 445, 455, 466, 475, 486, 497,
-    507, 518, 530, 542, 553, 565, 578, 591, 603, 617, 629, 645, 657, 673, 689, 699,
-)  # fmt: skip
-LOGARITHM_SLOPES = (
-    11702, 11271, 10966, 10650, 10361, 10106, 9800, 9574, 9337, 9112, 8898, 8693, 8499, 8310, 8133, 7962,
-    7796, 7641, 7488, 7343, 7202, 7070, 6939, 6814, 6692, 6578, 6464, 6356, 6251, 6147, 6058, 5930,
-)  # fmt: skip
+# A position through the model, view and projection matrices of ``host_matrices.perspective_constants``, then
+# divided by w, which R12 keeps. Source: projection_vertex_shader_no_lighting.vsh of nxdk_pgraph_tests.
+PROJECTS = "\n".join(
+    [
+        *(
+            f"DP4 {to}.{component}, {given}, c[{first + row}];"
+            for to, given, first in (("R0", "v[OPOS]", 96), ("R1", "R0", 100), ("R0", "R1", 104))
+            for row, component in enumerate("xyzw")
+        ),
+        "RCP R1.x, R0.w; MUL o[HPOS].xyz, R0, R1.x; MOV o[HPOS].w, R0;",
+    ]
+)
+PROJECTION = vertex_program(PROJECTS)
+COPIES_COLORS = "MOV o[COL0], v[COL0]; MOV o[COL1], v[COL1]; MOV o[BFC0], v[BFC0]; MOV o[BFC1], v[BFC1];"
+
+
+def results_mesh(results, primitive=PrimitiveType.QUADS, **arrays):
+    """A mesh of what a VertexProgram's ``run`` gave, in device pixels. ``arrays``: what it did not write."""
+    written = {"colors": "COL0", "secondary_colors": "COL1", "fog_coordinates": "FOGC"}
+    arrays |= {array: results[output] for array, output in written.items() if output in results}
+    for name in ("colors", "secondary_colors"):
+        if name in arrays:  # Measured: a NaN is 1, with its sign bit 0 (Attrib_float, -NaNq_NaNq)
+            numbers = np.where(np.signbit(arrays[name]), 0.0, 1.0)
+            arrays[name] = np.where(np.isfinite(arrays[name]), arrays[name], numbers)
+    return window_mesh(results["HPOS"], primitive, **arrays)
+
+
+# ------------------------------------------------------------------------------------------ instructions
 
 
 def dp3(a, b):
@@ -111,17 +117,3 @@ def normalized(v):
     """DP3, RSQ and MUL: a vector of three columns made a unit vector."""
     root = transform_inverse_root(dp3(v, v))
     return [mul(c, root) for c in v]
-
-
-def lit_power(base, exponent):
-    """LIT's z for base columns > 0 and an exponent from 0 to 127: 2^(exponent log2(base)), by two tables."""
-    mantissa, power = np.frexp(np.where(base > 0, base, 1.0))
-    fraction = np.ldexp(mantissa, 24).astype(np.int64) - (1 << 23)
-    piece, rest = fraction >> 18, fraction >> 10 & 255
-    starts = np.concatenate([[0], np.cumsum(LOGARITHM_SLOPES)])
-    logarithm = starts[piece] * 256 + np.array(LOGARITHM_SLOPES)[piece] * rest + ((power - 1) << 26)
-    scaled = logarithm * int(exponent * 8192) >> 26
-    piece, rest = scaled >> 8 & 31, scaled & 255
-    starts = np.concatenate([[0], np.cumsum(EXPONENTIAL_SLOPES)])
-    fraction = starts[piece] * 256 + np.array(EXPONENTIAL_SLOPES)[piece] * rest
-    return np.where(base > 0, np.ldexp((fraction << 1) + (1 << 23), (scaled >> 13) - 23), 0.0)

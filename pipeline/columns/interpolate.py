@@ -5,7 +5,14 @@ import numpy as np
 from fixedpipe.pipeline.columns.combiners import arithmetic_of
 from fixedpipe.pipeline.columns.fragments import FragmentColumns, fragment_depths
 from fixedpipe.pipeline.columns.textures import unit_samplers
-from fixedpipe.pipeline.enums import Clamp, ColorWeights, FrontFace, LineRasterization, ShadeModel
+from fixedpipe.pipeline.enums import (
+    Clamp,
+    ColorWeights,
+    FogArithmetic,
+    FrontFace,
+    LineRasterization,
+    ShadeModel,
+)
 from fixedpipe.pipeline.framebuffers.depths import depth_units
 from fixedpipe.pipeline.programs.texture_shader_rules import shader_stages
 from fixedpipe.pipeline.vertices.colors import COLOR_REACH, fragment_colors
@@ -53,7 +60,7 @@ class IteratedPrimitives:
                 secondary = self._turned(secondary, corners[:, :, 4:7], b0, b2)
         fog = None
         if state.fog is not None:
-            fog = interpolate.iterate(b0, b2, p.fog[vertices])
+            fog = self._fog(vertices, q0, q2, b0, b2)
 
         def edges(px, py):
             return self._edges(x, y, kinds, px, py)
@@ -70,6 +77,13 @@ class IteratedPrimitives:
         return FragmentColumns(
             px, py, depth, primary, secondary, fog, coordinates, lod, self.divided, footprints, sides
         )
+
+    def _fog(self, vertices, q0, q2, b0, b2):
+        """What is iterated for fog: under TABLE as texture coordinates are."""
+        corners = self.primitives.fog[vertices]
+        if self.profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
+            return interpolate.iterate_coordinates(q0, q2, corners[..., None])[0][:, 0]
+        return interpolate.iterate(b0, b2, corners)
 
     def _edges(self, x, y, kinds, px, py, drawn=False):
         """(n0, n1, n2) of pixels; ``drawn``: of the fragments themselves, which in a wide line of diamonds

@@ -9,7 +9,7 @@ from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
-from fixedpipe.pipeline.vertices.fog import table
+from fixedpipe.pipeline.vertices.fog import folds, table
 from fixedpipe.raster.columns import numbers
 from fixedpipe.raster.witness import nobody
 
@@ -21,7 +21,9 @@ def _fog_register(fog, coordinates, profile, count, one):
     color = numbers.fixed(fog.color, one)[:3]
     if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
         at = np.clip(np.floor(coordinates * 4096.0), 0.0, 8192.0)
-        factor = table(fog.mode)[np.where(np.isnan(at), 0.0, at).astype(np.int64)].astype(np.int64)
+        factor = table(fog.mode, folds(fog))[np.where(np.isnan(at), 0.0, at).astype(np.int64)].astype(
+            np.int64
+        )
         factor = numbers.convert(factor, 255, one)
     else:
         rising = fog.mode == FogMode.LINEAR and fog.start > fog.end

@@ -20,7 +20,7 @@ from fixedpipe.pipeline.framebuffers.boxes import device_edges
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS, color_codes, to_code
 from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
-from fixedpipe.pipeline.vertices.fog import table
+from fixedpipe.pipeline.vertices.fog import folds, table
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -37,7 +37,7 @@ def pack_fog(state, profile, used, draw):
     draw[R.FOG_RED : R.FOG_BLUE + 1] = color_codes(state.fog.color, one)[:3]
     if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
         draw[R.FOG_ENABLED] = C.FOG_BY_TABLE
-        factors = table(state.fog.mode)
+        factors = table(state.fog.mode, folds(state.fog))
         if one == 255:
             return factors.copy()  # kernels take writable arrays
         return convert(factors.astype(np.int64), 255, one).astype(np.float64)

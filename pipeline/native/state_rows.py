@@ -145,7 +145,8 @@ class StateRows:
             iterates = self.reads_color and flat == C.COLORS_SMOOTH
             draw[R.NEEDS_COLOR_WEIGHTS] = self.color_weights if iterates else C.WEIGHTS_NONE
             eight_bits = draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EIGHT_BITS
-            draw[R.NEEDS_ITERATION_WEIGHTS] = eight_bits or self.textured
-            draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED]
+            by_table = draw[R.FOG_ENABLED] == C.FOG_BY_TABLE
+            draw[R.NEEDS_ITERATION_WEIGHTS] = eight_bits or self.textured or by_table
+            draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED] and not by_table
         self.varied[varies] = made = draw, units, {}
         return made

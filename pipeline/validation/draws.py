@@ -9,7 +9,7 @@ from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
 from fixedpipe.pipeline.state import Color, PassState, RegisterCombiners, VertexState
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
-from fixedpipe.pipeline.validation.meshes import checked_meshes, mesh_problem
+from fixedpipe.pipeline.validation.meshes import checked_meshes, infinite_fog_problem, mesh_problem
 
 
 def draw(walk, command):
@@ -23,6 +23,8 @@ def draw(walk, command):
             return
     walk.warned = False
     pass_state(walk, state, mesh)
+    if problem := infinite_fog_problem(mesh, state, walk.profile):
+        walk.refuse(problem)
     _points_and_lines(walk, state, mesh)
     if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
         walk.refuse(f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all.")

@@ -4,11 +4,12 @@ from weakref import WeakSet
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.enums import FogArithmetic, PrimitiveType, VertexStage
 from fixedpipe.pipeline.sentences import shown
 from fixedpipe.pipeline.validation.types import check_int, enum_check
 
 checked_meshes = WeakSet()  # in which nothing was found wrong
+infinite_fog = WeakSet()  # those whose fog coordinates are not all finite, as a vertex program's may be
 _check_primitive = enum_check(PrimitiveType)
 
 _MESH_ARRAYS = (
@@ -52,9 +53,13 @@ def mesh_problem(mesh):
         array = getattr(mesh, name)
         if array is not None and array.ndim != 1:
             return f"the mesh's {name} has shape {array.shape}; give [vertices]."
-        if array is not None and (
-            problem := _array_problem(f"the mesh's {name}", array[:, None], vertices, 1, 1)
-        ):
+        if array is None:
+            continue
+        finite = np.isfinite(array)
+        if name == "fog_coordinates" and not finite.all():
+            infinite_fog.add(mesh)
+            array = np.where(finite, array, 0.0)
+        if problem := _array_problem(f"the mesh's {name}", array[:, None], vertices, 1, 1):
             return problem
     for name, (low, high) in _MESH_ARRAYS:
         array = getattr(mesh, name)
@@ -77,6 +82,15 @@ def mesh_problem(mesh):
                 f"numbers from 0 to {vertices - 1}."
             )
     return _counts_problem(mesh.counts, drawn)
+
+
+def infinite_fog_problem(mesh, state, profile):
+    """What is wrong with fog coordinates that are not finite in a state, a sentence, or None."""
+    known = profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE
+    if mesh not in infinite_fog or (known and state.vertex.stage == VertexStage.PROGRAM_RESULTS):
+        return None
+    problem = _finite_problem("the mesh's fog_coordinates", mesh.fog_coordinates[:, None])
+    return f"{problem} A vertex program's results alone may have others, where a machine's fog is a table."
 
 
 def _counts_problem(counts, drawn):

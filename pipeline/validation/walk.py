@@ -13,7 +13,7 @@ from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType,
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.sentences import depth_words
 from fixedpipe.pipeline.textures.images import Texture
-from fixedpipe.pipeline.validation.meshes import checked_meshes
+from fixedpipe.pipeline.validation.meshes import checked_meshes, infinite_fog
 from fixedpipe.pipeline.validation.remembered import Remembered
 
 if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
@@ -94,6 +94,7 @@ class _Beside(NamedTuple):
     textures: tuple[KnownTexture | None, ...]
     coordinate_sets: int
     primitive: PrimitiveType
+    infinite_fog: bool
 
 
 class Known(NamedTuple):
@@ -191,4 +192,5 @@ class Walk:
         if mesh not in checked_meshes:
             return None
         textures = tuple([self.textures.get(name) for name in names])
-        return _Beside(names, textures, len(mesh.texture_coordinates), mesh.primitive)
+        sets = len(mesh.texture_coordinates)
+        return _Beside(names, textures, sets, mesh.primitive, mesh in infinite_fog)

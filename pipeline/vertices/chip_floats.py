@@ -63,6 +63,16 @@ def product(a, b, significant_bits):
     return _in_range(truncated(exact, significant_bits), significant_bits)
 
 
+def transform_product(a, b):
+    """A vertex program's product: an infinite one keeps its sign, 0 times anything is 0, and NaN has no sign.
+
+    Source: NV_vertex_program; envytools (fp32_mul). Measured: Attrib_float.
+    """
+    exact = np.where((a == 0) | (b == 0), ZERO, a * b)
+    exact = np.where(np.isnan(exact), np.nan, exact)
+    return _in_range(truncated(exact, TRANSFORM_BITS), TRANSFORM_BITS)
+
+
 def total(terms, significant_bits, guard_bits=SUM_GUARD_BITS):
     """The terms' sum: each is cut, toward zero, ``guard_bits`` below the last bit of the largest, and the
     exact sum of what is left is cut to ``significant_bits``. An infinite sum is positive.

@@ -10,26 +10,29 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.pipeline.enums import FogArithmetic, FogCoordinateSource, FogGeneration, FogMode, VertexStage
-from fixedpipe.pipeline.vertices.arithmetic import (
-    ZERO,
-    columns_of,
-    length,
-    weighted_sum,
+from fixedpipe.pipeline.vertices.arithmetic import ZERO, columns_of, weighted_sum
+from fixedpipe.pipeline.vertices.chip_floats import (
+    LIGHTING_BITS,
+    TRANSFORM_BITS,
+    product,
+    single,
+    to_lighting,
+    total,
+    transform_dot,
+    transform_inverse_root,
 )
-from fixedpipe.pipeline.vertices.chip_floats import LIGHTING_BITS
-from fixedpipe.raster.floats import SINGLE_BITS, keep_significant_bits
 
 LN_256 = 5.545177444479562  # Source: the natural logarithm, rounded to float64
 TABLE_SIZE = 8193  # entries of ``table``
 _NODES, _STEPS = 32, 64  # Measured: straight lines between 32 nodes of 64 steps of 1/4096 (Fog captures)
+_LINEAR_STEPS = np.float64(2**21)  # of a LINEAR value's one
 _LARGEST = np.float64(2.0**127)  # what an infinite vertex value becomes. Assumed: any large number
 
 
 def line(fog):
     """(bias, multiplier) of a Fog: its registers', or what a driver makes of OpenGL's parameters.
 
-    Rounded to the bits that ``vertex_value`` keeps. Measured: the multiplier's 14 bits (to nearest, or 15
-    truncated; 13, 14 truncated or 16 contradict a vertex of the Fog captures).
+    In single precision; for the exponential modes as they enter the lighting unit.
     """
     if fog.registers is not None:
         bias, multiplier = fog.registers.bias, fog.registers.multiplier
@@ -39,48 +42,54 @@ def line(fog):
     else:
         range_of_table = LN_256 if fog.mode == FogMode.EXP else float(np.sqrt(LN_256))
         bias, multiplier = 1.5, -fog.density / (2.0 * range_of_table)
-    return tuple(_rounded(value, _bits(fog.mode)) for value in (bias, multiplier))
-
-
-def _bits(mode):
-    return SINGLE_BITS if mode == FogMode.LINEAR else LIGHTING_BITS
-
-
-def _rounded(value, bits):
-    """The nearest float64 of so many significant bits, ties to even."""
-    mantissa, exponent = np.frexp(np.float64(value))
-    return np.ldexp(np.rint(np.ldexp(mantissa, bits)), exponent - bits)
+    entered = single if fog.mode == FogMode.LINEAR else to_lighting
+    return entered(bias), entered(multiplier)
 
 
 def vertex_value(fog, coordinate):
     """What is iterated: coordinate * multiplier + bias, float64 columns in and out.
 
-    The coordinate, the product and the sum are truncated: to single precision for LINEAR fog, to 14
-    significant bits for the others. Measured: 18 vertices of EXP and EXP2 fog, most to within 0.02 of 1/8192
-    (Fog, Fog_vsh captures).
+    The coordinate enters the lighting unit. LINEAR fog's product keeps 24 bits, and its sum is rounded up to
+    21 fraction bits; the others' stay in the lighting unit. What is not finite becomes the largest number:
+    infinite products are positive, and 0 times infinity is 0 but for LINEAR. Measured: 9320 of 9320 squares
+    of Fog_param; the rounding up: the pixels of Fog, Fog_vsh and Fog_gen that lie within 1e-3 of a step.
     """
-    bits, (bias, multiplier) = _bits(fog.mode), line(fog)
-    product = keep_significant_bits(keep_significant_bits(coordinate, bits) * multiplier, bits)
-    return np.fmax(np.fmin(keep_significant_bits(product + bias, bits), _LARGEST), -_LARGEST)
+    bias, multiplier = line(fog)
+    entered = to_lighting(coordinate)
+    if fog.mode == FogMode.LINEAR:
+        scaled = np.where(np.isfinite(entered), product(entered, multiplier, TRANSFORM_BITS), np.inf)
+        value = np.ceil((scaled + bias) * _LINEAR_STEPS) / _LINEAR_STEPS
+    else:
+        value = total((product(entered, multiplier, LIGHTING_BITS), bias), LIGHTING_BITS)
+    return np.where(np.isnan(value), _LARGEST, np.fmax(np.fmin(value, _LARGEST), -_LARGEST))
+
+
+def folds(fog):
+    """Whether values above 3/2 of EXP and EXP2 fog count as those below: EXP2, whose square has no sign, and
+    EXP of a magnitude, which the chip takes here and not of the coordinate. Measured: Fog_param.
+    """
+    absolute = fog.registers is not None and fog.registers.absolute
+    return fog.mode == FogMode.EXP2 or (fog.mode == FogMode.EXP and absolute)
 
 
 @lru_cache(maxsize=8)
-def table(mode):
+def table(mode, folded):
     """float64 [TABLE_SIZE]: the factor's byte, by n = floor(4096 v) of an iterated value v, 0 <= n <= 8192.
 
     Measured: LINEAR 374 of 374 squares (FogGen_VS-linear-fog_x), EXP and EXP2 91557 of 91557 pixels (Fog,
-    Fog_vsh captures).
+    Fog_vsh captures). ``folded``: see ``folds``.
     """
     n = np.arange(TABLE_SIZE)
     if mode == FogMode.LINEAR:
         factor = np.clip(n - 4095, 0, 4096)
         out = np.minimum(factor * 255 >> 12, 255)
     else:
-        x = np.clip(6144 - n, 0, _NODES * _STEPS - 1)
+        steps = np.abs(6144 - n) if folded else 6144 - n
+        x = np.clip(steps, 0, _NODES * _STEPS - 1)
         nodes = np.array(_nodes(mode))
         node, step = x // _STEPS, x % _STEPS
         out = (nodes[node] * (_STEPS - step) + nodes[node + 1] * step + _STEPS // 2) // _STEPS
-        out[n <= 6144 - _NODES * _STEPS] = 0
+        out[steps >= _NODES * _STEPS] = 0
     out = out.astype(np.float64)
     out.setflags(write=False)
     return out
@@ -111,16 +120,19 @@ def _fog_coordinate(mesh, state, eye):
     own = ZERO if mesh.fog_coordinates is None else mesh.fog_coordinates
     if registers is None:
         return np.abs(eye[2]) if fog.coordinate_source == FogCoordinateSource.FRAGMENT_DEPTH else own
-    generation = registers.generation
-    if state.vertex.stage == VertexStage.PROGRAM_RESULTS or generation == FogGeneration.FOG_COORDINATE:
+    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
+    generation = FogGeneration.FOG_COORDINATE if programmed else registers.generation
+    if generation == FogGeneration.FOG_COORDINATE:
         coordinate = own
     elif generation == FogGeneration.SECONDARY_ALPHA:
         coordinate = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))[3]
     elif generation == FogGeneration.RADIAL:
-        coordinate = length(eye[:3])
+        position = [single(component) for component in eye[:3]]
+        squared = transform_dot(position, position)
+        coordinate = product(squared, transform_inverse_root(squared), TRANSFORM_BITS)
     elif generation in (FogGeneration.PLANAR, FogGeneration.ABSOLUTE_PLANAR):
         coordinate = weighted_sum(registers.plane, eye)
     else:
         raise ValueError(f"{generation!r} is no way to make fog coordinates.")
-    absolute = registers.absolute or generation == FogGeneration.ABSOLUTE_PLANAR
-    return np.abs(coordinate) if absolute else coordinate
+    absolute = registers.absolute and not folds(fog)
+    return np.abs(coordinate) if absolute or generation == FogGeneration.ABSOLUTE_PLANAR else coordinate

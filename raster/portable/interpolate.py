@@ -148,6 +148,14 @@ def iteration_weights(edges, count, floats):
         floats[R.Q2, i] = (1.0 - q0) - q1 if last else q2
 
 
+@kernel
+def cut_sum(v1, p0, p2):
+    """The sum of three terms, each cut to 24 bits from the highest bit of the largest."""
+    largest = max(max(abs(v1), max(abs(p0), abs(p2))), SMALLEST)
+    step, steps = step_24(largest)
+    return ((np.trunc(v1 * steps) + np.trunc(p0 * steps)) + np.trunc(p2 * steps)) * step
+
+
 @kernel("void(f8[:,::1],i8,i4[:,::1],i4)")
 def color_weights(floats, count, ints, bits):
     """Weights W0 and W2 of vertices 0 and 2 of so many bits, from Q0 and Q2."""
@@ -240,11 +248,7 @@ def iterate_coordinate(segments, triangles, coordinates, unit, component, floats
         at = uint64(starts[s])
         for i in range(starts[s + 1] - starts[s]):
             k = at + uint64(i)
-            p0, p2 = floats[R.Q0, k] * d0, floats[R.Q2, k] * d2
-            largest = max(max(abs(v1), max(abs(p0), abs(p2))), SMALLEST)
-            step, steps = step_24(largest)
-            total = (np.trunc(v1 * steps) + np.trunc(p0 * steps)) + np.trunc(p2 * steps)
-            floats[p, k] = total * step
+            floats[p, k] = cut_sum(v1, floats[R.Q0, k] * d0, floats[R.Q2, k] * d2)
 
 
 @kernel(void(SEGMENTS, int32[:, ::1], FOG_FACTORS, float64[:, ::1], int64, int16[:, ::1], int64, int32))
@@ -275,9 +279,11 @@ def iterate_fog(segments, triangles, fog, floats, rising, out, plane, bits):
 
 @kernel(void(SEGMENTS, int32[:, ::1], FOG_FACTORS, float64[:, ::1], int16[:, ::1], int64))
 def iterate_fog_table(segments, triangles, fog, floats, out, plane):
-    """The fog factor into a plane of ``out``: the entry of a table of 8193 at floor(4096 v).
+    """The fog factor into a plane of ``out``: the entry of a table of 8193 at floor(4096 v), v iterated as
+    texture coordinates are.
 
-    Measured: 374 of 374 squares and all pixels of 6 captures (FogGen, Fog, Fog_vsh).
+    Measured: all pixels of Fog and Fog_vsh, 5797440 of 5797465 of Fog_gen. With weights of full precision
+    over 200 are wrong in a picture of Fog_gen.
     """
     starts, owners, of_vertex, table = segments.starts, segments.owners, fog.coordinates, fog.thresholds
     for s in range(segments.count):
@@ -286,7 +292,6 @@ def iterate_fog_table(segments, triangles, fog, floats, out, plane):
         d0 = of_vertex[triangles[t, 0]] - v1
         d2 = of_vertex[triangles[t, 2]] - v1
         for i in range(starts[s], starts[s + 1]):
-            v = (v1 + floats[R.B0, i] * d0) + floats[R.B2, i] * d2
-            step = np.floor(v * 4096.0)
+            step = np.floor(cut_sum(v1, floats[R.Q0, i] * d0, floats[R.Q2, i] * d2) * 4096.0)
             step = step if step > 0.0 else 0.0  # what is no number too
             out[plane, i] = int16(table[int32(step if step < 8192.0 else 8192.0)])

@@ -67,6 +67,7 @@ from fixedpipe.pipeline.textures.images import (
     texture_2d,
     widen_to_byte,
 )
+from fixedpipe.pipeline.vertices.fog import folds, table, vertex_value
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import rows
 from fixedpipe.raster.arrays import Segments
@@ -1001,4 +1002,19 @@ def test_every_step_of_table_fog_is_the_specification_s(mode):
     for distances in np.array_split(np.concatenate([steps, steps + 0.5]) / 4096.0, 5):
         values = [fog.vertex_value(state, c) for c in distances.tolist()]
         assert fog_columns(state, distances, NV2A) == [fog.fog_factor(v, state, NV2A) for v in values]
-    assert fog_columns(state, [-3e38, 3e38], NV2A) == [0, 255]
+    assert fog_columns(state, [-3e38, 3e38], NV2A) == [0, 0 if mode == FogMode.EXP2 else 255]
+
+
+@pytest.mark.parametrize("mode", FogMode)
+@pytest.mark.parametrize("absolute", [False, True])
+@pytest.mark.parametrize(("bias", "multiplier"), [(1.5, -0.25), (1.51, 0.0), (-1.0, -1000.0), (2.0, 0.3)])
+def test_fog_coordinates_of_every_kind_are_the_specification_s(mode, absolute, bias, multiplier):
+    registers = FogRegisters(bias, multiplier, FogGeneration.FOG_COORDINATE, absolute=absolute)
+    state = Fog(mode, registers=registers)
+    given = [math.inf, -math.inf, math.nan, 0.0, -0.0, 3.4e38, -3.4e38, 1e-40, 0.3, -0.7, 1.71, -1.71, 100.0]
+    taken = [abs(c) if absolute and not fog.folds(state) else c for c in given]
+    values = [fog.vertex_value(state, c) for c in taken]
+    with np.errstate(invalid="ignore"):
+        assert vertex_value(state, np.array(taken)).tolist() == values
+    entries = table(mode, folds(state))[[math.floor(min(max(4096 * v, 0), 8192)) for v in values]]
+    assert entries.tolist() == [fog.fog_factor(v, state, NV2A) for v in values]

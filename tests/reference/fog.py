@@ -5,7 +5,7 @@ from decimal import Decimal, localcontext
 from functools import cache
 
 from fixedpipe.pipeline.enums import FogArithmetic, FogMode
-from tests.reference import fixed
+from tests.reference import fixed, lighting_unit
 from tests.reference.fixed import clamp
 
 
@@ -37,25 +37,11 @@ def thresholds(mode, density, start, end):
 def fog_factor(coordinate, fog, profile):
     """The factor as a byte. Measured: FogGen, its width; Assumed: rounding to nearest (ROUNDED)."""
     if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
-        return table_factor(coordinate, fog.mode)
+        return table_factor(coordinate, fog.mode, folds(fog))
     limits = thresholds(fog.mode, fog.density, fog.start, fog.end)
     if fog.mode == FogMode.LINEAR and fog.start > fog.end:
         return sum(coordinate >= t for t in limits)
     return sum(coordinate <= t for t in limits)
-
-
-def truncated(value, mode):
-    """The float that fog keeps of another. Measured: 14 significant bits of EXP and EXP2 (Fog captures)."""
-    return fixed.keep_significant_bits(value, 24 if mode == FogMode.LINEAR else 14)
-
-
-def rounded(value, mode):
-    """The nearest number that fog's registers hold. Measured: 14 significant bits (Fog captures)."""
-    if value == 0:
-        return value  # with its sign
-    bits = 24 if mode == FogMode.LINEAR else 14
-    mantissa, exponent = math.frexp(value)
-    return math.ldexp(round(mantissa * 2**bits), exponent - bits)
 
 
 def line(fog):
@@ -69,16 +55,24 @@ def line(fog):
         ln_256 = 5.545177444479562
         divisor = 2.0 * (ln_256 if fog.mode == FogMode.EXP else math.sqrt(ln_256))
         bias, multiplier = 1.5, -fog.density / divisor
-    return rounded(bias, fog.mode), rounded(multiplier, fog.mode)
+    entered = lighting_unit.single if fog.mode == FogMode.LINEAR else lighting_unit.to_lighting
+    return entered(bias), entered(multiplier)
 
 
 def vertex_value(fog, coordinate):
-    """What NV2A iterates. Measured: 18 vertices (Fog, Fog_vsh captures); Assumed: 2^127 for infinity."""
+    """What NV2A iterates. Measured: Fog, Fog_vsh, Fog_gen, Fog_param; Assumed: 2^127 for infinity."""
     bias, multiplier = line(fog)
-    product = truncated(truncated(coordinate, fog.mode) * multiplier, fog.mode)
-    value = truncated(product + bias, fog.mode)
-    value = value if value < 2.0**127 else 2.0**127
-    return value if value > -(2.0**127) else -(2.0**127)
+    entered = lighting_unit.to_lighting(coordinate)
+    if fog.mode == FogMode.LINEAR:
+        finite = math.isfinite(entered)
+        scaled = float(lighting_unit.product(entered, multiplier, lighting_unit.TRANSFORM))
+        value = math.ceil((scaled + float(bias)) * 2.0**21) / 2.0**21 if finite else math.inf
+    else:
+        scaled = lighting_unit.product(entered, multiplier, lighting_unit.LIGHTING)
+        value = float(lighting_unit.total((scaled, bias), lighting_unit.LIGHTING))
+    if math.isnan(value):
+        return 2.0**127
+    return clamp(value, -(2.0**127), 2.0**127)
 
 
 @cache
@@ -90,7 +84,14 @@ def nodes(mode):
         return tuple(int(255 * Decimal(2) ** -power + Decimal("0.5")) for power in powers)
 
 
-def table_factor(value, mode):
+def folds(fog):
+    """Whether values on both sides of 3/2 are alike. Measured: Fog_param, EXP2 and the _ABS modes."""
+    return fog.mode == FogMode.EXP2 or bool(
+        fog.mode == FogMode.EXP and fog.registers is not None and fog.registers.absolute
+    )
+
+
+def table_factor(value, mode, folded=False):
     """NV2A's factor of an iterated value, by 1/4096.
 
     Measured: FogGen_VS-linear-fog_x, 374 of 374 squares; Fog and Fog_vsh captures.
@@ -98,7 +99,7 @@ def table_factor(value, mode):
     step = math.floor(clamp(value * 4096.0, 0.0, 8192.0))
     if mode == FogMode.LINEAR:
         return min(clamp(step - 4095, 0, 4096) * 255 >> 12, 255)
-    x = 6144 - step
+    x = abs(6144 - step) if folded else 6144 - step
     if x >= 2048:
         return 0
     node, fraction = divmod(max(x, 0), 64)

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from fixedpipe.pipeline.enums import (
     ColorFormat,
     ColorWeights,
+    FogArithmetic,
     ShadeModel,
     TextureCompareMode,
     TextureShaderOperation,
@@ -75,6 +76,13 @@ def vertex_colors(primitives, vertices, provoking, back, polygon):
     if polygon.shade_model == ShadeModel.FLAT:
         vertices = [provoking] * 3
     return [primitives.colors[v][side] for v in vertices]
+
+
+def iterated_fog(v, weights, profile):
+    """Fog at a pixel. Measured: as texture coordinates under TABLE (Fog_gen, 5797440 of 5797465 pixels)."""
+    if profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
+        return interpolate.iterate_coordinate(v, weights)
+    return interpolate.iterate(v, weights.b0, weights.b2)
 
 
 def shade(primary, secondary, fog_coordinate, texels, state, textures, profile):
@@ -237,7 +245,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             stages = texture_shader.Stages(state, units, weights, access, full, profile)
             texels, alive, new_depth = stages.run()
             z = z if new_depth is None else new_depth
-        fog_coordinate = interpolate.iterate([primitives.fog[v] for v in vertices], weights.b0, weights.b2)
+        fog_coordinate = iterated_fog([primitives.fog[v] for v in vertices], weights, profile)
         shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, textures, profile)
         if alive:
             per_fragment.write_fragment(target, px, py, shaded, z, state)

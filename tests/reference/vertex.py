@@ -525,22 +525,31 @@ def fog_of_vertex(mesh, i, state, eye, profile):
 
 
 def fog_coordinate(mesh, i, state, eye):
-    """Source: EXT_fog_coord; Measured: PLANAR (NV2A, Fog captures); Assumed: the other generations."""
+    """Source: EXT_fog_coord; Measured: the NV2A's generations (Fog_gen), a program's none."""
     own = 0.0 if mesh.fog_coordinates is None else float(mesh.fog_coordinates[i])
     registers = state.fog.registers
     if registers is None:
         return own if state.fog.coordinate_source == FogCoordinateSource.FOG_COORDINATE else abs(eye[2])
-    kind = registers.generation
-    if state.vertex.stage == VertexStage.PROGRAM_RESULTS or kind == FogGeneration.FOG_COORDINATE:
+    programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
+    kind = FogGeneration.FOG_COORDINATE if programmed else registers.generation
+    if kind == FogGeneration.FOG_COORDINATE:
         coordinate = own
     elif kind == FogGeneration.SECONDARY_ALPHA:
         given = [] if mesh.secondary_colors is None else mesh.secondary_colors[i].tolist()
         coordinate = padded(given, (0.0, 0.0, 0.0, 0.0))[3]
     elif kind == FogGeneration.RADIAL:
-        coordinate = length(eye[:3])
+        coordinate = radius([lighting_unit.single(c) for c in eye[:3]])
     else:
         coordinate = weighted_sum(registers.plane, eye)
-    return abs(coordinate) if registers.absolute or kind == FogGeneration.ABSOLUTE_PLANAR else coordinate
+    absolute = registers.absolute and not fog.folds(state.fog)
+    return abs(coordinate) if absolute or kind == FogGeneration.ABSOLUTE_PLANAR else coordinate
+
+
+def radius(v):
+    """Measured: the transform unit's length, FogGen_FF-linear-radial, 305552 of 305556 pixels."""
+    squared = lighting_unit.transform_dot(v, v)
+    root = lighting_unit.transform_inverse_root(squared)
+    return lighting_unit.product(squared, root, lighting_unit.TRANSFORM)
 
 
 def clip_coordinates(vertex_state, position, eye):

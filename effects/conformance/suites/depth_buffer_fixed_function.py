@@ -11,7 +11,7 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import Case, Shows
-from fixedpipe.effects.conformance.processor_matrices import (
+from fixedpipe.effects.conformance.host_matrices import (
     FARTHEST_16_BIT_FLOAT,
     FARTHEST_24_BIT_FLOAT,
     default_view,

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance import host_matrices, scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.effects.conformance.suites import fog
 from fixedpipe.pipeline.commands import Draw, Mesh
@@ -50,37 +50,51 @@ def _squares():
         z, coordinate = z + 0.5, coordinate - np.float32(0.2)
 
 
-def _mesh(programmed):
-    corners, coordinates = [], []
-    for left, top, z, coordinate in _squares():
-        for x, y, depth in (
-            (left, top, z),
-            (left + SIZE, top, z + 1),
-            (left + SIZE, top + SIZE, z + 1),
-            (left, top + SIZE, z),
-        ):
-            w = depth + scenes.XDK_EYE
-            scale = 1.0 if programmed else scenes.XDK_SCALE / w
-            corners.append(
-                (x, y, 0.0, w)
-                if programmed
-                else ((x - WIDTH / 2) / scale, (HEIGHT / 2 - y) / scale, depth, 1.0)
-            )
-        coordinates += [coordinate] * 4
+def _corners():
+    """Device x, y and world depth of every square's corners, in order: upper left, upper right, lower right,
+    lower left.
+    """
+    for left, top, z, _ in _squares():
+        yield left, top, z
+        yield left + SIZE, top, z + 1
+        yield left + SIZE, top + SIZE, z + 1
+        yield left, top + SIZE, z
+
+
+def _radius_left_behind(world):
+    """The distance from the eye of the last vertex of the cases before, all through the fixed functions.
+
+    Measured: RADIAL fog of a vertex program is the same at every vertex, between 204.5 and 222 (3 captures);
+    Inferred: the unit that measures distances keeps the last one it was given.
+    """
+    x, y, z = world.astype(np.float64)
+    return float(np.sqrt(x * x + y * y + (z + scenes.XDK_EYE) ** 2))
+
+
+def _mesh(programmed, generation):
+    corners = np.array(list(_corners()))
+    coordinates = np.repeat([coordinate for *_, coordinate in _squares()], 4)
+    _, inverse = host_matrices.fixed_function()
+    world = host_matrices.unproject(inverse, *corners.T)
+    if programmed and generation == FogGeneration.RADIAL:
+        coordinates = np.full(len(corners), _radius_left_behind(world[-1]))
     secondary = np.zeros((len(corners), 4))
     secondary[:, 3] = np.tile(SPECULAR_ALPHA, len(corners) // 4)
     arrays = {
         "colors": np.tile((0.0, 0.0, 1.0, 1.0), (len(corners), 1)),
         "secondary_colors": secondary,
-        "fog_coordinates": np.array(coordinates),
+        "fog_coordinates": coordinates,
     }
     if programmed:
+        corners = np.concatenate(
+            [corners[:, :2], np.zeros((len(corners), 1)), corners[:, 2:] + scenes.XDK_EYE], 1
+        )
         return scenes.window_mesh(corners, **arrays)
-    return Mesh(scenes.single(corners), PrimitiveType.QUADS, **arrays)
+    return Mesh(world, PrimitiveType.QUADS, **arrays)
 
 
-def _registers(mode, absolute, generation):
-    if generation != FogGeneration.SECONDARY_ALPHA:
+def _registers(mode, absolute, generation, programmed):
+    if programmed or generation != FogGeneration.SECONDARY_ALPHA:
         bias, multiplier = fog.bias_and_multiplier(mode, START, END)
     else:
         bias, multiplier = {
@@ -100,13 +114,13 @@ def case(name, inputs):
     (mode, absolute), programmed = fog.MODES[mode], stage == "VS"
     state = replace(
         scenes.DEFAULT,
-        vertex=scenes.PROGRAM_RESULTS if programmed else scenes.xdk_vertex(),
+        vertex=scenes.PROGRAM_RESULTS if programmed else host_matrices.xdk_vertex(),
         register_combiners=fog.combined(),
         fog=Fog(
             mode,
             color=scenes.argb(0xDDFF0000),
-            registers=_registers(mode, absolute, GENERATIONS[generation]),
+            registers=_registers(mode, absolute, GENERATIONS[generation], programmed),
         ),
     )
-    draw = Draw(label="squares", mesh=_mesh(programmed), state=state)
+    draw = Draw(label="squares", mesh=_mesh(programmed, GENERATIONS[generation]), state=state)
     return Case(commands=(scenes.clear(0xFF232623), draw))

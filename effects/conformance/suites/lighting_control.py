@@ -15,6 +15,7 @@ from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import PrimitiveType, SecondaryColor
 from fixedpipe.pipeline.state import Lighting, Material
+from fixedpipe.pipeline.vertices.transform_tables import lit_power
 
 SUITE = "Lighting_control"
 
@@ -69,7 +70,7 @@ def _program_results(model):
     facing = np.maximum(vertex_programs.dp3(normal, towards), 0.0)
     viewed = [*towards[:2], vertex_programs.add(towards[2], np.float64(-1.0))]
     half = vertex_programs.normalized(viewed)
-    shine = vertex_programs.lit_power(vertex_programs.dp3(normal, half), SHININESS)
+    shine = lit_power(vertex_programs.dp3(normal, half), SHININESS)
     primary, secondary = [], []
     for c in range(3):
         lit = vertex_programs.mul(np.float64(diffuse[c]), facing)

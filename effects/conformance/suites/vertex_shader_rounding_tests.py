@@ -9,7 +9,7 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
-from fixedpipe.effects.conformance.vertex_programs import perspective
+from fixedpipe.effects.conformance.suites import viewport
 from fixedpipe.pipeline.commands import BindTexImage, Draw, MakeCurrent, Mesh, TexImage
 from fixedpipe.pipeline.enums import ComponentUsage, PrimitiveType, Register, TextureTarget, WindowOrigin
 from fixedpipe.pipeline.state import CombinerInput, Composite, TextureUnit, VertexState
@@ -25,12 +25,10 @@ SUBSCREEN = {f"GeometrySubscreen_{bias:.4f}": bias for bias in BIASES}
 SUPERSCREEN = {f"GeometrySuperscreen_{bias:.4f}": bias for bias in BIASES}
 COMPOSITING = {f"Compositing_{z}": float(z) for z in (-4, -2, 2)}
 
-MAGENTA, GREEN, GREY = 0xFFFF00FF, 0xFF009900, 0xFFE0E0E0  # 0xAABBGGRR
+MAGENTA, GREEN, FIXED_GREEN, GREY = 0xFFFF00FF, 0xFF009900, 0xFF00BB00, 0xFFE0E0E0  # 0xAABBGGRR
 TARGET_COLOR = 0xFF887733  # 0xAABBGGRR, of RenderTarget's quad
 
 LEFT, TOP, SQUARE = WIDTH / 2 - 200, HEIGHT / 2 - 100, 100.0  # the rows of squares, device pixels
-NEAR_Z, FAR_Z, BEHIND = 0.0, 10.0, 0.0001  # of the projected ones: left and right, and the rectangle behind
-
 SHOWN = ((248, 168, 128, 128), (392, 168, 128, 32), (248, 312, 32, 128), (392, 312, 16, 64))  # x, y, size
 LARGE = 1024  # edge of the surface that is larger than the screen, pixels
 PASSES, HALF = 4, 127 / 255  # of Compositing, and the factor of alpha in each. Source: 0.5, cut to a byte
@@ -79,36 +77,10 @@ def _adjacent(bias):
     return (scenes.clear(0xFE404040), _quad("background", corners, GREY), *squares)
 
 
-def _projected_quad(label, left, top, right, bottom, z_left, z_right, word):
-    """A quad of a perspective vertex program, whose right edge lies deeper than its left one."""
-    points = [
-        scenes.unprojected(x, y, z)
-        for x, y, z in (
-            (left, top, z_left),
-            (right, top, z_right),
-            (right, bottom, z_right),
-            (left, bottom, z_left),
-        )
-    ]
-    return _quad(label, perspective(scenes.single(points)), word)
-
-
 def _projected(bias):
-    """The same through a perspective vertex program; only the squares of the first column are slanted."""
-    right, bottom = LEFT + 4 * SQUARE, TOP + 2 * SQUARE
-    squares = [
-        _projected_quad(
-            "square",
-            *(x + bias, y + bias, x + SQUARE + bias, y + SQUARE + bias),
-            NEAR_Z if x == LEFT else FAR_Z,
-            FAR_Z,
-            GREEN,
-        )
-        for x, y in _squares()
-    ]
-    depths = (NEAR_Z + BEHIND, FAR_Z + BEHIND)
-    background = _projected_quad("background", LEFT, TOP, right, bottom, *depths, GREY)
-    return (scenes.clear(0xFE404040), background, *squares)
+    """The same through a perspective vertex program and, every other square, through the fixed functions."""
+    draws = viewport.draws((GREY, GREEN, FIXED_GREEN), scenes.XDK_OFFSET, bias)
+    return (scenes.clear(0xFE404040), *draws)
 
 
 # ---------------------------------------------------------------------------------- surfaces and textures

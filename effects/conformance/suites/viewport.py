@@ -56,24 +56,30 @@ def _unprojected(left, top, width, height, z=(TOP_Z, BOTTOM_Z)):
     return scenes.single(points)
 
 
-def _draws(offset):
+def draws(colors, offset, moved=0.0):
+    """Draws of a rectangle and of eight squares over it, which a program and the fixed functions transform.
+
+    ``colors``: of the rectangle, the program's and the fixed functions' squares, 0xAABBGGRR. ``offset``: the
+    viewport's, pixels. ``moved``: how far to the right and down the squares lie, pixels.
+    """
+    grey, by_program, by_functions = colors
     square = np.arange(8)
-    boxes = [(LEFT + SIZE * (i % 4), TOP + SIZE * (i // 4), SIZE, SIZE) for i in square]
+    boxes = [(LEFT + SIZE * (i % 4) + moved, TOP + SIZE * (i // 4) + moved, SIZE, SIZE) for i in square]
     programmed = (square + square // 4) % 2 == 0
     background = _unprojected(LEFT, TOP, 4 * SIZE, 2 * SIZE, (TOP_Z + 0.0001, BOTTOM_Z + 0.0001))
     yield Draw(
         label="background",
-        mesh=scenes.window_mesh(perspective(background), colors=np.tile(scenes.abgr(GREY), (4, 1))),
+        mesh=scenes.window_mesh(perspective(background), colors=np.tile(scenes.abgr(grey), (4, 1))),
         state=scenes.DEFAULT,
     )
-    colors = np.tile(scenes.abgr(PROGRAMMED), (16, 1))
+    colors = np.tile(scenes.abgr(by_program), (16, 1))
     points = np.concatenate([_unprojected(*boxes[i]) for i in square[programmed]])
     yield Draw(
         label="squares of the vertex program",
         mesh=scenes.window_mesh(perspective(points), colors=colors),
         state=scenes.DEFAULT,
     )
-    colors = np.tile(scenes.abgr(FIXED), (16, 1))
+    colors = np.tile(scenes.abgr(by_functions), (16, 1))
     points = np.concatenate([_unprojected(*boxes[i]) for i in square[~programmed]])
     yield Draw(
         label="squares of the fixed-function stage",
@@ -88,4 +94,7 @@ def case(name, inputs):
     if name not in CASES:
         return None
     explanation = ON_AN_EDGE if CASES[name] in (0.5625, -0.4375) else ""
-    return Case(commands=(scenes.clear(0xFE404040), *_draws(CASES[name])), explanation=explanation)
+    return Case(
+        commands=(scenes.clear(0xFE404040), *draws((GREY, PROGRAMMED, FIXED), CASES[name])),
+        explanation=explanation,
+    )

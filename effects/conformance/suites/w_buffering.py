@@ -11,7 +11,7 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Shows
-from fixedpipe.effects.conformance.processor_matrices import default_view, look_at
+from fixedpipe.effects.conformance.host_matrices import default_view, look_at
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat, PrimitiveType, WrapMode
 from fixedpipe.pipeline.state import DepthClamp, DepthTest, PolygonState, Scissor, TextureUnit

@@ -12,7 +12,7 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import Case
-from fixedpipe.effects.conformance.processor_matrices import View, product, viewport
+from fixedpipe.effects.conformance.host_matrices import View, times, viewport
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.state import DepthClamp
@@ -106,7 +106,7 @@ def _view():
     moved[3, 2] = -3.0
     flat[0, 0], flat[1, 1] = single(2.0) / single(640.0), single(2.0) / single(480.0)
     flat[2, 2], flat[3, 2] = single(1.0) / (FAR - NEAR), NEAR / (NEAR - FAR)
-    return View(moved, product(flat, viewport(65535.0)))
+    return View(moved, times(flat, viewport(65535.0)))
 
 
 def _fixed_function(points):

@@ -310,6 +310,11 @@ REFUSED = {
         ["fog_coordinates of vertex 2 holds nan"],
         draw(Mesh(TRIANGLE, fog_coordinates=[0, 0, 1])),
     ),
+    "an infinite fog coordinate through the fixed functions": (
+        draw(Mesh(TRIANGLE, fog_coordinates=[0, INF, 0]), fog=Fog()),
+        ["fog_coordinates of vertex 1 holds inf", "A vertex program's results alone may have others"],
+        draw(Mesh(TRIANGLE, fog_coordinates=[0, 3e38, 0]), fog=Fog()),
+    ),
     "fog coordinates in columns": (
         draw(Mesh(TRIANGLE, fog_coordinates=TRIANGLE)),
         ["fog_coordinates has shape (3, 3)", "[vertices]"],

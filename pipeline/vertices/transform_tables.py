@@ -1,0 +1,75 @@
+"""Powers of two and logarithms of the transform unit, which vertex programs' EXP, LOG and LIT read.
+
+Source: envytools (nvhw/xf.c), whose tables these are: 32 pieces of a line each; a piece begins where the one
+before ends.
+"""
+
+import numpy as np
+
+# Slopes of the 32 pieces of 2^x and of log2(x).
+EXPONENTIAL_SLOPES = (
+    359, 366, 375, 383, 391, 400, 409, 417, 427, 436, 445, 455, 466, 475, 486, 497,
+    507, 518, 530, 542, 553, 565, 578, 591, 603, 617, 629, 645, 657, 673, 689, 699,
+)  # fmt: skip
+LOGARITHM_SLOPES = (
+    11702, 11271, 10966, 10650, 10361, 10106, 9800, 9574, 9337, 9112, 8898, 8693, 8499, 8310, 8133, 7962,
+    7796, 7641, 7488, 7343, 7202, 7070, 6939, 6814, 6692, 6578, 6464, 6356, 6251, 6147, 6058, 5930,
+)  # fmt: skip
+_EXPONENTIAL, _LOGARITHM = np.array(EXPONENTIAL_SLOPES), np.array(LOGARITHM_SLOPES)
+_EXPONENTIAL_STARTS = np.concatenate([[0], np.cumsum(EXPONENTIAL_SLOPES)])
+_LOGARITHM_STARTS = np.concatenate([[0], np.cumsum(LOGARITHM_SLOPES)])
+_POWER_STEPS = 1 << 13  # of an exponent's one
+_LOGARITHM_STEPS = 1 << 26
+
+
+def _exponential_of_steps(steps):
+    """2^(steps / 8192), ``steps`` whole numbers as int64."""
+    whole, piece, rest = steps >> 13, steps >> 8 & 31, steps & 255
+    fraction = _EXPONENTIAL_STARTS[piece] * 256 + _EXPONENTIAL[piece] * rest
+    value = np.ldexp(((fraction << 1) + (1 << 23)).astype(np.float64), np.clip(whole, -200, 200) - 23)
+    return np.where(whole <= -127, 0.0, np.where(whole >= 128, np.inf, value))
+
+
+def _steps(column):
+    """An exponent in steps, toward minus infinity; beyond single precision's it stays just beyond."""
+    return np.floor(np.clip(np.nan_to_num(column), -512.0, 512.0) * _POWER_STEPS).astype(np.int64)
+
+
+def exponential(column):
+    """2^x of a column."""
+    return np.where(np.isnan(column), np.nan, _exponential_of_steps(_steps(column)))
+
+
+def _logarithm_steps(column):
+    """log2 of a positive, finite column, in steps of 2^-26, int64."""
+    mantissa, power = np.frexp(column)
+    fraction = np.ldexp(mantissa, 24).astype(np.int64) - (1 << 23)
+    piece, rest = fraction >> 18, fraction >> 10 & 255
+    return (
+        _LOGARITHM_STARTS[piece] * 256
+        + _LOGARITHM[piece] * rest
+        + (power.astype(np.int64) - 1) * _LOGARITHM_STEPS
+    )
+
+
+def logarithm(column):
+    """log2 of a column without negative numbers, 24 bits; of 0 minus infinity."""
+    some = np.isfinite(column) & (column > 0)
+    steps = _logarithm_steps(np.where(some, column, 1.0))
+    value = (steps / _LOGARITHM_STEPS).astype(np.float32).astype(np.float64)
+    return np.where(some, value, np.where(column == 0, -np.inf, column))
+
+
+def lit_power(base, exponent):
+    """LIT's z where its x is positive: 2^(exponent log2(base)), the exponent within -128 and 128."""
+    some = np.isfinite(base) & (base > 0)
+    steps = _logarithm_steps(np.where(some, base, 1.0))
+    power = np.clip(
+        np.trunc(np.clip(np.nan_to_num(exponent), -256, 256) * _POWER_STEPS), -(1 << 20), (1 << 20) - 1
+    )
+    # Python's integers of a product of up to 54 bits fit int64: 34 bits times 21.
+    value = _exponential_of_steps(steps * power.astype(np.int64) >> 26)
+    limit = np.where(np.signbit(exponent) == np.isinf(base), 0.0, np.inf)
+    value = np.where(some, value, limit)
+    value = np.where(exponent == 0, 1.0, value)
+    return np.where(np.isnan(base) | np.isnan(exponent), np.nan, value)
