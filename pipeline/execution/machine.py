@@ -39,7 +39,7 @@ from fixedpipe.pipeline.commands import (
 from fixedpipe.pipeline.enums import AccumOperation, Clamp, ColorBuffer
 from fixedpipe.pipeline.framebuffers.accumulation import accumulate, clear_accumulation
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
-from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, Samples
+from fixedpipe.pipeline.framebuffers.multisample import Samples, sampled
 from fixedpipe.pipeline.framebuffers.result import Fragments, Result
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot, snapshot
 from fixedpipe.pipeline.framebuffers.texture_copies import (
@@ -267,9 +267,9 @@ class Machine:
         return snapshot(command, shown)
 
     def _targets(self, draw_buffer):
-        """The framebuffers that a command writes to, each with its place in a pixel."""
+        """The framebuffers that a command writes to, each with its place in a pixel, None where it has one."""
         if self._samples is None or self._current is not self.framebuffer:
-            return ((self._current, SAMPLE_POSITIONS[1][0]),)
+            return ((self._current, None),)
         self._samples.write(draw_buffer)
         return self._samples.targets
 
@@ -283,12 +283,13 @@ class Machine:
 
     def _draw(self, command, frame):
         state = canonical(command.state)
-        for surface, position in self._targets(state.draw_buffer):
+        for surface, place in self._targets(state.draw_buffer):
+            position, sample = sampled(place, self.profile)
             target = surface.buffer(state.draw_buffer)
             draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
             if draw is None and self._draws_columns(state, target, frame.engine):
                 self._queue.flush()
-                drawn, lost = self._drawn_by_columns(command, target, position)
+                drawn, lost = self._drawn_by_columns(command, target, position, sample)
                 self._queue.fragments += len(drawn.x)
                 if frame.record:
                     frame.records.append(drawn)
@@ -299,7 +300,8 @@ class Machine:
                 rounded = fragment_bits(self.profile, target) == NATIVE_BITS
                 given = command.mesh, state, self.profile, *size, position
                 primitives = stage.process(*given, rounded=rounded)
-                draw = Prepared.of(primitives, state, self.profile, self._current, self.textures)
+                given = primitives, state, self.profile, self._current, self.textures
+                draw = Prepared.of(*given, sample)
                 frame.kept.keep(command, surface, draw)
             lost = draw.dropped
             if frame.record:
@@ -317,14 +319,14 @@ class Machine:
         given = state, self.profile, target, self.textures
         return needs_columns(*given) or not (covers_by_kernels() or are_native(widths_of(*given)))
 
-    def _drawn_by_columns(self, command, target, position):
+    def _drawn_by_columns(self, command, target, position, sample):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
         state, profile = canonical(command.state), self.profile
         size = target.width, target.height
         # Vertices' colours are rounded where the fragment's width is known.
         primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
         if profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS:
-            covered, lost = covered_pixels(primitives, state, profile, *size)
+            covered, lost = covered_pixels(primitives, state, profile, *size, sample)
         else:
             covered = covered_triangles(primitives, state, profile, target)
             lost = primitives.dropped

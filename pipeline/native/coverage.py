@@ -20,11 +20,12 @@ from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """Pixels of primitives, int64 [k] each: per pixel in draw order."""
+    """Pixels of primitives, int64 [k] each: per pixel in draw order; ``covered`` as of Fragments."""
 
     triangle: np.ndarray
     x: np.ndarray
     y: np.ndarray
+    covered: np.ndarray | None = None
 
 
 def covered_triangles(primitives, state, profile, framebuffer):
@@ -48,7 +49,7 @@ def _covered(primitives, polygon, box, profile):
     return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-# Rows of a recording, of 16 bytes each: what is not written takes no memory, as long as it is not more.
+# Rows of a recording, of 20 bytes each: what is not written takes no memory, as long as it is not more.
 _USUAL, _MOST = 1 << 16, 1 << 24
 
 
@@ -58,13 +59,13 @@ def recorded_fragments(draw, framebuffer, batch):
         return _fragments(NO_RECORD)
     most = _most_fragments(draw.primitives, framebuffer.width, framebuffer.height)
     fits = most <= _MOST
-    recording, buffers = np.empty((int(most) if fits else _USUAL, 4), np.int32), buffers_of(framebuffer)
+    recording, buffers = np.empty((int(most) if fits else _USUAL, 5), np.int32), buffers_of(framebuffer)
     saved = () if fits else [buffer.copy() for buffer in buffers]
     count = draw.bands(0, 1, batch, buffers, recording)
     if not fits and count > len(recording):  # it did not fit: once more, from the same framebuffer
         for buffer, before in zip(buffers, saved, strict=True):
             buffer[:] = before
-        recording = np.empty((count, 4), np.int32)
+        recording = np.empty((count, 5), np.int32)
         draw.bands(0, 1, batch, buffers, recording)
     return _fragments(recording[:count])
 
@@ -88,12 +89,13 @@ def _fragments(rows):
     return Fragments(*rows.T.copy())
 
 
-def covered_pixels(primitives, state, profile, width, height):
+def covered_pixels(primitives, state, profile, width, height, sample=None):
     """What a state's primitives cover, whatever it writes there: (Fragments, primitives dropped).
 
-    ``primitives``: with colours of any kind, which coverage does not read.
+    ``primitives``: with colours of any kind, which coverage does not read; ``sample``: as ``pack_coverage`` has it.
     """
-    if state.window_clip is None and _without_kernels(primitives, state.polygon):
+    by_middles = sample in (None, (0, 0)) and not (state.polygon.smooth or state.line.smooth)
+    if state.window_clip is None and by_middles and _without_kernels(primitives, state.polygon):
         box = scissored(state.scissor, width, height)
         return _covered(primitives, state.polygon, box, profile), primitives.dropped
     uncolored = replace(primitives, colors=np.zeros((len(primitives.x), 2, 8), np.uint8))
@@ -107,8 +109,9 @@ def covered_pixels(primitives, state, profile, width, height):
         color_mask=ColorMask(False, False, False, False),
     )
     framebuffer = _unwritten(width, height)
-    prepared = Prepared.of(uncolored, plain, profile, framebuffer, {})
-    return recorded_fragments(prepared, framebuffer, BATCH), prepared.dropped
+    prepared = Prepared.of(uncolored, plain, profile, framebuffer, {}, sample)
+    drawn, smooth = recorded_fragments(prepared, framebuffer, BATCH), state.polygon.smooth or state.line.smooth
+    return (drawn if smooth and sample is None else replace(drawn, covered=None)), prepared.dropped
 
 
 def rasterize(primitives, profile, polygon, scissor, width, height):

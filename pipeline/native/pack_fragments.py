@@ -199,6 +199,23 @@ def pack_lines(line, profile, draw):
         draw[R.LINE_FACTOR], draw[R.LINE_PATTERN] = line.stipple
 
 
+def pack_coverage(state, profile, sample, draw):
+    """What draws pixels otherwise than by their middles: smooth primitives by the machine's samples, and in a
+    multisampled window all but lines in steps by ``sample``, (x, y) in 1/16 pixel with y up; None: in no such.
+    """
+    places, kinds = (), 0
+    if sample is not None:
+        if sample != (0, 0):
+            places, kinds = (sample,), 1 << C.PRIMITIVE_TRIANGLE | 1 << C.PRIMITIVE_POINT
+            kinds |= (draw[R.LINE_STEPS] == C.LINE_AS_RECTANGLE) << C.PRIMITIVE_LINE
+    elif state.polygon.smooth or state.line.smooth:
+        places = profile.primitives.smoothing_samples
+        kinds = state.polygon.smooth << C.PRIMITIVE_TRIANGLE | state.line.smooth << C.PRIMITIVE_LINE
+    draw[R.COVERAGE], draw[R.COVER_SAMPLES] = kinds, len(places)
+    for k, (right, up) in enumerate(places):
+        draw[R.COVER_SAMPLE + 2 * k], draw[R.COVER_SAMPLE + 2 * k + 1] = right, -up
+
+
 def pack_holes(state, framebuffer, draw):
     """What stipple and window clip leave, in device pixels."""
     height = framebuffer.height

@@ -123,6 +123,7 @@ TEXRAM = Profile(
         max_point_size=known(64.0, _PAPER),
         max_line_width=known(64.0, _PAPER),
         line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        smoothing_samples=known((), "Assumed: none; a picture of smooth lines on one would settle it"),
         point_sprite_units=known(frozenset(), NOT_CORE),
         perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
         spherical_interpolation=known(
@@ -152,6 +153,7 @@ TEXRAM = Profile(
         accumulation_bits=known(16, _PAPER),
         auxiliary_buffers=known(0, "Assumed: none; Schilling, Knittel, Strasser 1996 would settle it"),
         samples=known((1,), NOT_CORE),
+        shades_samples=known(True, "Assumed: it has one sample, and nothing asks"),
         surface_formats=known(frozenset(), NOT_CORE),
     ),
     pixels=Pixels(

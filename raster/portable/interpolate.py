@@ -12,11 +12,12 @@ from numba import float64, int16, int32, int64, uint64, void
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import SEGMENTS, THREE
-from fixedpipe.raster.fixed import float_depth, one_of, power_below, reciprocal_29, step_24, truncate_24
+from fixedpipe.raster.fixed import clamp, float_depth, one_of, power_below, reciprocal_29, step_24, truncate_24
 from fixedpipe.raster.floats import LEAST_SINGLE, SMALLEST
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
 from fixedpipe.raster.portable.arrays import EDGES, FOG_FACTORS
 
+MOST_WEIGHT = 2.0**16  # of colours, outside their triangle: sums of products stay below 2**31
 TINY = 2.0**-256  # far below any depth: where all terms are 0, their unit is not
 
 
@@ -150,12 +151,16 @@ def iteration_weights(edges, count, floats):
 
 @kernel("void(f8[:,::1],i8,i4[:,::1],i4)")
 def color_weights(floats, count, ints, bits):
-    """Weights W0 and W2 of vertices 0 and 2 of so many bits, from Q0 and Q2."""
+    """Weights W0 and W2 of vertices 0 and 2 of so many bits, from Q0 and Q2, cut toward zero.
+
+    Measured: 738 of 738 pixels whose middle lies outside their triangle (3D_primitive Triangles-ps capture);
+    floor loses 67 of them. Assumed: limits, which no picture reaches.
+    """
     separate_loop()
     whole = float64(int32(int32(1) << bits))
     for i in range(count):
-        ints[R.W0, i] = int32(floats[R.Q0, i] * whole)  # not negative: truncation is floor
-        ints[R.W2, i] = int32(floats[R.Q2, i] * whole)
+        ints[R.W0, i] = int32(min(max(floats[R.Q0, i] * whole, -MOST_WEIGHT), MOST_WEIGHT))
+        ints[R.W2, i] = int32(min(max(floats[R.Q2, i] * whole, -MOST_WEIGHT), MOST_WEIGHT))
 
 
 _COLORS = int16[:, :, ::1]
@@ -189,7 +194,7 @@ def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane, 
             for i in range(count):
                 k = at + uint64(i)
                 total = int32(base + int32(int32(ints[R.W0, k] * d0) + int32(ints[R.W2, k] * d2)))
-                out[p, k] = int16(total >> bits)
+                out[p, k] = int16(clamp(int32(total >> bits), int32(0), one_of(bits)))
 
 
 @kernel(void(SEGMENTS, int32[:, ::1], _COLORS, int64, int64, EDGES, int16[:, ::1], int64, int32))
