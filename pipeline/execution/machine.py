@@ -188,6 +188,8 @@ class Machine:
         self._queue: Queue = Queue(min(self.threads or default_threads(), bands), self.batch)
         self._current: Framebuffer = self.framebuffer
         self._samples: Samples | None = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
+        self._surface_samples: dict[str, Samples] = {}  # of the pbuffers that have several
+        self._drawn_samples: Samples | None = self._samples  # of what is drawn to now
         self._running: threading.Lock = threading.Lock()
         self._runner: int | None = None
 
@@ -221,7 +223,7 @@ class Machine:
     def _run(self, commands, trace, record):
         held = self.width, self.height, self.depth_bits, self.textures, self.surfaces, self.statistics
         valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read))
-        self._current = self.framebuffer
+        self._current, self._drawn_samples = self.framebuffer, self._samples
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
         engine = chosen_engine("portable" if record else self.engine)
         frame = _Frame(valid, KeptDraws(commands, self.samples), engine, record)
@@ -268,22 +270,22 @@ class Machine:
 
     def _targets(self, draw_buffer):
         """The framebuffers that a command writes to, each with its place in a pixel, None where it has one."""
-        if self._samples is None or self._current is not self.framebuffer:
+        if self._drawn_samples is None:
             return ((self._current, None),)
-        self._samples.write(draw_buffer)
-        return self._samples.targets
+        self._drawn_samples.write(draw_buffer)
+        return self._drawn_samples.targets
 
     def _flush(self):
-        """Everything is drawn, and the window's colours are its samples' means."""
+        """Everything is drawn, and the colours that are read are the samples' means."""
         self._queue.flush()
-        if self._samples is not None:
-            self._samples.resolve()
+        if self._drawn_samples is not None:
+            self._drawn_samples.resolve()
 
     # Every command's method takes the command and the _Frame that it is of.
 
     def _draw(self, command, frame):
         state = canonical(command.state)
-        for surface, place in self._targets(state.draw_buffer):
+        for number, (surface, place) in enumerate(self._targets(state.draw_buffer)):
             position, sample = sampled(place, self.profile)
             target = surface.buffer(state.draw_buffer)
             draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
@@ -291,7 +293,7 @@ class Machine:
                 self._queue.flush()
                 drawn, lost = self._drawn_by_columns(command, target, position, sample)
                 self._queue.fragments += len(drawn.x)
-                if frame.record:
+                if frame.record and number == 0:
                     frame.records.append(drawn)
                 continue
             if draw is None:
@@ -306,8 +308,9 @@ class Machine:
             lost = draw.dropped
             if frame.record:
                 self._queue.flush()
-                frame.records.append(recorded_fragments(draw, target, self.batch))
-                self._queue.fragments += len(frame.records[-1].x)
+                drawn = recorded_fragments(draw, target, self.batch)
+                self._queue.fragments += len(drawn.x)
+                frame.records += [drawn] if number == 0 else []  # a pbuffer's first sample's
             else:
                 self._queue.draw(draw, target, frame.engine)
         frame.dropped += lost  # as the last sample's: the same in each
@@ -380,7 +383,8 @@ class Machine:
         self._define(command, replaced_texture(source, command, texture, self.profile, self.statistics))
 
     def _bind_tex_image(self, command, frame):
-        self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command)
+        samples = self._surface_samples.get(command.surface)
+        self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command, samples)
 
     def _define(self, command, texture):
         """Store a texture, unless a histogram's or minmax's sink took its image."""
@@ -399,23 +403,25 @@ class Machine:
         self.statistics.reset_minmax(command.name)
 
     def _accum(self, command, frame):
-        if command.operation != AccumOperation.RETURN or self._samples is None:
+        if command.operation != AccumOperation.RETURN or self._drawn_samples is None:
             accumulate(self._current, command, self.profile)
             return
-        self._samples.share_accumulation()
+        self._drawn_samples.share_accumulation()
         for surface, _ in self._targets(command.draw_buffer):
             accumulate(surface, command, self.profile)
 
     def _make_current(self, command, frame):
         """The framebuffer that is named is made when it is named first."""
         if command.surface is None:
-            self._current = self.framebuffer
+            self._current, self._drawn_samples = self.framebuffer, self._samples
             return
-        if command.surface not in self.surfaces:
-            self.surfaces[command.surface] = Framebuffer.new(
-                command.width, command.height, command.depth_bits, command.color_format
-            )
-        self._current = self.surfaces[command.surface]
+        name, samples = command.surface, command.samples
+        if name not in self.surfaces:
+            size = command.width, command.height, command.depth_bits
+            self.surfaces[name] = Framebuffer.new(*size, command.color_format, samples=samples)
+            if samples > 1:
+                self._surface_samples[name] = Samples(self.surfaces[name], samples)
+        self._current, self._drawn_samples = self.surfaces[name], self._surface_samples.get(name)
 
 
 METHODS = {

@@ -67,6 +67,14 @@ class Samples:
         """Colours of the buffer ``which``, a ColorBuffer, are about to change in every sample."""
         self._written.add(which)
 
+    def side_by_side(self):
+        """Colours of the back buffer as the chip's memory has them: [h, samples w, 4], each pixel's in a row.
+
+        Measured: of two (Swath_width captures).
+        """
+        colors = np.stack([sample.color for sample, _ in self.targets], axis=2)
+        return colors.reshape(self._window.height, -1, 4)
+
     def resolve(self):
         """Make the window's colours the means of what was written."""
         for which in self._written:

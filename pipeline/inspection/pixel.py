@@ -121,7 +121,7 @@ class ReplayedPixel:
                 f"(0, 0) to ({shown.width - 1}, {shown.height - 1}), counted from the top left."
             )
         self.frame, self.x, self.y, self.surface, self._shown = frame, x, y, surface, shown
-        positions = SAMPLE_POSITIONS[frame.samples if surface is None else 1]
+        positions = SAMPLE_POSITIONS[frame.samples if surface is None else shown.samples]
         accumulation = np.zeros((1, 1, 4), np.int32)
         self._targets = [(PixelBuffers(shown, accumulation), position) for position in positions]
         one = len(positions) == 1

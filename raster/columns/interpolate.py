@@ -136,14 +136,15 @@ def _weight(q):
 
 
 def iterate_colors(q0, q2, corners, bits):
-    """Colours [k, c] of corners int64 [k, 3, c] by weights of ``bits`` bits: section 4, with 8 bits there.
+    """Colours [k, c] of corners int64 [k, 3, c] by weights of ``bits`` bits: section 4, with 8 bits there; within
+    the corners' least and greatest, which only a pixel outside its triangle would leave.
 
     Inferred: wider colours have weights as wide.
     """
     w0, w2 = (_weight((1 << bits) * q)[:, None] for q in (q0, q2))
     w1 = (1 << bits) - w0 - w2
     total = w0 * corners[:, 0] + w1 * corners[:, 1] + w2 * corners[:, 2]
-    return np.clip((total + (1 << bits >> 1)) >> bits, 0, (1 << bits) - 1)
+    return np.clip((total + (1 << bits >> 1)) >> bits, corners.min(1), corners.max(1))
 
 
 def iterate_exact_colors(e, corners, low, high):
