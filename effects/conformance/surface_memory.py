@@ -35,6 +35,16 @@ def words_of(rgba, color_format):
     return words.astype(f"<u{word_bytes(color_format)}")
 
 
+def clear_color(word, color_format):
+    """The colour, RGBA, that a Clear stores as the register's word: CLEAR_SURFACE writes its bits as they are.
+
+    Measured: 6 words in each of 4 formats (Clear captures).
+    """
+    seven = color_format in (ColorFormat.X1A7R8G8B8_Z1A7R8G8B8, ColorFormat.X1A7R8G8B8_O1A7R8G8B8)
+    places = _SHORT.get(color_format, ((16, 8), (8, 8), (0, 8), (24, 7 if seven else 8)))
+    return tuple(((word >> low & (1 << bits) - 1) << (8 - bits)) / 255.0 for low, bits in places)
+
+
 def memory_of(words, pitch=None):
     """The bytes of rows of words, one behind the other; ``pitch``: from row to row, bytes (zeros between)."""
     rows = np.ascontiguousarray(words).view(np.uint8).reshape(words.shape[0], -1)
