@@ -61,13 +61,13 @@ def names():
     return blended + [f"{factor}_{s}" for factor in FACTORS for s in SURFACES] + list(SURFACES)
 
 
-def _ramps():
-    """Words of 32 bits: four quarters of ramps, alpha from 0 in the corners to 255 in the middle."""
-    at = np.arange(HALF)
-    ramp = (at % (HALF // 2)).astype(np.float32) * np.float32(255) / np.float32(HALF // 2)
+def ramps(size):
+    """Words of 32 bits [size, size]: four quarters of ramps, alpha from 0 in the corners to 255 in the middle."""
+    at = np.arange(size)
+    ramp = (at % (size // 2)).astype(np.float32) * np.float32(255) / np.float32(size // 2)
     ramp = ramp.astype(np.int64)
     across, down = np.meshgrid(ramp, ramp)
-    centre = np.float32(HALF // 2)
+    centre = np.float32(size // 2)
     square = (at.astype(np.float32) - centre) ** 2
     distance = square[None] + square[:, None]
     alpha = (np.float32(255) * (np.float32(1) - distance / (2 * centre * centre))).astype(np.int64)
@@ -98,7 +98,7 @@ def _words(word):
     wide = word in (TexelWord.A8R8G8B8, TexelWord.A8B8G8R8, TexelWord.X8R8G8B8)
     grey = np.full((SMALL, SMALL), 0x44444444 if wide else 0x4444)
     zero = np.full((SMALL, SMALL), 0x00FFFF55 if wide else 0x0FF5)
-    return {"pattern": _ramps() if wide else _nibbles(), "grey": grey, "zero": zero}
+    return {"pattern": ramps(HALF) if wide else _nibbles(), "grey": grey, "zero": zero}
 
 
 def _blended(blending, word, squares=True):
