@@ -18,7 +18,7 @@ from fixedpipe.pipeline.framebuffers.accumulation import accumulation_of
 # and its upper left corner. Measured: Swath_width captures.
 SAMPLE_POSITIONS = {
     1: ((0, 0),),
-    2: ((0, 0), (-8, 8)),
+    2: ((-8, 8), (0, 0)),
     4: ((-6, -2), (-2, 6), (2, -6), (6, 2)),
     8: ((-7, -1), (-5, 5), (-3, -5), (-1, 3), (1, -3), (3, 7), (5, 1), (7, -7)),
 }
