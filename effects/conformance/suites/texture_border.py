@@ -1,8 +1,9 @@
 """Texture_border: a small texture under every wrap mode, on panels of three by three tiles; textures with borders.
 
 A texture with border texels (2D_BorderTex_SZ, 3D, cube maps) lies in memory as one that has twice the size, at least
-16 texels along an edge, its first texel four from the corner. So it is defined here, and the coordinates, which count
-the borderless size, are moved. A cube map's lookups never leave its faces. Source:
+16 texels along an edge, its first texel four from the corner. So it is defined here, rolled so that its first texel
+comes first: repeated, it has the border on either side, and coordinates of the borderless size are scaled. A cube map
+keeps its own faces, whose edges a linear filter leaves: there pixels differ. Source:
 src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
 """
 
@@ -34,7 +35,8 @@ _POINTS = (
 )  # fmt: skip
 _FACES = (3, 7, 6, 2, 1, 5, 4, 0, 4, 5, 6, 7, 1, 0, 3, 2, 2, 6, 5, 1, 0, 4, 7, 3)
 CUBE = np.array([_POINTS[k] for k in _FACES], np.float64)
-MINIFIED = replace(scenes.NEAREST, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR, max_level=0)
+BORDERING = replace(scenes.NEAREST, wrap_s=WrapMode.REPEAT, wrap_t=WrapMode.REPEAT)
+MINIFIED = replace(BORDERING, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR, max_level=0)
 
 MODES = {
     "2D": (
@@ -90,7 +92,7 @@ def _bordered(inside):
     height, width = inside.shape
     out = _squares(0xFFCCCCCC, 0xFF444444, bordered_size(width), bordered_size(height), 2)
     out[BORDER : BORDER + height, BORDER : BORDER + width] = inside
-    return out
+    return np.roll(out, (-BORDER, -BORDER), (0, 1))
 
 
 def _colors(width, height):
@@ -105,8 +107,8 @@ def _bright(mask, width, height):
 
 
 def _moved(coordinate, size):
-    """A coordinate of a bordered texture as its memory has it, in single precision."""
-    return (np.asarray(coordinate, np.float32) * size + BORDER) / bordered_size(size)
+    """A coordinate of a bordered texture as its rolled memory has it."""
+    return np.asarray(coordinate, np.float32) * size / bordered_size(size)
 
 
 def _places(count, top):
@@ -153,13 +155,13 @@ def _bordered_2d():
 
 def _bordered_3d(size):
     """A volume at several depths, without its border and with it."""
-    plain = _squares(0xFFCCCCCC, 0xFF444444, *(bordered_size(edge) for edge in size), 2)
+    plain = _squares(0xFFCCCCCC, 0xFF444444, *(bordered_size(edge) for edge in size), 2)  # a roll leaves it
     layers = [plain] * bordered_size(LAYERS)
     for k in range(LAYERS):
-        layers[BORDER + k] = _bordered(_bright(MASKS[k], *size))
+        layers[k] = _bordered(_bright(MASKS[k], *size))
     image = texture_of_words(np.stack(layers), TexelWord.A8R8G8B8, TextureTarget.TEXTURE_3D)
     commands = [scenes.clear(0xFE181818), TexImage(label="volume", texture="volume", image=image)]
-    sampler = replace(scenes.NEAREST, wrap_r=WrapMode.CLAMP_TO_EDGE)
+    sampler = replace(BORDERING, wrap_r=WrapMode.REPEAT)
     for top, around in _rows(len(DEPTHS)):
         for depth, place in zip(DEPTHS, _places(len(DEPTHS), top), strict=True):
             st = _square(size, around)
@@ -174,10 +176,11 @@ def _bordered_cube(size):
     faces = np.stack([_bright(mask, size, size) for mask in MASKS])
     image = texture_of_words(faces, TexelWord.A8R8G8B8, TextureTarget.TEXTURE_CUBE_MAP)
     commands = [scenes.clear(0xFE121212), TexImage(label="cube", texture="cube", image=image)]
+    sampler = replace(scenes.NEAREST, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR, max_level=0)
     state = replace(
         scenes.DEFAULT,
         polygon=scenes.FRONT_FACES,
-        texture_units=(TextureUnit("cube", scenes.NEAREST),),
+        texture_units=(TextureUnit("cube", sampler),),
         register_combiners=scenes.SHOWS_TEXTURE0,
     )
     least = -BORDER / np.float32(size)
