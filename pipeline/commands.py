@@ -381,8 +381,8 @@ class MakeCurrent:
     """WGL_ARB_pbuffer: the commands that follow draw to and read from ``surface``; None: the window again.
 
     The first MakeCurrent that names a pbuffer makes it: zero colour, the farthest depth, stencil zero. Later
-    ones say its size and formats again, and find what it holds. A frame begins with the window. ``samples``: of
-    each of its pixels (WGL_ARB_multisample).
+    ones say its size and formats again, and find what it holds. A frame begins with the window. ``samples``:
+    of each of its pixels (WGL_ARB_multisample).
     """
 
     label: str

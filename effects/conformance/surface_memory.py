@@ -1,7 +1,8 @@
 """Surfaces as the chip's memory has them: words row by row, and the same bytes as a picture of other words.
 
-Programs of nxdk_pgraph_tests draw to memory under one format and read it as a texture, or show it, under another. Here
-ReadPixels gives a surface's stored bytes, and a HostStep makes of them what another reader finds.
+Programs of nxdk_pgraph_tests draw to memory under one format and read it as a texture, or show it, under
+another. Here ReadPixels gives a surface's stored bytes, and a HostStep makes of them what another reader
+finds.
 """
 
 from dataclasses import replace
@@ -9,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.texture_memory import WORD_BYTES
 from fixedpipe.pipeline.commands import Draw, HostStep, TexImage
 from fixedpipe.pipeline.enums import ColorFormat, TextureTarget
 from fixedpipe.pipeline.state import TextureUnit
@@ -36,7 +38,8 @@ def words_of(rgba, color_format):
 
 
 def clear_color(word, color_format):
-    """The colour, RGBA, that a Clear stores as the register's word: CLEAR_SURFACE writes its bits as they are.
+    """The colour, RGBA, that a Clear stores as the register's word: CLEAR_SURFACE writes its bits as they
+    are.
 
     Measured: 6 words in each of 4 formats (Clear captures).
     """
@@ -54,23 +57,18 @@ def memory_of(words, pitch=None):
 
 
 def image_of(memory, word, width, height, pitch=None, offset=0):
-    """A rectangle texture of linear memory that is read as words ``word`` (a TexelWord), its first row at t = 0.
+    """A rectangle texture of linear memory that is read as words ``word`` (a TexelWord), its first row at t
+    = 0.
 
-    ``pitch``: from row to row, bytes; ``offset``: of the first one. What lies behind the memory's end is zero.
+    ``pitch``: from row to row, bytes; ``offset``: of the first one. What lies behind the memory's end is
+    zero.
     """
-    size = texel_bytes(word)
+    size = WORD_BYTES[word]
     pitch = width * size if pitch is None else pitch
     needed = offset + pitch * height
     bytes_ = np.pad(memory, (0, max(0, needed - len(memory))))[offset:needed].reshape(height, pitch)
     words = np.ascontiguousarray(bytes_[:, : width * size]).view(f"<u{size}").astype(np.int64)
     return texture_of_words(words, word, TextureTarget.TEXTURE_RECTANGLE)
-
-
-def texel_bytes(word):
-    """Bytes of a texel of linear memory."""
-    from fixedpipe.effects.conformance.texture_memory import WORD_BYTES
-
-    return WORD_BYTES[word]
 
 
 def shown(label, texture, corners, width, height, state=scenes.DEFAULT):
@@ -85,8 +83,8 @@ def shown(label, texture, corners, width, height, state=scenes.DEFAULT):
 
 
 def host_picture(label, read, image, draws):
-    """A HostStep that makes a texture of what ReadPixels called ``read`` gave, ``image(rgba)`` with the top row first,
-    and draws it.
+    """A HostStep that makes a texture of what ReadPixels called ``read`` gave, ``image(rgba)`` with the top
+    row first, and draws it.
     """
 
     def commands(pixels):

@@ -115,7 +115,8 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
 
 def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=nobody, otherwise=None):
     """Draw the fragments ``covered`` (triangle, x, y, covered, int [k] each, the last one or None) of window
-    primitives with float colours: bool [k], which passed all tests. ``saw``: who watches; ``otherwise``: an Otherwise.
+    primitives with float colours: bool [k], which passed all tests. ``saw``: who watches; ``otherwise``: an
+    Otherwise.
 
     Raises ValueError for an ``otherwise`` on a machine that leaves no units finer than its own.
     """

@@ -269,7 +269,9 @@ class Machine:
         return snapshot(command, shown)
 
     def _targets(self, draw_buffer):
-        """The framebuffers that a command writes to, each with its place in a pixel, None where it has one."""
+        """The framebuffers that a command writes to, each with its place in a pixel, None where it has
+        one.
+        """
         if self._drawn_samples is None:
             return ((self._current, None),)
         self._drawn_samples.write(draw_buffer)

@@ -1,10 +1,10 @@
 """Multisampling (SGIS_multisample's and later ARB_multisample's effect): several samples in each pixel.
 
-Every sample is a framebuffer of its own, colour, depth and stencil: a Draw is drawn into each. On a machine that
-shades samples it is shifted so that the sample's place lies where pixels have their middle, and everything of a
-fragment is computed there; on another the sample's place says which pixels are drawn, and no more.
-What reads colours reads the mean of a pixel's samples; what reads depths and stencil values reads the first
-sample's (docs/numbers.md has the rule).
+Every sample is a framebuffer of its own, colour, depth and stencil: a Draw is drawn into each. On a machine
+that shades samples it is shifted so that the sample's place lies where pixels have their middle, and
+everything of a fragment is computed there; on another the sample's place says which pixels are drawn, and no
+more. What reads colours reads the mean of a pixel's samples; what reads depths and stencil values reads the
+first sample's (docs/numbers.md has the rule).
 """
 
 from dataclasses import replace
@@ -14,8 +14,8 @@ import numpy as np
 from fixedpipe.pipeline.framebuffers.accumulation import accumulation_of
 
 # Places in a pixel, 1/16 pixel from its middle, x to the right and y up. Of four and eight no two in a row or
-# column, their mean the middle. Assumed; InfiniteReality's manual would settle it. Of two, the NV2A's: its middle
-# and its upper left corner. Measured: Swath_width captures.
+# column, their mean the middle. Assumed; InfiniteReality's manual would settle it. Of two, the NV2A's: its
+# middle and its upper left corner. Measured: Swath_width captures.
 SAMPLE_POSITIONS = {
     1: ((0, 0),),
     2: ((-8, 8), (0, 0)),
@@ -25,8 +25,8 @@ SAMPLE_POSITIONS = {
 
 
 def sampled(place, profile):
-    """(what a Draw is shifted by, the sample that draws its pixels) for a sample's place, each in 1/16 pixel with y
-    up; None: the window has one sample, in its pixels' middle.
+    """(what a Draw is shifted by, the sample that draws its pixels) for a sample's place, each in 1/16 pixel
+    with y up; None: the window has one sample, in its pixels' middle.
     """
     if place is None or profile.framebuffers.shades_samples:
         return place or SAMPLE_POSITIONS[1][0], None

@@ -106,8 +106,8 @@ def replaced_texture(framebuffer, command, texture, profile, statistics):
 
 
 def bound_texture(framebuffer, command, samples=None):
-    """BindTexImage: the texture that a pbuffer's colours, or depths, are. ``samples``: the Samples of a pbuffer
-    that has several in a pixel.
+    """BindTexImage: the texture that a pbuffer's colours, or depths, are. ``samples``: the Samples of a
+    pbuffer that has several in a pixel.
     """
     rows = slice(None, None, 1 if command.origin == WindowOrigin.UPPER_LEFT else -1)
     if command.internal_format in DEPTH_TEXELS:

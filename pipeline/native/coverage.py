@@ -6,14 +6,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import Face, FrontFace
+from fixedpipe.pipeline.enums import ComparisonFunction, Face, FrontFace
 from fixedpipe.pipeline.framebuffers.boxes import scissor_box, scissored
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
+from fixedpipe.pipeline.native.pack_fragments import asks_for_depth
 from fixedpipe.pipeline.native.preparation import NO_RECORD, Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
 from fixedpipe.pipeline.native.readiness import covers_by_kernels
-from fixedpipe.pipeline.state import ColorMask, PassState
+from fixedpipe.pipeline.state import ColorMask, DepthTest, PassState
 from fixedpipe.raster.columns import interpolate
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
@@ -92,7 +93,8 @@ def _fragments(rows):
 def covered_pixels(primitives, state, profile, width, height, sample=None):
     """What a state's primitives cover, whatever it writes there: (Fragments, primitives dropped).
 
-    ``primitives``: with colours of any kind, which coverage does not read; ``sample``: as ``pack_coverage`` has it.
+    ``primitives``: with colours of any kind, which coverage does not read; ``sample``: as ``pack_coverage``
+    has it.
     """
     by_middles = sample in (None, (0, 0)) and not (state.polygon.smooth or state.line.smooth)
     if state.window_clip is None and by_middles and _without_kernels(primitives, state.polygon):
@@ -100,17 +102,25 @@ def covered_pixels(primitives, state, profile, width, height, sample=None):
         return _covered(primitives, state.polygon, box, profile), primitives.dropped
     uncolored = replace(primitives, colors=np.zeros((len(primitives.x), 2, 8), np.uint8))
     polygon = replace(state.polygon, offset_fill=False, offset_line=False, offset_point=False)
+    # Where depths are w, pixels outside their triangle need weights of w too: a test that nothing passes
+    # asks.
+    tests = state.w_buffering and not by_middles and asks_for_depth(state)
     plain = PassState(
         polygon=polygon,
         line=state.line,
         point=state.point,
         scissor=state.scissor,
         window_clip=state.window_clip,
+        depth_test=DepthTest(ComparisonFunction.NEVER, write=False) if tests else None,
+        w_buffering=tests,
         color_mask=ColorMask(False, False, False, False),
     )
     framebuffer = _unwritten(width, height)
     prepared = Prepared.of(uncolored, plain, profile, framebuffer, {}, sample)
-    drawn, smooth = recorded_fragments(prepared, framebuffer, BATCH), state.polygon.smooth or state.line.smooth
+    drawn, smooth = (
+        recorded_fragments(prepared, framebuffer, BATCH),
+        state.polygon.smooth or state.line.smooth,
+    )
     return (drawn if smooth and sample is None else replace(drawn, covered=None)), prepared.dropped
 
 

@@ -35,8 +35,8 @@ class PackedState(NamedTuple):
 
 
 def pack(state: PassState, profile, framebuffer, textures, primitives, sample=None):
-    """Rows of a validated pass. ``textures`` maps names to Texture; ``primitives`` say what varies; ``sample``: as
-    ``pack_coverage`` has it.
+    """Rows of a validated pass. ``textures`` maps names to Texture; ``primitives`` say what varies;
+    ``sample``: as ``pack_coverage`` has it.
 
     Rows are shared by all that pack the same: they are not written to.
     """

@@ -78,8 +78,8 @@ class Prepared:
         """A Draw of window primitives, with colours rounded where fragments are bytes, sorted into bands and
         with what kernels take brought together.
 
-        ``framebuffer``: any of the size and formats of those that it is drawn into; ``sample``: the place in a
-        pixel that draws it, as ``pack_coverage`` has it.
+        ``framebuffer``: any of the size and formats of those that it is drawn into; ``sample``: the place in
+        a pixel that draws it, as ``pack_coverage`` has it.
         """
         p, colors = primitives, None
         packed = pack.pack(state, profile, framebuffer, textures, primitives, sample)

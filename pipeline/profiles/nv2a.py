@@ -180,7 +180,9 @@ NV2A = Profile(
         stencil_bits=known(8, "Measured: 24-bit depth, 8-bit stencil (Stencil captures)"),
         accumulation_bits=known(16, "Assumed: as on the GeForce 256; no capture asks for it"),
         auxiliary_buffers=known(0, _NOT_ASKED),
-        samples=known((1, 2), "Source: nv_objects.h, CENTER_1, CENTER_CORNER_2; Measured: Swath_width captures"),
+        samples=known(
+            (1, 2), "Source: nv_objects.h, CENTER_1, CENTER_CORNER_2; Measured: Swath_width captures"
+        ),
         shades_samples=known(False, "Measured: one colour for a pixel, two coverages (Swath_width captures)"),
         surface_formats=known(frozenset(ColorFormat), "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR"),
     ),

@@ -129,8 +129,8 @@ def _points_and_lines(walk, state, mesh):
         walk.refuse(problem)
     if (polygon.smooth or state.line.smooth) and not profile.primitives.smoothing_samples:
         walk.refuse(
-            f"{profile.name} has no smooth lines and polygons; leave polygon.smooth and line.smooth False, or draw "
-            "several samples."
+            f"{profile.name} has no smooth lines and polygons; leave polygon.smooth and line.smooth "
+            "False, or draw several samples."
         )
     if point.parameters is not None and not profile.vertices.point_parameters:
         walk.refuse(f"{profile.name} has no point parameters; give the points one size.")

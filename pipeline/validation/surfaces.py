@@ -76,8 +76,8 @@ def make_current(walk, command):
     if command.samples not in walk.profile.framebuffers.samples:
         allowed = " or ".join(map(str, walk.profile.framebuffers.samples))
         walk.refuse(
-            f"pbuffer {name!r} has {count(command.samples, 'sample')} in each pixel; {walk.profile.name} has {allowed}. "
-            "Give one of these."
+            f"pbuffer {name!r} has {count(command.samples, 'sample')} in each pixel; "
+            f"{walk.profile.name} has {allowed}. Give one of these."
         )
     given = command.width, command.height, command.color_format, command.depth_bits, command.samples
     asked = KnownSurface(*given)

@@ -136,8 +136,8 @@ def _weight(q):
 
 
 def iterate_colors(q0, q2, corners, bits):
-    """Colours [k, c] of corners int64 [k, 3, c] by weights of ``bits`` bits: section 4, with 8 bits there; within
-    the corners' least and greatest, which only a pixel outside its triangle would leave.
+    """Colours [k, c] of corners int64 [k, 3, c] by weights of ``bits`` bits: section 4, with 8 bits there;
+    within the corners' least and greatest, which only a pixel outside its triangle would leave.
 
     Inferred: wider colours have weights as wide.
     """

@@ -47,7 +47,14 @@ from fixedpipe.raster.portable.interpolate import (
 from fixedpipe.raster.portable.per_fragment import all_alive, per_fragment
 from fixedpipe.raster.portable.unit import sample_unit, unbound_texture
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
-from fixedpipe.raster.primitives.strokes import along_line, line_run, open_run, sample_reach, stroke_bounds, stroke_margin
+from fixedpipe.raster.primitives.strokes import (
+    along_line,
+    line_run,
+    open_run,
+    sample_reach,
+    stroke_bounds,
+    stroke_margin,
+)
 from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, polygon_offset, row_span
 
 
@@ -107,8 +114,8 @@ def samples_inside(spans, samples, x):
 
 @kernel
 def positive_weights(n, inverse_w, over_w):
-    """Whether edge functions times 1/w have a sum that weights can be divided by, and so have those of depths,
-    times ``over_w``.
+    """Whether edge functions times 1/w have a sum that weights can be divided by, and so have those of
+    depths, times ``over_w``.
     """
     total = (n[0] * inverse_w[0] + n[1] * inverse_w[1]) + n[2] * inverse_w[2]
     e0 = truncate_24(truncate_24(n[0]) * over_w[0])
@@ -258,8 +265,9 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
 
     ``arrays``, ``bands``, ``buffers``: those of a Pass, Bands and Buffers, in plain tuples. ``record``
     int32[n, 5] takes (primitive, x, y, passed, covered samples, 0 of a draw by pixels' middles) of every
-    fragment while it has room (n = 0: nothing is recorded). Returns the number of fragments drawn; -1, and nothing is drawn, where rows or columns would
-    lead a kernel outside an array (``fixedpipe.raster.portable.check``).
+    fragment while it has room (n = 0: nothing is recorded). Returns the number of fragments drawn; -1, and
+    nothing is drawn, where rows or columns would lead a kernel outside an array
+    (``fixedpipe.raster.portable.check``).
     """
     p, target = as_pass(arrays), as_buffers(buffers)
     height, words = target.color.shape

@@ -12,7 +12,15 @@ from numba import float64, int16, int32, int64, uint64, void
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import SEGMENTS, THREE
-from fixedpipe.raster.fixed import clamp, float_depth, one_of, power_below, reciprocal_29, step_24, truncate_24
+from fixedpipe.raster.fixed import (
+    clamp,
+    float_depth,
+    one_of,
+    power_below,
+    reciprocal_29,
+    step_24,
+    truncate_24,
+)
 from fixedpipe.raster.floats import LEAST_SINGLE, SMALLEST
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
 from fixedpipe.raster.portable.arrays import EDGES, FOG_FACTORS
@@ -171,8 +179,9 @@ def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane, 
     """One colour channel of ``bits`` bits into a plane of ``out``, or the provoking vertex's. Of eight:
     ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, within the vertices' least and greatest.
 
-    Measured: over a million pixels (3D_primitive, Texture_perspective captures); the limits, 25 of 25 pixels whose
-    middle lies outside their triangle, where without them one more colour is reached (Smoothing_control).
+    Measured: over a million pixels (3D_primitive, Texture_perspective captures); the limits, 25 of 25 pixels
+    whose middle lies outside their triangle, where without them one more colour is reached
+    (Smoothing_control).
     """
     separate_loop()
     p, starts, owners, backs = uint64(plane), segments.starts, segments.owners, segments.backs

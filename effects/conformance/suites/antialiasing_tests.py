@@ -1,9 +1,10 @@
-"""Antialiasing_tests: what a surface of several samples leaves of memory that the processor wrote, and in the window.
+"""Antialiasing_tests: what a surface of several samples leaves of memory that the processor wrote, and in
+the window.
 
-Source: src/tests/antialiasing_tests.cpp of nxdk_pgraph_tests. Draws of nothing to such surfaces change no memory.
-FBSurfaceWithCenterCorner2 draws to the window's memory with two samples a pixel, which lie side by side: a row of
-pixels fills two rows of the window, and half of the rows is seen. Not named: GPUAAWriteAfterCPUWrite, which draws with
-four samples; no capture here says where they are.
+Source: src/tests/antialiasing_tests.cpp of nxdk_pgraph_tests. Draws of nothing to such surfaces change no
+memory. FBSurfaceWithCenterCorner2 draws to the window's memory with two samples a pixel, which lie side by
+side: a row of pixels fills two rows of the window, and half of the rows is seen. Not named:
+GPUAAWriteAfterCPUWrite, which draws with four samples; no capture here says where they are.
 """
 
 from dataclasses import replace
@@ -85,11 +86,8 @@ def _two_samples(diamond):
     for y in range(HEIGHT // 2):
         for part in (0, 1):
             row = 2 * y + part
-            texels = np.array([(WIDTH * part, y), (WIDTH * part + WIDTH, y)])
-            texels = np.vstack([texels, texels[::-1] + (0, 1)])
-            mesh = scenes.window_mesh(
-                scenes.rectangle(0, row, WIDTH, row + 1), texture_coordinates=(texels,)
-            )
+            texels = scenes.UNIT_SQUARE * (WIDTH, 1) + (WIDTH * part, y)
+            mesh = scenes.window_mesh(scenes.rectangle(0, row, WIDTH, row + 1), texture_coordinates=(texels,))
             draws.append(Draw(label="row", mesh=mesh, state=unblended))
     return (
         MakeCurrent(label="samples", surface="samples", width=WIDTH, height=HEIGHT, samples=2),

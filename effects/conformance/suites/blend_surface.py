@@ -62,7 +62,9 @@ def names():
 
 
 def ramps(size):
-    """Words of 32 bits [size, size]: four quarters of ramps, alpha from 0 in the corners to 255 in the middle."""
+    """Words of 32 bits [size, size]: four quarters of ramps, alpha from 0 in the corners to 255 in the
+    middle.
+    """
     at = np.arange(size)
     ramp = (at % (size // 2)).astype(np.float32) * np.float32(255) / np.float32(size // 2)
     ramp = ramp.astype(np.int64)

@@ -1,11 +1,11 @@
 """Clear: a clear whatever the write masks say, and what it leaves in surfaces of every colour format.
 
-Source: src/tests/clear_tests.cpp of nxdk_pgraph_tests. Measured: masks of colour, depth and stencil hold nothing of a
-CLEAR_SURFACE back, which writes the word of SET_COLOR_CLEAR_VALUE as it is. A surface is shown as words A8B8G8R8, whatever its own are: of 16 bits two lie in each.
+Source: src/tests/clear_tests.cpp of nxdk_pgraph_tests. Measured: masks of colour, depth and stencil hold
+nothing of a CLEAR_SURFACE back, which writes the word of SET_COLOR_CLEAR_VALUE as it is. A surface is shown
+as words A8B8G8R8, whatever its own are: of 16 bits two lie in each.
 """
 
 from dataclasses import replace
-
 
 from fixedpipe.effects.conformance import scenes, surface_memory
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Shows
@@ -46,7 +46,9 @@ def _masked(name):
         mesh = scenes.window_mesh(corners, PrimitiveType.POLYGON, colors=scenes.single(QUAD_COLORS))
         draws.append(Draw(label=f"quad {k}", mesh=mesh, state=scenes.DEFAULT))
     shows = Shows.ZETA if name.endswith("_ZB") else Shows.COLOR
-    return Case(commands=(scenes.clear(0xFF000000), *draws, scenes.clear(0x7F7F7F7F)), shows=shows, depth_bits=16)
+    return Case(
+        commands=(scenes.clear(0xFF000000), *draws, scenes.clear(0x7F7F7F7F)), shows=shows, depth_bits=16
+    )
 
 
 def _surfaces(color_format):
@@ -64,7 +66,9 @@ def _surfaces(color_format):
         left, top = LEFT + STEP * (k % COLUMNS), TOP + STEP * (k // COLUMNS)
         corners, name = scenes.rectangle(left, top, left + SIZE, top + rows), f"surface {k}"
         commands += [
-            MakeCurrent(label="surface", surface="surface", width=SIZE, height=SIZE, color_format=color_format),
+            MakeCurrent(
+                label="surface", surface="surface", width=SIZE, height=SIZE, color_format=color_format
+            ),
             Clear(label="surface", color=surface_memory.clear_color(word, color_format)),
             scenes.quad("mark", middle, (0.0, 0.0, 0.0, 1.0), height=SIZE),
             ReadPixels(label="surface", name=name),

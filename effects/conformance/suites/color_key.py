@@ -1,10 +1,11 @@
 """Color_key: texels that equal a stage's key lose their alpha, all their components, or their fragment.
 
-Source: src/tests/color_key_tests.cpp of nxdk_pgraph_tests. Measured: the key is compared with a texel's whole word, in
-X formats without their unused bits; a stage that samples kills, whether or not its texel is used.
+Source: src/tests/color_key_tests.cpp of nxdk_pgraph_tests. Measured: the key is compared with a texel's
+whole word, in X formats without their unused bits; a stage that samples kills, whether or not its texel is
+used.
 
-OpenGL has no keys: here a texture is defined with what the key leaves of its texels, and an alpha test ends a killed
-texel's fragment, whose alpha is the only one that is 0.
+OpenGL has no keys: here a texture is defined with what the key leaves of its texels, and an alpha test ends
+a killed texel's fragment, whose alpha is the only one that is 0.
 """
 
 from dataclasses import replace
@@ -13,7 +14,16 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes, vertex_programs
 from fixedpipe.effects.conformance.case import Case
-from fixedpipe.effects.passes.combiners import SPARE0, TEXTURE0, TEXTURE1, alpha_of, program, shown, stage, total
+from fixedpipe.effects.passes.combiners import (
+    SPARE0,
+    TEXTURE0,
+    TEXTURE1,
+    alpha_of,
+    program,
+    shown,
+    stage,
+    total,
+)
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType, TexelWord, TextureTarget
 from fixedpipe.pipeline.state import AlphaTest, TextureUnit
@@ -26,7 +36,12 @@ MODES = ("Disabled", "Alpha", "Color", "AlphaColor")
 COLOR_KEYS = (0xF00000FF, 0xF1FF00FF, 0xF2800080, 0xF3FF0000)
 ALPHA_KEYS = (0xF4707071, 0xF5707072, 0xF6707073, 0xF7707074)
 LIGHT, DARK = 0xFDCCCCCC, 0xFE999999
-PLACES = ((-2.6, 1.25), (1.0, 1.25), (-2.6, -1.25), (1.0, -1.25))  # of each stage's first quad; its second lies
+PLACES = (
+    (-2.6, 1.25),
+    (1.0, 1.25),
+    (-2.6, -1.25),
+    (1.0, -1.25),
+)  # of each stage's first quad; its second lies
 SECOND = 1.6  # to the right of it
 UNSAMPLED, X_ALPHA = "UnsampledTex", "XAlphaFormat"
 BACKGROUND = 0xFF00CC00

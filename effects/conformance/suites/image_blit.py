@@ -1,8 +1,9 @@
-"""Image_blit: the 2D engine's copies of a picture, plain, mixed by a constant and clipped, beside drawn quads.
+"""Image_blit: the 2D engine's copies of a picture, plain, mixed by a constant and clipped, beside drawn
+quads.
 
-Source: src/tests/image_blit_tests.cpp of nxdk_pgraph_tests. Measured: BLEND_AND mixes as blending by a constant alpha
-does, with the byte beta >> 23, 0 where beta's sign bit is set; X8R8G8B8 leaves an alpha of 255, Z8R8G8B8 of 0. Not
-named: BlitBeyondWidth, whose picture is the order of a tile's bytes in memory.
+Source: src/tests/image_blit_tests.cpp of nxdk_pgraph_tests. Measured: BLEND_AND mixes as blending by a
+constant alpha does, with the byte beta >> 23, 0 where beta's sign bit is set; X8R8G8B8 leaves an alpha of
+255, Z8R8G8B8 of 0. Not named: BlitBeyondWidth, whose picture is the order of a tile's bytes in memory.
 """
 
 from dataclasses import replace
@@ -19,8 +20,8 @@ SUITE = "Image_blit"
 
 BETAS = {
     "XRGB": (
-        0x80000000, 0x8FFFFFFF, 0x00000000, 0x007FFFFF, 0x00800000, 0x03300000, 0x00D00000, 0x44400000, 0x444FFFFF,
-        0x66800000, 0x7F800000, 0x7FFFFFFF,
+        0x80000000, 0x8FFFFFFF, 0x00000000, 0x007FFFFF, 0x00800000, 0x03300000, 0x00D00000, 0x44400000,
+        0x444FFFFF, 0x66800000, 0x7F800000, 0x7FFFFFFF,
     ),
     "ZRGB": (
         0x007FFFFF, 0x00800000, 0x00D00000, 0x03300000, 0x44400000, 0x444FFFFF, 0x66800000, 0x7F800000,
@@ -49,8 +50,9 @@ def names():
 
 
 def _blit(texture, source, size, place, beta=None, alpha=None, clip=(0, 0, WIDTH, HEIGHT), height=HEIGHT):
-    """Draws that copy a rectangle of a rectangle texture, its first row on top: mixed by ``beta``, a register's word
-    (None: copied), and leaving ``alpha`` (None: the texture's). ``height``: of what is drawn to.
+    """Draws that copy a rectangle of a rectangle texture, its first row on top: mixed by ``beta``, a
+    register's word (None: copied), and leaving ``alpha`` (None: the texture's). ``height``: of what is drawn
+    to.
     """
     (u, v), (w, h), (x, y) = source, size, place
     left, top, across, down = clip
@@ -123,7 +125,11 @@ def _draws(name):
     if name.startswith("Overlap_"):
         return 0xFF111111, [*_overlap(name), _quad(320, 240, 4)]
     if name == "DirtyOverlappedDestSurf":
-        return 0xFF111111, [_quad(16, 64, 128), *_blit(PICTURE, (0, 0), (256, 256), (0, 0)), _quad(320, 240, 4)]
+        return 0xFF111111, [
+            _quad(16, 64, 128),
+            *_blit(PICTURE, (0, 0), (256, 256), (0, 0)),
+            _quad(320, 240, 4),
+        ]
     if name == "BlitRenderBlit":
         return 0xFF112233, _blit_render_blit()
     if name == "OverlapFIFO":

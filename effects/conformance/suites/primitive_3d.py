@@ -1,16 +1,16 @@
 """3D_primitive: one picture of each primitive, by each way of handing vertices over, plain and smooth.
 
-Source: src/tests/three_d_primitive_tests.cpp of nxdk_pgraph_tests. The ways draw the same picture. The names with -ls
-and -ps (line and polygon smoothing) draw to a surface of two samples a pixel, both of which have the same colour, for
-SET_SMOOTHING_CONTROL's low bit is clear; then the surface is blended over the window, which nobody cleared: it holds
-what the test three before left, for there are three buffers in turn. Tests run in the order of their names.
-Measured: the three pictures of Lines-ls, Lines-inlineelements-ls and Lines-inlinearrays-ls-ps, and all others.
+Source: src/tests/three_d_primitive_tests.cpp of nxdk_pgraph_tests. The ways draw the same picture. The names
+with -ls and -ps (line and polygon smoothing) draw to a surface of two samples a pixel, both of which have
+the same colour, for SET_SMOOTHING_CONTROL's low bit is clear; then the surface is blended over the window,
+which nobody cleared: it holds what the test three before left, for there are three buffers in turn. Tests
+run in the order of their names. Measured: the three pictures of Lines-ls, Lines-inlineelements-ls and
+Lines-inlinearrays-ls-ps, and all others.
 """
 
 from dataclasses import replace
 
 import numpy as np
-
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
@@ -132,7 +132,9 @@ def _scene(name):
 
 
 def _picture(name):
-    """Commands that leave a test's picture in its buffer: a smooth one lies over the test's before it there."""
+    """Commands that leave a test's picture in its buffer: a smooth one lies over the test's before it
+    there.
+    """
     if not _is_smooth(name):
         return _scene(name)
     below = TESTS[TESTS.index(name) - BUFFERS]

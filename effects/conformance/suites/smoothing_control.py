@@ -29,15 +29,18 @@ QUARTERS = (
 
 
 def _in_pixels(shape, left, top):
-    """Points at the middles of their pixels, window coordinates floored (OpenGL 1.2.1 section 3.3); all else as it
-    is.
+    """Points at the middles of their pixels, window coordinates floored (OpenGL 1.2.1 section 3.3); all else
+    as it is.
 
     Measured: 64 points, 48 of them on a boundary.
     """
     primitive, vertices = shape
     if primitive != PrimitiveType.POINTS:
         return shape
-    x, y = (scenes.single(origin) + scenes.single(v) for origin, v in zip((left, top), np.array(vertices).T, strict=True))
+    x, y = (
+        scenes.single(origin) + scenes.single(v)
+        for origin, v in zip((left, top), np.array(vertices).T, strict=True)
+    )
     middles = np.floor(x) + 0.5 - left, np.ceil(y) - 0.5 - top
     return primitive, tuple(zip(*middles, strict=True))
 

@@ -1,8 +1,9 @@
 """Surface_clip: the surface's clip rectangle, on the window's memory under other formats and on a surface.
 
-Source: src/tests/surface_clip_tests.cpp of nxdk_pgraph_tests. Red quads around the rectangle, a dark green one over it
-and light ones along its edges. On the window a format of fewer bytes leaves the pitch as it is, so that its pixels
-lie in the left part of each row. The surface's clip holds clears and draws in, as a scissor box does.
+Source: src/tests/surface_clip_tests.cpp of nxdk_pgraph_tests. Red quads around the rectangle, a dark green
+one over it and light ones along its edges. On the window a format of fewer bytes leaves the pitch as it is,
+so that its pixels lie in the left part of each row. The surface's clip holds clears and draws in, as a
+scissor box does.
 """
 
 from dataclasses import replace
@@ -38,7 +39,9 @@ MEMORY, BELOW = 0x0004, 0xFF000000  # words that the surface holds before, and t
 def names():
     """Every case of the suite."""
     boxes = ["x{}y{}_w{}h{}".format(*box) for box in RECTANGLES]
-    return [box + suffix for box in boxes for suffix in FORMATS] + [f"rt_{box}" for box in boxes] + list(TEXTS)
+    return (
+        [box + suffix for box in boxes for suffix in FORMATS] + [f"rt_{box}" for box in boxes] + list(TEXTS)
+    )
 
 
 def _frame(left, top, right, bottom):
@@ -137,7 +140,11 @@ def case(name, inputs):
     if name in TEXTS:
         return Case(commands=(scenes.clear(BACKGROUND),))
     on_surface, place = name.startswith("rt_"), name.removeprefix("rt_")
-    box = next(b for b in RECTANGLES if place.startswith("x{}y{}_w{}h{}".format(*b) + "_") or place == "x{}y{}_w{}h{}".format(*b))
+    box = next(
+        b
+        for b in RECTANGLES
+        if place.startswith("x{}y{}_w{}h{}".format(*b) + "_") or place == "x{}y{}_w{}h{}".format(*b)
+    )
     if on_surface:
         return Case(commands=_on_surface(box))
     suffix = place.removeprefix("x{}y{}_w{}h{}".format(*box))

@@ -1,11 +1,11 @@
 """Surface_format: a pattern on a surface of every colour format, whose memory is shown as words of 32 bits.
 
-Source: src/tests/surface_format_tests.cpp of nxdk_pgraph_tests. The upper half of the window shows the memory's first
-640 by 240 words blended by their alpha over a checkerboard, the lower half the same with an alpha of one.
+Source: src/tests/surface_format_tests.cpp of nxdk_pgraph_tests. The upper half of the window shows the
+memory's first 640 by 240 words blended by their alpha over a checkerboard, the lower half the same with an
+alpha of one.
 """
 
 from dataclasses import replace
-
 
 from fixedpipe.effects.conformance import scenes, surface_memory
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case

@@ -1,10 +1,11 @@
-"""Texture_border: a small texture under every wrap mode, on panels of three by three tiles; textures with borders.
+"""Texture_border: a small texture under every wrap mode, on panels of three by three tiles; textures with
+borders.
 
-A texture with border texels (2D_BorderTex_SZ, 3D, cube maps) lies in memory as one that has twice the size, at least
-16 texels along an edge, its first texel four from the corner. So it is defined here, rolled so that its first texel
-comes first: repeated, it has the border on either side, and coordinates of the borderless size are scaled. A cube map
-keeps its own faces, whose edges a linear filter leaves: there pixels differ. Source:
-src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
+A texture with border texels (2D_BorderTex_SZ, 3D, cube maps) lies in memory as one that has twice the size,
+at least 16 texels along an edge, its first texel four from the corner. So it is defined here, rolled so that
+its first texel comes first: repeated, it has the border on either side, and coordinates of the borderless
+size are scaled. A cube map keeps its own faces, whose edges a linear filter leaves: there pixels differ.
+Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
@@ -131,10 +132,14 @@ def _square(size, around):
 def _quad(label, place, texture, coordinates, sampler):
     left, top = place
     state = replace(
-        scenes.DEFAULT, texture_units=(TextureUnit(texture, sampler),), register_combiners=scenes.SHOWS_TEXTURE0
+        scenes.DEFAULT,
+        texture_units=(TextureUnit(texture, sampler),),
+        register_combiners=scenes.SHOWS_TEXTURE0,
     )
     corners = scenes.rectangle(left, top, left + EDGE, top + EDGE, 1.0)
-    return Draw(label=label, mesh=scenes.window_mesh(corners, texture_coordinates=(coordinates,)), state=state)
+    return Draw(
+        label=label, mesh=scenes.window_mesh(corners, texture_coordinates=(coordinates,)), state=state
+    )
 
 
 def _bordered_2d():

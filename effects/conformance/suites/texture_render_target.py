@@ -47,10 +47,10 @@ def case(name, inputs):
         height=SIZE,
         texture_coordinates=(st * scale,),
     )
-    on_window = scenes.textured_triangles([(EDGE * (2 * s - 1), EDGE * (1 - 2 * t), DEPTH) for s, t in st], st)
-    shown = replace(
-        state, vertex=scenes.xdk_vertex(), texture_units=(TextureUnit(TARGET, scenes.NEAREST),)
+    on_window = scenes.textured_triangles(
+        [(EDGE * (2 * s - 1), EDGE * (1 - 2 * t), DEPTH) for s, t in st], st
     )
+    shown = replace(state, vertex=scenes.xdk_vertex(), texture_units=(TextureUnit(TARGET, scenes.NEAREST),))
     return Case(
         commands=(
             TexImage(label=name, texture="texture", image=texture),
