@@ -71,13 +71,13 @@ def image_of(memory, word, width, height, pitch=None, offset=0):
     return texture_of_words(words, word, TextureTarget.TEXTURE_RECTANGLE)
 
 
-def shown(label, texture, corners, width, height, state=scenes.DEFAULT):
+def shown(label, texture, corners, width, height, state=scenes.DEFAULT, combiners=scenes.SHOWS_TEXTURE0):
     """A quad that shows ``width`` by ``height`` texels of a rectangle texture, nearest ones."""
     texels = np.array([(0, 0), (width, 0), (width, height), (0, height)])
     state = replace(
         state,
         texture_units=(TextureUnit(texture, scenes.NEAREST),),
-        register_combiners=scenes.SHOWS_TEXTURE0,
+        register_combiners=combiners,
     )
     return Draw(label=label, mesh=scenes.window_mesh(corners, texture_coordinates=(texels,)), state=state)
 

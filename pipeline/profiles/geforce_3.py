@@ -204,7 +204,7 @@ GEFORCE_3 = Profile(
         ),
         auxiliary_buffers=known(0, _DRIVER),
         samples=known((1,), _DRIVER),
-        shades_samples=known(True, "Assumed: it has one sample, and nothing asks"),
+        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(
             frozenset(ColorFormat), "Inferred: from the NV2A: nv_objects.h, SET_SURFACE_FORMAT_COLOR"
         ),

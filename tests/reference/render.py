@@ -175,15 +175,15 @@ def shape_of(primitives, vertices, kind, state, profile):
     return triangle, partial(coverage.covers, triangle)
 
 
-def places_of(kind, state, profile, sample):
+def places_of(kind, state, profile, place):
     """The places of a pixel by which a kind of primitive is asked for what it covers; None: its middle alone.
 
     Source: OpenGL 1.2.1 sections 3.4.4, 3.5.2 (smooth lines and polygons); Measured: Swath_width
     (multisampled surfaces).
     """
-    if sample is not None:
+    if place is not None:
         in_steps = kind == LINE and state.line.rasterization == LineRasterization.STEPS
-        return None if in_steps else (sample,)
+        return None if in_steps else (place,)
     smooth = {TRIANGLE: state.polygon.smooth, LINE: state.line.smooth, POINT: False}[kind]
     return profile.primitives.smoothing_samples if smooth else None
 
@@ -199,8 +199,8 @@ def has_weights(n, inverse_w, depth_w):
     return interpolate.denominator(e) > 0 and interpolate.denominator(depth.edge_terms(n, depth_w)) > 0
 
 
-def draw_primitive(target, primitives, corners, stroke, state, textures, profile, sample=None):
-    """One row of ``triangles``, ``corners``, and of ``strokes``, ``stroke`` (None: a triangle); ``sample``:
+def draw_primitive(target, primitives, corners, stroke, state, textures, profile, place=None):
+    """One row of ``triangles``, ``corners``, and of ``strokes``, ``stroke`` (None: a triangle); ``place``:
     the place in a pixel of a multisampled window that draws it.
 
     Source: OpenGL 1.2.1 chapters 3, 4.
@@ -232,7 +232,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     depth_w = inverse_w if state.w_buffering and depth.matters(state) else (1.0, 1.0, 1.0)
     offset, slope = offset_of(primitives, source, state, target.depth_bits, enabled and source[0] >= 0)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
-    places = places_of(kind, state, profile, sample)
+    places = places_of(kind, state, profile, place)
     if kind == TRIANGLE and places is None:
         columns, rows = coverage.spanned(shape, columns, rows)
     if places is not None:
@@ -284,9 +284,9 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             per_fragment.write_fragment(target, px, py, shaded, z, state)
 
 
-def draw(target, primitives, state, textures, profile, sample=None):
+def draw(target, primitives, state, textures, profile, place=None):
     """Draw window primitives into the target, in order. ``textures``: name to texture, for the enabled units;
-    ``sample``: as ``draw_primitive`` has it.
+    ``place``: as ``draw_primitive`` has it.
 
     Source: OpenGL 1.2.1 section 2.1 (fragments of a primitive are drawn before the next primitive's).
     """
@@ -305,4 +305,4 @@ def draw(target, primitives, state, textures, profile, sample=None):
     used = {name: plain_texture(textures[name]) for name in names}
     for i, corners in enumerate(columns.triangles):
         stroke = columns.strokes[i] if columns.strokes else None
-        draw_primitive(target, columns, corners, stroke, state, used, profile, sample)
+        draw_primitive(target, columns, corners, stroke, state, used, profile, place)
