@@ -381,7 +381,8 @@ class MakeCurrent:
     """WGL_ARB_pbuffer: the commands that follow draw to and read from ``surface``; None: the window again.
 
     The first MakeCurrent that names a pbuffer makes it: zero colour, the farthest depth, stencil zero. Later
-    ones say its size and formats again, and find what it holds. A frame begins with the window.
+    ones say its size and formats again, and find what it holds. A frame begins with the window. ``samples``:
+    of each of its pixels (WGL_ARB_multisample).
     """
 
     label: str
@@ -390,6 +391,7 @@ class MakeCurrent:
     height: int | None = None
     color_format: ColorFormat = ColorFormat.A8R8G8B8
     depth_bits: int = 24
+    samples: int = 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -398,7 +400,8 @@ class BindTexImage:
     format (WGL_NV_render_depth_texture) as its depths.
 
     The pbuffer's bits are read as ``internal_format``, which is as wide. ``origin`` LOWER_LEFT: the bottom
-    row has t = 0, as in OpenGL; UPPER_LEFT: the top row does, which is the first in the chip's memory.
+    row has t = 0, as in OpenGL; UPPER_LEFT: the top row does, which is the first in the chip's memory. Of a
+    pbuffer with several samples a texture is as many times as wide: a pixel's samples lie side by side there.
     """
 
     label: str

@@ -276,7 +276,7 @@ class PointState:
 
 @dataclass(frozen=True, slots=True)
 class LineState:
-    """Section 3.4. Lines are not antialiased.
+    """Section 3.4. ``smooth``: LINE_SMOOTH (section 3.4.4), of lines that are rectangles.
 
     ``stipple`` (section 3.4.2): (factor, pattern), 1 to 256 and 16 bits, the first in the lowest; None:
     disabled.
@@ -285,6 +285,7 @@ class LineState:
     width: float = 1.0
     rasterization: LineRasterization = LineRasterization.STEPS
     stipple: tuple[int, int] | None = None
+    smooth: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,7 +294,8 @@ class PolygonState:
 
     ``stipple``: what PolygonStipple takes, 32 rows of 4 bytes, bottom row first, the leftmost pixel in the
     highest bit of a row's first byte, repeated over the window; None: disabled. It takes no part where
-    polygons are drawn as points or lines.
+    polygons are drawn as points or lines. ``smooth``: POLYGON_SMOOTH (section 3.5.2): alpha times the share
+    of a pixel that a triangle covers.
     """
 
     cull_face: Face | None = None
@@ -308,6 +310,7 @@ class PolygonState:
     offset_line: bool = False
     offset_point: bool = False
     stipple: bytes | None = None
+    smooth: bool = False
 
 
 @dataclass(frozen=True, slots=True)

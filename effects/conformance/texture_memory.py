@@ -215,6 +215,10 @@ def read_as(words, written, word, swizzled):
 
 def texture_of(rgba, entry):
     """The texture that the chip sees of a picture, RGBA bytes [rows, columns, 4], in a format."""
+    if entry.word is TexelWord.R6G5B5:
+        # The version that drew the two-dimensional captures lets SDL write R5G6B5; the volumes' writes
+        # A1R5G5B5.
+        return texture_of_words(packed_words(rgba, TexelWord.R5G6B5), entry.word, entry.target)
     if not entry.converted_by_sdl:
         return texture_of_words(converted_words(rgba, entry.word), entry.word, entry.target)
     words = packed_words(rgba, entry.sdl_word)[None]

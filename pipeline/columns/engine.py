@@ -103,6 +103,9 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
                 registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits, saw)
             given = some, state, profile, bits, textures, filters, registers
             shaded = shade(*given, saw=saw, otherwise=otherwise)
+        if some.covered is not None:
+            share = some.covered * shaded[:, 3] // len(profile.primitives.smoothing_samples)
+            shaded = np.concatenate([shaded[:, :3], share[:, None]], axis=1)
         color[part] = numbers.convert(shaded, numbers.one_of(finest), numbers.one_of(framebuffer.color_bits))
     return write(replace(fragments, depth=depth), color, state, profile, framebuffer, saw)
 
@@ -111,8 +114,9 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
 
 
 def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=nobody, otherwise=None):
-    """Draw the fragments ``covered`` (triangle, x, y, int [k] each) of window primitives with float colours:
-    bool [k], which passed all tests. ``saw``: who watches; ``otherwise``: an Otherwise.
+    """Draw the fragments ``covered`` (triangle, x, y, covered, int [k] each, the last one or None) of window
+    primitives with float colours: bool [k], which passed all tests. ``saw``: who watches; ``otherwise``: an
+    Otherwise.
 
     Raises ValueError for an ``otherwise`` on a machine that leaves no units finer than its own.
     """
@@ -132,6 +136,8 @@ def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=
         pixels = covered.triangle[part], covered.x[part], covered.y[part]
         with np.errstate(all="ignore"):
             fragments = draw.fragments(*pixels)
+            if covered.covered is not None:
+                fragments = replace(fragments, covered=covered.covered[part].astype(np.int64))
             if otherwise is not None:
                 exactly = None if finer is None else finer.fragments(*pixels)
                 fragments = otherwise.finer(fragments, exactly, bits)

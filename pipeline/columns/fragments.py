@@ -22,6 +22,7 @@ class FragmentColumns:
     footprints   float64 [k, units, 3]: s and t along an anisotropic filter's footprint, and its ratio
     sides        float64 [k, units, 4]: of lookups filtered by roughness, the steps in texels to the right
                  (s, t) and downwards without bumps, not numbers where there are none; None: no such lookup
+    covered      int64 [k], of how many of the machine's samples a smooth primitive covers; None: none is
     texel_alpha  int64 [k], bytes that replace the alpha of unit 0's texels; None: nothing does
     """
 
@@ -37,6 +38,7 @@ class FragmentColumns:
     footprints: np.ndarray | None = None
     sides: np.ndarray | None = None
     texel_alpha: np.ndarray | None = None
+    covered: np.ndarray | None = None
 
     def part(self, where):
         """Some of the fragments."""
@@ -57,6 +59,7 @@ class FragmentColumns:
             of(self.footprints),
             of(self.sides),
             of(self.texel_alpha),
+            of(self.covered),
         )
 
 

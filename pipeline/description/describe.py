@@ -233,7 +233,8 @@ def _make_current(command):
     size, formats = f"{command.width}x{command.height}", f"{command.color_format.name}, depth"
     depth_format = DepthFormat(command.depth_bits)
     depth = depth_format.name if depth_format.is_float else f"{command.depth_bits} bits"
-    return [f'pbuffer "{command.surface}": {size}, {formats} {depth}']
+    samples = "" if command.samples == 1 else f", {count(command.samples, 'sample')} a pixel"
+    return [f'pbuffer "{command.surface}": {size}, {formats} {depth}{samples}']
 
 
 def _bind_tex_image(command):

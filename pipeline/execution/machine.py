@@ -39,7 +39,7 @@ from fixedpipe.pipeline.commands import (
 from fixedpipe.pipeline.enums import AccumOperation, Clamp, ColorBuffer
 from fixedpipe.pipeline.framebuffers.accumulation import accumulate, clear_accumulation
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
-from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, Samples
+from fixedpipe.pipeline.framebuffers.multisample import Samples, sampled
 from fixedpipe.pipeline.framebuffers.result import Fragments, Result
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot, snapshot
 from fixedpipe.pipeline.framebuffers.texture_copies import (
@@ -188,6 +188,8 @@ class Machine:
         self._queue: Queue = Queue(min(self.threads or default_threads(), bands), self.batch)
         self._current: Framebuffer = self.framebuffer
         self._samples: Samples | None = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
+        self._surface_samples: dict[str, Samples] = {}  # of the pbuffers that have several
+        self._drawn_samples: Samples | None = self._samples  # of what is drawn to now
         self._running: threading.Lock = threading.Lock()
         self._runner: int | None = None
 
@@ -221,7 +223,7 @@ class Machine:
     def _run(self, commands, trace, record):
         held = self.width, self.height, self.depth_bits, self.textures, self.surfaces, self.statistics
         valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read))
-        self._current = self.framebuffer
+        self._current, self._drawn_samples = self.framebuffer, self._samples
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
         engine = chosen_engine("portable" if record else self.engine)
         frame = _Frame(valid, KeptDraws(commands, self.samples), engine, record)
@@ -267,30 +269,33 @@ class Machine:
         return snapshot(command, shown)
 
     def _targets(self, draw_buffer):
-        """The framebuffers that a command writes to, each with its place in a pixel."""
-        if self._samples is None or self._current is not self.framebuffer:
-            return ((self._current, SAMPLE_POSITIONS[1][0]),)
-        self._samples.write(draw_buffer)
-        return self._samples.targets
+        """The framebuffers that a command writes to, each with its place in a pixel, None where it has
+        one.
+        """
+        if self._drawn_samples is None:
+            return ((self._current, None),)
+        self._drawn_samples.write(draw_buffer)
+        return self._drawn_samples.targets
 
     def _flush(self):
-        """Everything is drawn, and the window's colours are its samples' means."""
+        """Everything is drawn, and the colours that are read are the samples' means."""
         self._queue.flush()
-        if self._samples is not None:
-            self._samples.resolve()
+        if self._drawn_samples is not None:
+            self._drawn_samples.resolve()
 
     # Every command's method takes the command and the _Frame that it is of.
 
     def _draw(self, command, frame):
         state = canonical(command.state)
-        for surface, position in self._targets(state.draw_buffer):
+        for number, (surface, place) in enumerate(self._targets(state.draw_buffer)):
+            position, sample = sampled(place, self.profile)
             target = surface.buffer(state.draw_buffer)
             draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
             if draw is None and self._draws_columns(state, target, frame.engine):
                 self._queue.flush()
-                drawn, lost = self._drawn_by_columns(command, target, position)
+                drawn, lost = self._drawn_by_columns(command, target, position, sample)
                 self._queue.fragments += len(drawn.x)
-                if frame.record:
+                if frame.record and number == 0:
                     frame.records.append(drawn)
                 continue
             if draw is None:
@@ -299,13 +304,15 @@ class Machine:
                 rounded = fragment_bits(self.profile, target) == NATIVE_BITS
                 given = command.mesh, state, self.profile, *size, position
                 primitives = stage.process(*given, rounded=rounded)
-                draw = Prepared.of(primitives, state, self.profile, self._current, self.textures)
+                given = primitives, state, self.profile, self._current, self.textures
+                draw = Prepared.of(*given, sample)
                 frame.kept.keep(command, surface, draw)
             lost = draw.dropped
             if frame.record:
                 self._queue.flush()
-                frame.records.append(recorded_fragments(draw, target, self.batch))
-                self._queue.fragments += len(frame.records[-1].x)
+                drawn = recorded_fragments(draw, target, self.batch)
+                self._queue.fragments += len(drawn.x)
+                frame.records += [drawn] if number == 0 else []  # a pbuffer's first sample's
             else:
                 self._queue.draw(draw, target, frame.engine)
         frame.dropped += lost  # as the last sample's: the same in each
@@ -317,14 +324,14 @@ class Machine:
         given = state, self.profile, target, self.textures
         return needs_columns(*given) or not (covers_by_kernels() or are_native(widths_of(*given)))
 
-    def _drawn_by_columns(self, command, target, position):
+    def _drawn_by_columns(self, command, target, position, sample):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
         state, profile = canonical(command.state), self.profile
         size = target.width, target.height
         # Vertices' colours are rounded where the fragment's width is known.
         primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
         if profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS:
-            covered, lost = covered_pixels(primitives, state, profile, *size)
+            covered, lost = covered_pixels(primitives, state, profile, *size, sample)
         else:
             covered = covered_triangles(primitives, state, profile, target)
             lost = primitives.dropped
@@ -378,7 +385,8 @@ class Machine:
         self._define(command, replaced_texture(source, command, texture, self.profile, self.statistics))
 
     def _bind_tex_image(self, command, frame):
-        self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command)
+        samples = self._surface_samples.get(command.surface)
+        self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command, samples)
 
     def _define(self, command, texture):
         """Store a texture, unless a histogram's or minmax's sink took its image."""
@@ -397,23 +405,25 @@ class Machine:
         self.statistics.reset_minmax(command.name)
 
     def _accum(self, command, frame):
-        if command.operation != AccumOperation.RETURN or self._samples is None:
+        if command.operation != AccumOperation.RETURN or self._drawn_samples is None:
             accumulate(self._current, command, self.profile)
             return
-        self._samples.share_accumulation()
+        self._drawn_samples.share_accumulation()
         for surface, _ in self._targets(command.draw_buffer):
             accumulate(surface, command, self.profile)
 
     def _make_current(self, command, frame):
         """The framebuffer that is named is made when it is named first."""
         if command.surface is None:
-            self._current = self.framebuffer
+            self._current, self._drawn_samples = self.framebuffer, self._samples
             return
-        if command.surface not in self.surfaces:
-            self.surfaces[command.surface] = Framebuffer.new(
-                command.width, command.height, command.depth_bits, command.color_format
-            )
-        self._current = self.surfaces[command.surface]
+        name, samples = command.surface, command.samples
+        if name not in self.surfaces:
+            size = command.width, command.height, command.depth_bits
+            self.surfaces[name] = Framebuffer.new(*size, command.color_format, samples=samples)
+            if samples > 1:
+                self._surface_samples[name] = Samples(self.surfaces[name], samples)
+        self._current, self._drawn_samples = self.surfaces[name], self._surface_samples.get(name)
 
 
 METHODS = {

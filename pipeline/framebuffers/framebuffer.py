@@ -82,7 +82,7 @@ class Framebuffer:
     bits at the top of one, zeros below. Where components have another number of bits, ``color_bits``, or
     blending does not clamp, colours are int32, 2**color_bits - 1 is one, and only where it does not clamp do
     values leave [0, one]. ``accumulation``: int32 [h, w, 4] (docs/numbers.md, section 16), None until
-    something is stored there.
+    something is stored there. ``samples``: how many a pixel has, of which colours are then the means.
     """
 
     color: NDArray[np.uint8 | np.int32]
@@ -92,6 +92,7 @@ class Framebuffer:
     color_format: ColorFormat = ColorFormat.A8R8G8B8
     color_bits: int = 8
     accumulation: NDArray[np.int32] | None = None
+    samples: int = 1
     _auxiliary: dict[ColorBuffer, "Framebuffer"] = field(default_factory=dict)
 
     @classmethod
@@ -103,6 +104,7 @@ class Framebuffer:
         color_format: ColorFormat = ColorFormat.A8R8G8B8,
         color_bits: int = 8,
         clamped: bool = True,
+        samples: int = 1,
     ) -> "Framebuffer":
         """An empty framebuffer of ``width`` x ``height`` pixels. ``clamped``: blending clamps."""
         return cls(
@@ -112,6 +114,7 @@ class Framebuffer:
             DepthFormat(depth_bits),
             color_format,
             color_bits,
+            samples=samples,
         )
 
     @property

@@ -19,13 +19,15 @@ class Fragments:
     fragment passed the per-fragment tests (0 where not; coverage alone says 1). A rectangle of pixels has
     the group's number instead, counted row by row from the lower left.
 
-    Per pixel they are in draw order.
+    ``covered``: how many of the machine's samples a primitive covers where it is smooth; None, or 0: it is
+    not. Per pixel they are in draw order.
     """
 
     triangle: NDArray[np.int32]
     x: NDArray[np.int32]
     y: NDArray[np.int32]
     passed: NDArray[np.int32]
+    covered: NDArray[np.int32] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -105,14 +105,16 @@ def replaced_texture(framebuffer, command, texture, profile, statistics):
     return Texture(texture.target, texture.internal_format, levels, bits=texture.bits)
 
 
-def bound_texture(framebuffer, command):
-    """BindTexImage: the texture that a pbuffer's colours, or depths, are."""
+def bound_texture(framebuffer, command, samples=None):
+    """BindTexImage: the texture that a pbuffer's colours, or depths, are. ``samples``: the Samples of a
+    pbuffer that has several in a pixel.
+    """
     rows = slice(None, None, 1 if command.origin == WindowOrigin.UPPER_LEFT else -1)
     if command.internal_format in DEPTH_TEXELS:
         return Texture(
             command.target, command.internal_format, (depth_texels(framebuffer.depth[rows])[None],)
         )
-    rgba = framebuffer.color[rows]
+    rgba = (framebuffer.color if samples is None else samples.side_by_side())[rows]
     base, bits = BASE_FORMAT[command.internal_format], COMPONENT_BITS[command.internal_format]
     components = np.stack(
         [widen_to_byte(rgba[..., kept] >> (8 - b), b) for kept, b in zip(KEPT[base], bits, strict=True)], -1

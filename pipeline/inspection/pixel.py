@@ -25,7 +25,7 @@ from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
 from fixedpipe.pipeline.framebuffers.accumulation import accumulate, clear_accumulation
 from fixedpipe.pipeline.framebuffers.boxes import scissored
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
-from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, mean
+from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, mean, sampled
 from fixedpipe.pipeline.inspection.recording import RecordedFrame, Step
 from fixedpipe.pipeline.native.coverage import Covered, covered_pixels, covered_triangles
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
@@ -121,7 +121,7 @@ class ReplayedPixel:
                 f"(0, 0) to ({shown.width - 1}, {shown.height - 1}), counted from the top left."
             )
         self.frame, self.x, self.y, self.surface, self._shown = frame, x, y, surface, shown
-        positions = SAMPLE_POSITIONS[frame.samples if surface is None else 1]
+        positions = SAMPLE_POSITIONS[frame.samples if surface is None else shown.samples]
         accumulation = np.zeros((1, 1, 4), np.int32)
         self._targets = [(PixelBuffers(shown, accumulation), position) for position in positions]
         one = len(positions) == 1
@@ -208,10 +208,12 @@ class ReplayedPixel:
         alone, size = self._alone(state), (self._shown.width, self._shown.height)
 
         def change(buffers, position):
-            primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
+            several = len(self._targets) > 1
+            shift, sample = sampled(position if several else None, profile)
+            primitives = stage.process(command.mesh, state, profile, *size, shift, rounded=False)
             target = buffers.everywhere.buffer(state.draw_buffer)
             if profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS:
-                covered, _ = covered_pixels(primitives, alone, profile, *size)
+                covered, _ = covered_pixels(primitives, alone, profile, *size, sample)
             else:
                 covered = covered_triangles(primitives, alone, profile, target)
             if not len(covered.triangle):
@@ -226,7 +228,8 @@ class ReplayedPixel:
                 saw("primitives", primitives=primitives)
                 row = int(covered.triangle[k])
                 saw("vertices", mesh=command.mesh, state=state, primitives=primitives, triangle=row)
-                one = Covered(covered.triangle[k : k + 1], covered.x[k : k + 1], covered.y[k : k + 1])
+                columns = covered.triangle, covered.x, covered.y, covered.covered
+                one = Covered(*(c if c is None else c[k : k + 1] for c in columns))
                 passed += column_draw(primitives, one, state, profile, target, step.textures, saw).tolist()
             return seen, covered.triangle.tolist(), passed
 

@@ -6,25 +6,27 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import Face, FrontFace
+from fixedpipe.pipeline.enums import ComparisonFunction, Face, FrontFace
 from fixedpipe.pipeline.framebuffers.boxes import scissor_box, scissored
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
+from fixedpipe.pipeline.native.pack_fragments import asks_for_depth
 from fixedpipe.pipeline.native.preparation import NO_RECORD, Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
 from fixedpipe.pipeline.native.readiness import covers_by_kernels
-from fixedpipe.pipeline.state import ColorMask, PassState
+from fixedpipe.pipeline.state import ColorMask, DepthTest, PassState
 from fixedpipe.raster.columns import interpolate
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """Pixels of primitives, int64 [k] each: per pixel in draw order."""
+    """Pixels of primitives, int64 [k] each: per pixel in draw order; ``covered`` as of Fragments."""
 
     triangle: np.ndarray
     x: np.ndarray
     y: np.ndarray
+    covered: np.ndarray | None = None
 
 
 def covered_triangles(primitives, state, profile, framebuffer):
@@ -48,7 +50,7 @@ def _covered(primitives, polygon, box, profile):
     return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-# Rows of a recording, of 16 bytes each: what is not written takes no memory, as long as it is not more.
+# Rows of a recording, of 20 bytes each: what is not written takes no memory, as long as it is not more.
 _USUAL, _MOST = 1 << 16, 1 << 24
 
 
@@ -58,13 +60,13 @@ def recorded_fragments(draw, framebuffer, batch):
         return _fragments(NO_RECORD)
     most = _most_fragments(draw.primitives, framebuffer.width, framebuffer.height)
     fits = most <= _MOST
-    recording, buffers = np.empty((int(most) if fits else _USUAL, 4), np.int32), buffers_of(framebuffer)
+    recording, buffers = np.empty((int(most) if fits else _USUAL, 5), np.int32), buffers_of(framebuffer)
     saved = () if fits else [buffer.copy() for buffer in buffers]
     count = draw.bands(0, 1, batch, buffers, recording)
     if not fits and count > len(recording):  # it did not fit: once more, from the same framebuffer
         for buffer, before in zip(buffers, saved, strict=True):
             buffer[:] = before
-        recording = np.empty((count, 4), np.int32)
+        recording = np.empty((count, 5), np.int32)
         draw.bands(0, 1, batch, buffers, recording)
     return _fragments(recording[:count])
 
@@ -88,27 +90,38 @@ def _fragments(rows):
     return Fragments(*rows.T.copy())
 
 
-def covered_pixels(primitives, state, profile, width, height):
+def covered_pixels(primitives, state, profile, width, height, sample=None):
     """What a state's primitives cover, whatever it writes there: (Fragments, primitives dropped).
 
-    ``primitives``: with colours of any kind, which coverage does not read.
+    ``primitives``: with colours of any kind, which coverage does not read; ``sample``: as ``pack_coverage``
+    has it.
     """
-    if state.window_clip is None and _without_kernels(primitives, state.polygon):
+    by_middles = sample in (None, (0, 0)) and not (state.polygon.smooth or state.line.smooth)
+    if state.window_clip is None and by_middles and _without_kernels(primitives, state.polygon):
         box = scissored(state.scissor, width, height)
         return _covered(primitives, state.polygon, box, profile), primitives.dropped
     uncolored = replace(primitives, colors=np.zeros((len(primitives.x), 2, 8), np.uint8))
     polygon = replace(state.polygon, offset_fill=False, offset_line=False, offset_point=False)
+    # Where depths are w, pixels outside their triangle need weights of w too: a test that nothing passes
+    # asks.
+    tests = state.w_buffering and not by_middles and asks_for_depth(state)
     plain = PassState(
         polygon=polygon,
         line=state.line,
         point=state.point,
         scissor=state.scissor,
         window_clip=state.window_clip,
+        depth_test=DepthTest(ComparisonFunction.NEVER, write=False) if tests else None,
+        w_buffering=tests,
         color_mask=ColorMask(False, False, False, False),
     )
     framebuffer = _unwritten(width, height)
-    prepared = Prepared.of(uncolored, plain, profile, framebuffer, {})
-    return recorded_fragments(prepared, framebuffer, BATCH), prepared.dropped
+    prepared = Prepared.of(uncolored, plain, profile, framebuffer, {}, sample)
+    drawn, smooth = (
+        recorded_fragments(prepared, framebuffer, BATCH),
+        state.polygon.smooth or state.line.smooth,
+    )
+    return (drawn if smooth and sample is None else replace(drawn, covered=None)), prepared.dropped
 
 
 def rasterize(primitives, profile, polygon, scissor, width, height):

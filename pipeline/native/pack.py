@@ -34,12 +34,13 @@ class PackedState(NamedTuple):
     derived: dict  # what others make of these rows, which is kept with them
 
 
-def pack(state: PassState, profile, framebuffer, textures, primitives):
-    """Rows of a validated pass. ``textures`` maps names to Texture; ``primitives`` say what varies.
+def pack(state: PassState, profile, framebuffer, textures, primitives, sample=None):
+    """Rows of a validated pass. ``textures`` maps names to Texture; ``primitives`` say what varies;
+    ``sample``: as ``pack_coverage`` has it.
 
     Rows are shared by all that pack the same: they are not written to.
     """
-    rows = rows_of(state, profile, framebuffer, textures)
+    rows = rows_of(state, profile, framebuffer, textures, sample)
     flat = C.COLORS_SMOOTH
     if rows.reads_color and (rows.flat or primitives.constant_color):
         flat = C.COLORS_FLAT if rows.flat else C.COLORS_EQUAL

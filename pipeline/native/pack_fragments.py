@@ -59,6 +59,16 @@ def _pack_stencil_operation(operation, reference):
     }[operation]
 
 
+def _tests_depth(test):
+    return test is not None and (test.function != ComparisonFunction.ALWAYS or test.write)
+
+
+def asks_for_depth(state):
+    """Whether a state's fragments need depths."""
+    limits = state.depth_clamp
+    return _tests_depth(state.depth_test) or (limits is not None and bool(limits.cull))
+
+
 def _pack_depth(state, framebuffer, draw, draw_float):
     words, test, polygon = DEPTH_WORDS[framebuffer.depth_format], state.depth_test, state.polygon
     draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = words.code, words.largest
@@ -69,9 +79,9 @@ def _pack_depth(state, framebuffer, draw, draw_float):
         if limits.maximum is not None:
             draw_float[R.DEPTH_HIGH] = limits.maximum
         draw[R.DEPTH_CULL] = limits.cull
-    tests = test is not None and (test.function != ComparisonFunction.ALWAYS or test.write)
-    if not (tests or draw[R.DEPTH_CULL]):
+    if not asks_for_depth(state):
         return
+    tests = _tests_depth(test)
     draw[R.NEEDS_DEPTH] = 1
     draw[R.DEPTH_FUNCTION] = test.function if tests else ComparisonFunction.ALWAYS
     draw[R.DEPTH_WRITE] = tests and test.write
@@ -197,6 +207,24 @@ def pack_lines(line, profile, draw):
         draw[R.LINE_WIDTH] = R.PIXEL_WIDE * whole_size(line.width)
     if line.stipple is not None:
         draw[R.LINE_FACTOR], draw[R.LINE_PATTERN] = line.stipple
+
+
+def pack_coverage(state, profile, sample, draw):
+    """What draws pixels otherwise than by their middles: smooth primitives by the machine's samples, and in a
+    multisampled window all but lines in steps by ``sample``, (x, y) in 1/16 pixel with y up; None: in no
+    such.
+    """
+    places, kinds = (), 0
+    if sample is not None:
+        if sample != (0, 0):
+            places, kinds = (sample,), 1 << C.PRIMITIVE_TRIANGLE | 1 << C.PRIMITIVE_POINT
+            kinds |= (draw[R.LINE_STEPS] == C.LINE_AS_RECTANGLE) << C.PRIMITIVE_LINE
+    elif state.polygon.smooth or state.line.smooth:
+        places = profile.primitives.smoothing_samples
+        kinds = state.polygon.smooth << C.PRIMITIVE_TRIANGLE | state.line.smooth << C.PRIMITIVE_LINE
+    draw[R.COVERAGE], draw[R.COVER_SAMPLES] = kinds, len(places)
+    for k, (right, up) in enumerate(places):
+        draw[R.COVER_SAMPLE + 2 * k], draw[R.COVER_SAMPLE + 2 * k + 1] = right, -up
 
 
 def pack_holes(state, framebuffer, draw):

@@ -19,7 +19,7 @@ from fixedpipe.raster.primitives.bins import BAND_HEIGHT, CHUNK, count_bins, fil
 from fixedpipe.raster.vector.arrays import JOB_SIZE
 from fixedpipe.raster.vector.frame import fill_draw
 
-NO_RECORD = np.zeros((0, 4), np.int32)
+NO_RECORD = np.zeros((0, 5), np.int32)
 _NO_COLORS = np.zeros((0, 2, 8), np.uint8)
 _NO_PAIRS = [NO_TEXELS] * 4
 
@@ -28,7 +28,7 @@ def sort_into_bands(primitives, draw, height):
     """(triangle numbers of every band behind one another, where each band's end, dropped triangles)."""
     bands = -(-height // BAND_HEIGHT)
     p, count = primitives, len(primitives.triangles)
-    if p.orderly and not len(p.strokes):
+    if p.orderly and not len(p.strokes) and not draw[R.COVER_SAMPLES]:
         order, needed = np.empty(0, np.int32), 2 * count + 4 * bands
         while needed > len(order):
             order, ends = np.empty(needed, np.int32), np.empty(bands, np.int32)
@@ -74,13 +74,15 @@ class Prepared:
     beside: object = None
 
     @classmethod
-    def of(cls, primitives, state, profile, framebuffer, textures):
+    def of(cls, primitives, state, profile, framebuffer, textures, sample=None):
         """A Draw of window primitives, with colours rounded where fragments are bytes, sorted into bands and
         with what kernels take brought together.
 
-        ``framebuffer``: any of the size and formats of those that it is drawn into.
+        ``framebuffer``: any of the size and formats of those that it is drawn into; ``sample``: the place in
+        a pixel that draws it, as ``pack_coverage`` has it.
         """
-        p, packed, colors = primitives, pack.pack(state, profile, framebuffer, textures, primitives), None
+        p, colors = primitives, None
+        packed = pack.pack(state, profile, framebuffer, textures, primitives, sample)
         if p.colors.dtype == np.float64:
             bits, sides = int(packed.draw[R.BITS]), 2 if p.two_side else 1  # the other is the same, or unread
             colors = np.empty(p.colors.shape, np.int16)
@@ -139,7 +141,7 @@ class Prepared:
 
     def fill_job(self):
         """Make ``job``."""
-        if self.packed.wide:
+        if self.packed.wide or self.packed.draw[R.COVER_SAMPLES]:
             self.job = False
             return
         job = np.zeros((1, JOB_SIZE), np.int64)

@@ -10,6 +10,7 @@ from fixedpipe.pipeline.framebuffers.widths import fragment_bits
 from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.native.pack_combiners import has_stage_constants, pack_combiners, pack_constants
 from fixedpipe.pipeline.native.pack_fragments import (
+    pack_coverage,
     pack_facing,
     pack_fog,
     pack_holes,
@@ -22,7 +23,7 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 
 
-def rows_of(state, profile, framebuffer, textures):
+def rows_of(state, profile, framebuffer, textures, sample=None):
     """The rows of a pass as far as no vertex matters, kept for the next time.
 
     Found by identity, for equal states may differ in bits (0.0 and -0.0); what is kept holds state and
@@ -37,6 +38,7 @@ def rows_of(state, profile, framebuffer, textures):
         framebuffer.depth_format,
         framebuffer.color_format,
         framebuffer.color_bits,
+        sample,
         *[_texture_kind(textures, unit) for unit in state.texture_units],
     )
     key = (id(state), beside)
@@ -47,7 +49,7 @@ def rows_of(state, profile, framebuffer, textures):
             _first_rows.clear()
         kind = kind_of(state)
         if (first := _first_rows.get((kind, beside))) is None:
-            first = _first_rows[kind, beside] = StateRows(state, profile, framebuffer, textures)
+            first = _first_rows[kind, beside] = StateRows(state, profile, framebuffer, textures, sample)
         found = _rows[key] = first.with_constants(state.register_combiners), state
     return found[0]
 
@@ -67,7 +69,7 @@ def _texture_kind(textures, unit):
 class StateRows:
     """The rows of a pass as far as no vertex matters, and those that do for each way in which they vary."""
 
-    def __init__(self, state, profile, framebuffer, textures):
+    def __init__(self, state, profile, framebuffer, textures, sample=None):
         self.program, self.profile = state.register_combiners, profile
         draw = np.zeros(R.DRAW_SIZE, np.int64)
         self.draw_float = np.zeros(R.DRAW_FLOAT_SIZE, np.float64)
@@ -76,6 +78,7 @@ class StateRows:
         draw[R.X0], draw[R.Y0], draw[R.X1], draw[R.Y1] = scissor_box(state, framebuffer)
         self.back_sign = pack_facing(state, draw)
         pack_lines(state.line, profile, draw)
+        pack_coverage(state, profile, sample, draw)
         pack_holes(state, framebuffer, draw)
         pack_tests(state, framebuffer, draw, self.draw_float)
         factors = pack_writing(state, framebuffer, draw)

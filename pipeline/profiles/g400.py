@@ -139,6 +139,9 @@ G400 = Profile(
         max_point_size=known(64.0, _DRIVER),
         max_line_width=known(64.0, _DRIVER),
         line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        smoothing_samples=known(
+            (), "Source: OpenGL 1.2.1, section 3.2 leaves coverage to the machine; unseen"
+        ),
         point_sprite_units=known(frozenset(), NOT_CORE),
         perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
         spherical_interpolation=known(
@@ -172,6 +175,7 @@ G400 = Profile(
             0, "Assumed: none; a query of AUX_BUFFERS of a G400's driver would settle it"
         ),
         samples=known((1,), NOT_CORE),
+        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(frozenset(), NOT_CORE),
     ),
     pixels=Pixels(

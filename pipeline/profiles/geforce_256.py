@@ -130,6 +130,9 @@ GEFORCE_256 = Profile(
         max_point_size=known(63.875, "Inferred: from the NV2A's 6.3-bit sizes (Point_size captures)"),
         max_line_width=known(63.875, "Inferred: from the NV2A's 6.3-bit widths (Line_width captures)"),
         line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        smoothing_samples=known(
+            (), "Source: OpenGL 1.2.1, section 3.2 leaves coverage to the machine; unseen"
+        ),
         point_sprite_units=known(frozenset(), "Source: NV_point_sprite (introduced after the GeForce 256)"),
         perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
         spherical_interpolation=known(False, _ASKED_FOR),
@@ -162,6 +165,7 @@ GEFORCE_256 = Profile(
         accumulation_bits=known(16, "Assumed: 16 with its sign; a query of ACCUM_RED_BITS would settle it"),
         auxiliary_buffers=known(0, "Assumed: none; a pixel format of a driver of 1999 would settle it"),
         samples=known((1,), "Assumed: 1; a driver that lists ARB_multisample would settle it"),
+        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(
             frozenset(), "Assumed: none; a driver of 1999 that lists WGL_ARB_pbuffer would settle it"
         ),

@@ -154,6 +154,10 @@ GEFORCE_3 = Profile(
         line_stipple=known(
             True, "Assumed: as OpenGL 1.2.1 section 3.4.2 says; a driver of 2001 would settle it"
         ),
+        smoothing_samples=known(
+            ((0, 0), (-8, 8), (2, -6), (-2, 6), (4, 4), (-4, -4), (6, -2), (-6, 2)),
+            "Inferred: from the NV2A's captures (3D_primitive)",
+        ),
         point_sprite_units=known(
             frozenset({3}),
             "Inferred: from the NV2A: point_params_tests.cpp of nxdk_pgraph_tests (unit 3 alone)",
@@ -200,6 +204,7 @@ GEFORCE_3 = Profile(
         ),
         auxiliary_buffers=known(0, _DRIVER),
         samples=known((1,), _DRIVER),
+        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(
             frozenset(ColorFormat), "Inferred: from the NV2A: nv_objects.h, SET_SURFACE_FORMAT_COLOR"
         ),

@@ -115,6 +115,7 @@ IDEAL = Profile(
         max_point_size=_given(63.875),
         max_line_width=_given(63.875),
         line_stipple=_given(True),
+        smoothing_samples=_given(()),
         point_sprite_units=_given(frozenset()),
         perspective_hint=_given(False),
         spherical_interpolation=_given(True),
@@ -139,6 +140,7 @@ IDEAL = Profile(
         accumulation_bits=_given(16),
         auxiliary_buffers=_given(4),
         samples=_given((1,)),
+        shades_samples=_given(True),
         surface_formats=_given(frozenset()),
     ),
     pixels=Pixels(

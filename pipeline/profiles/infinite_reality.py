@@ -129,6 +129,9 @@ INFINITE_REALITY = Profile(
         max_point_size=known(64.0, _DRIVER),
         max_line_width=known(64.0, _DRIVER),
         line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        smoothing_samples=known(
+            (), "Source: OpenGL 1.2.1, section 3.2 leaves coverage to the machine; unseen"
+        ),
         point_sprite_units=known(frozenset(), NOT_CORE),
         perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
         spherical_interpolation=known(
@@ -157,6 +160,7 @@ INFINITE_REALITY = Profile(
         ),
         auxiliary_buffers=known(4, "Assumed: 4; a query of AUX_BUFFERS would settle it"),
         samples=known((1, 4, 8), "Assumed: 1, 4 or 8; Montrym, Baum, Dignam, Migdal 1997 would settle it"),
+        shades_samples=known(True, "Assumed: as docs/decisions, page 0012, says"),
         surface_formats=known(frozenset(), NOT_CORE),
     ),
     pixels=Pixels(

@@ -126,6 +126,9 @@ MULTITEXTURE = Profile(
         max_point_size=known(64.0, _DRIVER),
         max_line_width=known(64.0, _DRIVER),
         line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        smoothing_samples=known(
+            (), "Source: OpenGL 1.2.1, section 3.2 leaves coverage to the machine; unseen"
+        ),
         point_sprite_units=known(frozenset(), NOT_CORE),
         perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
         spherical_interpolation=known(
@@ -155,6 +158,7 @@ MULTITEXTURE = Profile(
         accumulation_bits=known(16, _DRIVER),
         auxiliary_buffers=known(0, "Assumed: none, as on the GeForce 256"),
         samples=known((1,), NOT_CORE),
+        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(frozenset(), NOT_CORE),
     ),
     pixels=Pixels(

@@ -114,6 +114,9 @@ OCTANE = Profile(
         max_point_size=known(64.0, _DRIVER),
         max_line_width=known(64.0, _DRIVER),
         line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        smoothing_samples=known(
+            (), "Source: OpenGL 1.2.1, section 3.2 leaves coverage to the machine; unseen"
+        ),
         point_sprite_units=known(frozenset(), NOT_CORE),
         perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
         spherical_interpolation=known(
@@ -142,6 +145,7 @@ OCTANE = Profile(
         accumulation_bits=known(16, _DRIVER),
         auxiliary_buffers=known(2, _DRIVER),
         samples=known((1,), NOT_CORE),
+        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(frozenset(), NOT_CORE),
     ),
     pixels=Pixels(

@@ -111,6 +111,9 @@ OPENGL_1_2 = Profile(
             64.0, "Assumed: 64, beyond table 6.25's minimum of 1; no board is meant in particular"
         ),
         line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        smoothing_samples=known(
+            (), "Source: OpenGL 1.2.1, section 3.2 leaves coverage to the machine; unseen"
+        ),
         point_sprite_units=known(frozenset(), NOT_CORE),
         perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
         spherical_interpolation=known(
@@ -144,6 +147,7 @@ OPENGL_1_2 = Profile(
             2, "Assumed: 2, beyond table 6.25's minimum of none; no board is meant in particular"
         ),
         samples=known((1,), NOT_CORE),
+        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(frozenset(), NOT_CORE),
     ),
     pixels=Pixels(

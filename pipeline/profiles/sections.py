@@ -111,6 +111,9 @@ class Primitives(Section):
     max_point_size: float  # pixels
     max_line_width: float  # pixels
     line_stipple: bool
+    # Where in a pixel smooth lines and polygons are asked for what they cover, 1/16 pixel from its middle, y
+    # up; none: nothing is smooth.
+    smoothing_samples: tuple[tuple[int, int], ...]
     point_sprite_units: frozenset[int]  # texture units whose coordinates point sprites may replace
     perspective_hint: bool  # whether PERSPECTIVE_CORRECTION_HINT is followed
     spherical_interpolation: bool  # of vectors in texture coordinates
@@ -144,6 +147,9 @@ class Framebuffers(Section):
     accumulation_bits: int  # of a component, with its sign; 0: no accumulation buffer
     auxiliary_buffers: int
     samples: tuple[int, ...]  # how many a pixel may have, the usual number first
+    shades_samples: (
+        bool  # of several each computes its own fragment; else all take that of the pixel's middle
+    )
     surface_formats: frozenset[ColorFormat]  # of pbuffers' colours; none: no pbuffers
 
 

@@ -123,6 +123,9 @@ TEXRAM = Profile(
         max_point_size=known(64.0, _PAPER),
         max_line_width=known(64.0, _PAPER),
         line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
+        smoothing_samples=known(
+            (), "Source: OpenGL 1.2.1, section 3.2 leaves coverage to the machine; unseen"
+        ),
         point_sprite_units=known(frozenset(), NOT_CORE),
         perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
         spherical_interpolation=known(
@@ -152,6 +155,7 @@ TEXRAM = Profile(
         accumulation_bits=known(16, _PAPER),
         auxiliary_buffers=known(0, "Assumed: none; Schilling, Knittel, Strasser 1996 would settle it"),
         samples=known((1,), NOT_CORE),
+        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(frozenset(), NOT_CORE),
     ),
     pixels=Pixels(

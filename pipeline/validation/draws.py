@@ -129,6 +129,11 @@ def _points_and_lines(walk, state, mesh):
             walk.refuse(f"{what} is {size}; {profile.name} draws sizes from 0 to {most} pixels. Give one.")
     if problem := _line_problem(state.line, profile):
         walk.refuse(problem)
+    if (polygon.smooth or state.line.smooth) and not profile.primitives.smoothing_samples:
+        walk.refuse(
+            f"{profile.name} has no smooth lines and polygons; leave polygon.smooth and line.smooth "
+            "False, or draw several samples."
+        )
     if point.parameters is not None and not profile.vertices.point_parameters:
         walk.refuse(f"{profile.name} has no point parameters; give the points one size.")
     if point.parameters is not None and min(point.parameters.attenuation) < 0:
@@ -159,6 +164,8 @@ def _line_problem(line, profile):
             f"{profile.name} draws lines in steps along their longer axis; give line.rasterization STEPS, or "
             "choose a profile without diamond_exit_lines."
         )
+    if line.smooth and not rectangle:
+        return "smooth lines are rectangles; give line.rasterization RECTANGLE, or smooth False."
     if line.stipple is None:
         return None
     if not profile.primitives.line_stipple:

@@ -71,7 +71,16 @@ def make_current(walk, command):
         )
     if command.width is None or command.height is None:
         walk.refuse(f"pbuffer {name!r} has no width or no height; give both.")
-    asked = KnownSurface(command.width, command.height, command.color_format, command.depth_bits)
+    if wrong := check_int(command.samples):
+        walk.refuse(f"the pbuffer's samples {wrong.predicate}.")
+    if command.samples not in walk.profile.framebuffers.samples:
+        allowed = " or ".join(map(str, walk.profile.framebuffers.samples))
+        walk.refuse(
+            f"pbuffer {name!r} has {count(command.samples, 'sample')} in each pixel; "
+            f"{walk.profile.name} has {allowed}. Give one of these."
+        )
+    given = command.width, command.height, command.color_format, command.depth_bits, command.samples
+    asked = KnownSurface(*given)
     made = walk.surfaces.setdefault(name, asked)
     if made != asked:
         walk.refuse(

@@ -257,8 +257,13 @@ def bind_tex_image(walk, command):
         )
     if command.target not in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE):
         walk.refuse(f"a pbuffer becomes a 2D texture, not a {command.target.name}; give TEXTURE_2D.")
-    _texture_storage(walk, command.target, command.internal_format, surface.width, surface.height)
-    size = (surface.width, surface.height)
+    if surface.samples > 1 and command.internal_format == DEPTH_READABLE_AS[surface.depth_bits]:
+        walk.refuse(
+            f"pbuffer {command.surface!r} has {surface.samples} samples in each pixel, whose colours alone "
+            "become a texture; give a colour format, or make it with one sample."
+        )
+    size = (surface.width * surface.samples, surface.height)
+    _texture_storage(walk, command.target, command.internal_format, *size)
     walk.textures[command.texture] = KnownTexture(command.target, command.internal_format, (size,), (1,))
 
 

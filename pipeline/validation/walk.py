@@ -42,10 +42,12 @@ class KnownSurface(NamedTuple):
     height: int
     color_format: ColorFormat
     depth_bits: int
+    samples: int = 1
 
     def __str__(self):
         depth = depth_words(self.depth_bits)
-        return f"{self.width}x{self.height} {self.color_format.name} with {depth}"
+        several = "" if self.samples == 1 else f" and {self.samples} samples in each pixel"
+        return f"{self.width}x{self.height} {self.color_format.name} with {depth}{several}"
 
 
 class KnownTexture(NamedTuple):
@@ -136,7 +138,7 @@ class Walk:
         self.window = width, height, depth_bits
         self.in_window, self.warned = True, False
         self.surfaces = {
-            name: KnownSurface(f.width, f.height, f.color_format, f.depth_format)
+            name: KnownSurface(f.width, f.height, f.color_format, f.depth_format, f.samples)
             for name, f in surfaces.items()
         }
         self.textures: dict[str, KnownTexture] = {}

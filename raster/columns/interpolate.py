@@ -127,15 +127,24 @@ def iteration_weights(e):
     return np.where(first, (1.0 - q1) - q2, q0), np.where(last, (1.0 - q0) - q1, q2)
 
 
+MOST_WEIGHT = 2.0**16  # of colours, outside their triangle. Assumed; no picture reaches it
+
+
+def _weight(q):
+    """Weights cut toward zero, int64. Measured: outside triangles (3D_primitive Triangles-ps capture)."""
+    return np.trunc(np.clip(q, -MOST_WEIGHT, MOST_WEIGHT)).astype(np.int64)
+
+
 def iterate_colors(q0, q2, corners, bits):
-    """Colours [k, c] of corners int64 [k, 3, c] by weights of ``bits`` bits: section 4, with 8 bits there.
+    """Colours [k, c] of corners int64 [k, 3, c] by weights of ``bits`` bits: section 4, with 8 bits there;
+    within the corners' least and greatest, which only a pixel outside its triangle would leave.
 
     Inferred: wider colours have weights as wide.
     """
-    w0, w2 = (np.floor((1 << bits) * q).astype(np.int64)[:, None] for q in (q0, q2))
+    w0, w2 = (_weight((1 << bits) * q)[:, None] for q in (q0, q2))
     w1 = (1 << bits) - w0 - w2
     total = w0 * corners[:, 0] + w1 * corners[:, 1] + w2 * corners[:, 2]
-    return (total + (1 << bits >> 1)) >> bits
+    return np.clip((total + (1 << bits >> 1)) >> bits, corners.min(1), corners.max(1))
 
 
 def iterate_exact_colors(e, corners, low, high):

@@ -161,6 +161,8 @@ def usable_draw(state, fog, height, words):
         return False
     if draw[R.CLIP_RECTANGLES] < 0 or draw[R.CLIP_RECTANGLES] > R.MAX_CLIP_RECTANGLES:
         return False
+    if draw[R.COVER_SAMPLES] < 0 or draw[R.COVER_SAMPLES] > R.MAX_COVER_SAMPLES:
+        return False
     if draw[R.LINE_WIDTH] < 0 or draw[R.LINE_WIDTH] > 1 << 16:
         return False
     if factors.shape[0] < 2 or factors.shape[1] < 4 * R.FACTOR_SIZE:

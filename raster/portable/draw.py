@@ -7,7 +7,7 @@ can change a bit.
 """
 
 import numpy as np
-from numba import float64, int32, int64, uint8, void
+from numba import float64, int16, int32, int64, uint8, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -21,7 +21,7 @@ from fixedpipe.raster.arrays import (
     as_buffers,
     plain,
 )
-from fixedpipe.raster.fixed import one_of
+from fixedpipe.raster.fixed import one_of, truncate_24
 from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.arrays import PASS, SCRATCH, Edges, Scratch, as_pass
 from fixedpipe.raster.portable.check import usable
@@ -47,20 +47,113 @@ from fixedpipe.raster.portable.interpolate import (
 from fixedpipe.raster.portable.per_fragment import all_alive, per_fragment
 from fixedpipe.raster.portable.unit import sample_unit, unbound_texture
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
-from fixedpipe.raster.primitives.strokes import along_line, line_run, open_run, stroke_bounds, stroke_margin
+from fixedpipe.raster.primitives.strokes import (
+    along_line,
+    line_run,
+    open_run,
+    sample_reach,
+    stroke_bounds,
+    stroke_margin,
+)
 from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, polygon_offset, row_span
 
 
 @kernel
-def stroke_span(draw, stroke, corners, row, first, last):
-    """The pixels [from, to) of a row, first..last, that a line or a point draws: its bounds are linear."""
-    sx, sy = first * 16 + 8, row * 16 + 8
+def stroke_span(draw, stroke, corners, row, first, last, right, down):
+    """The pixels [from, to) of a row, first..last, that a line or a point draws: its bounds are linear.
+
+    ``right``, ``down``: where in a pixel that is asked, 1/16 pixel from its middle.
+    """
+    sx, sy = first * 16 + 8 + right, row * 16 + 8 + down
     b0, b1, b2, b3 = stroke_bounds(draw, stroke, corners, sx, sy)
     c0, c1, c2, c3 = stroke_bounds(draw, stroke, corners, sx + 16, sy)
     start, end = row_span(b0, b1, b2, c0 - b0, c1 - b1, c2 - b2, first, last)
     other_start, other_end = row_span(b3, b3, b3, c3 - b3, c3 - b3, c3 - b3, first, last)
     start = max(start, other_start)
     return start, max(start, min(end, other_end))
+
+
+@kernel
+def sample_spans(draw, strokes, t, corners, kind, row, first, last, n, right, down, spans):
+    """The pixels [from, to) of a row, first..last, of which a primitive covers each sample, into ``spans``;
+    returns the least that holds them all.
+
+    ``n``: a triangle's biased edge functions at the middle of pixel ``first``, which grow by ``right`` from
+    pixel to pixel and by ``down`` from row to row.
+    """
+    low, high = last + 1, first
+    for k in range(draw[R.COVER_SAMPLES]):
+        x, y = draw[R.COVER_SAMPLE + 2 * k], draw[R.COVER_SAMPLE + 2 * k + 1]
+        if kind == C.PRIMITIVE_TRIANGLE:
+            start, end = row_span(
+                n[0] + ((x * right[0] + y * down[0]) >> 4),
+                n[1] + ((x * right[1] + y * down[1]) >> 4),
+                n[2] + ((x * right[2] + y * down[2]) >> 4),
+                right[0],
+                right[1],
+                right[2],
+                first,
+                last,
+            )
+        else:
+            start, end = stroke_span(draw, strokes[t], corners, row, first, last, x, y)
+        spans[k, 0], spans[k, 1] = start, end
+        if start < end:
+            low, high = min(low, start), max(high, end)
+    return low, max(low, high)
+
+
+@kernel
+def samples_inside(spans, samples, x):
+    """Of how many samples the spans hold pixel x."""
+    count = int32(0)
+    for k in range(samples):
+        count += int32(spans[k, 0] <= x and x < spans[k, 1])
+    return count
+
+
+@kernel
+def positive_weights(n, inverse_w, over_w):
+    """Whether edge functions times 1/w have a sum that weights can be divided by, and so have those of
+    depths, times ``over_w``.
+    """
+    total = (n[0] * inverse_w[0] + n[1] * inverse_w[1]) + n[2] * inverse_w[2]
+    e0 = truncate_24(truncate_24(n[0]) * over_w[0])
+    e1 = truncate_24(truncate_24(n[1]) * over_w[1])
+    e2 = truncate_24(truncate_24(n[2]) * over_w[2])
+    return total > 0.0 and (e0 + e1) + e2 > 0.0
+
+
+@kernel
+def covered_run(spans, samples, start, end, here, step, inverse_w, over_w):
+    """The first run [from, to) of pixels within [start, end) that cover some sample.
+
+    ``here``: edge functions at ``start``, which grow by ``step``. Assumed: a pixel outside its triangle whose
+    weights have no positive sum is left out.
+    """
+    low, first = start, start
+    found = False
+    while first < end:
+        k = float64(first - start)
+        n = here[0] + k * step[0], here[1] + k * step[1], here[2] + k * step[2]
+        inside = samples_inside(spans, samples, first) > 0 and positive_weights(n, inverse_w, over_w)
+        if inside and not found:
+            low, found = first, True
+        elif found and not inside:
+            return low, first
+        first += 1
+    return (low, end) if found else (end, end)
+
+
+@kernel
+def keep_share(results, covered, count, samples):
+    """A batch's alpha times the share of samples that are covered, cut.
+
+    Source: OpenGL 1.2.1 sections 3.4.4 and 3.5.2; Measured: of an alpha of one (3D_primitive captures);
+    Inferred: of others.
+    """
+    for i in range(count):
+        results[3, i] = int16(int32(int32(results[3, i]) * covered[i]) // int32(samples))
 
 
 @kernel
@@ -151,9 +244,9 @@ def narrow(results, count, draw):
         convert_plane(results, c, count, int32(draw[R.BITS]), int32(draw[R.BUFFER_BITS]))
 
 
-@kernel(void(int32[:, ::1], int64, RUNS, int32[::1], uint8[::1]))
-def record_batch(record, recorded, runs, owners, alive):
-    """(primitive, x, y, passed) of a batch's fragments into rows of ``record`` while it has room."""
+@kernel(void(int32[:, ::1], int64, RUNS, int32[::1], uint8[::1], int32[::1]))
+def record_batch(record, recorded, runs, owners, alive, covered):
+    """(primitive, x, y, passed, samples) of a batch's fragments into rows of ``record`` while it has room."""
     separate_function()
     for run in range(runs.count):
         for i in range(runs.starts[run], runs.starts[run + 1]):
@@ -163,6 +256,7 @@ def record_batch(record, recorded, runs, owners, alive):
                 record[row, 1] = runs.x[run] + int32(i - runs.starts[run])
                 record[row, 2] = runs.y[run]
                 record[row, 3] = int32(alive[i])
+                record[row, 4] = covered[i]
 
 
 @kernel(int64(plain(PASS), plain(BANDS), int64, int64, int64, plain(BUFFERS), int32[:, ::1]), allocates=True)
@@ -170,13 +264,16 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
     """Draw bands first_band, first_band + band_step, ... of the framebuffer, ``batch`` fragments at a time.
 
     ``arrays``, ``bands``, ``buffers``: those of a Pass, Bands and Buffers, in plain tuples. ``record``
-    int32[n, 4] takes (primitive, x, y, passed) of every fragment while it has room (n = 0: nothing is
-    recorded). Returns the number of fragments drawn; -1, and nothing is drawn, where rows or columns would
-    lead a kernel outside an array (``fixedpipe.raster.portable.check``).
+    int32[n, 5] takes (primitive, x, y, passed, covered samples, 0 of a draw by pixels' middles) of every
+    fragment while it has room (n = 0: nothing is recorded). Returns the number of fragments drawn; -1, and
+    nothing is drawn, where rows or columns would lead a kernel outside an array
+    (``fixedpipe.raster.portable.check``).
     """
     p, target = as_pass(arrays), as_buffers(buffers)
     height, words = target.color.shape
     if batch < 16 or band_step < 1 or not usable(p, height, words):
+        return int64(-1)
+    if record.shape[0] > 0 and record.shape[1] < 5:
         return int64(-1)
     edges = Edges(np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64))
     floats, ints = np.empty((R.FLOAT_COLUMNS, batch), np.float64), np.empty((R.INT_COLUMNS, batch), np.int32)
@@ -201,6 +298,9 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
     cut_lines = draw[R.LINE_FACTOR] != 0 or (
         draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
     )
+    samples, spans = draw[R.COVER_SAMPLES], np.empty((R.MAX_COVER_SAMPLES, 2), np.int64)
+    for i in range(batch):
+        ints[R.COVERED, i] = int32(samples)
     for c in range(8):
         fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, batch, int32(constants[0, c]))
     for c in range(3):
@@ -227,6 +327,8 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
             if has_strokes and not finished:
                 kind = int64(strokes[t, 0])
                 margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
+            by_samples = samples > 0 and (draw[R.COVERAGE] >> kind) & 1 != 0
+            margin += sample_reach(draw)
             first_row = max((min(y0, min(y1, y2)) - margin + 7) >> 4, top)
             last_row = min((max(y0, max(y1, y2)) + margin - 8) >> 4, bottom - 1)
             left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
@@ -272,12 +374,18 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                     offset, slope = polygon_offset(state, vertices, a0, a1, a2)
             for row in range(first_row, last_row + 1):
                 start, end = left, left
-                if not finished and kind == C.PRIMITIVE_TRIANGLE:
+                if by_samples and not finished:
+                    biased = n0 + tie0, n1 + tie1, n2 + tie2
+                    right_by, down_by = (right0, right1, right2), (down0, down1, down2)
+                    start, end = sample_spans(
+                        draw, strokes, t, corners, kind, row, left, right, biased, right_by, down_by, spans
+                    )
+                elif not finished and kind == C.PRIMITIVE_TRIANGLE:
                     start, end = row_span(
                         n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right
                     )
                 elif not finished:
-                    start, end = stroke_span(draw, strokes[t], corners, row, left, right)
+                    start, end = stroke_span(draw, strokes[t], corners, row, left, right, 0, 0)
                 while start < end or (finished and position > 0):
                     stop = end
                     if holes and start < end:
@@ -287,8 +395,26 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                         start, stop, column, line, alike = line_run(
                             draw, strokes[t], corners, row, start, stop
                         )
+                    if by_samples and start < stop:
+                        since = start
+                        here = (
+                            float64(n0 + (start - left) * right0),
+                            float64(n1 + (start - left) * right1),
+                            float64(n2 + (start - left) * right2),
+                        )
+                        step = float64(right0), float64(right1), float64(right2)
+                        start, stop = covered_run(
+                            spans, samples, start, stop, here, step, (iw0, iw1, iw2), over_w
+                        )
+                        column += start - since
                     if start < stop:
                         n = min(stop - start, batch - position)
+                        if by_samples:
+                            for i in range(n):
+                                ints[R.COVERED, position + i] = samples_inside(spans, samples, start + i)
+                        elif samples > 0:
+                            for i in range(n):
+                                ints[R.COVERED, position + i] = int32(samples)
                         if segments == 0 or lists[R.OWNERS, segments - 1] != t:
                             lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
                             lists[R.BACKS, segments] = back
@@ -320,10 +446,12 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                         if draw[R.NEEDS_COLOR]:
                             owned = Segments(lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS], segments)
                             shade(p, position, owned, in_rows, scratch)
+                            if samples > 1:
+                                keep_share(results, ints[R.COVERED], position, samples)
                             if draw[R.BITS] != draw[R.BUFFER_BITS]:
                                 narrow(results, position, draw)
                         per_fragment(draw, position, in_rows, results, shaded, depth, alive, factors, target)
-                        record_batch(record, recorded, in_rows, ints[R.OWNER], alive)
+                        record_batch(record, recorded, in_rows, ints[R.OWNER], alive, ints[R.COVERED])
                         recorded += position
                         position, segments, runs = int64(0), int64(0), int64(0)
                 n0 += down0

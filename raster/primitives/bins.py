@@ -5,7 +5,7 @@ from numba import int32, int64, uint32, uint64
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
-from fixedpipe.raster.primitives.strokes import stroke_margin
+from fixedpipe.raster.primitives.strokes import sample_reach, stroke_margin
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 BAND_SHIFT = 5
@@ -33,6 +33,7 @@ def band_range(triangles, strokes, t, x, y, draw):
     y0, y1, y2 = int64(y[v0]), int64(y[v1]), int64(y[v2])
     kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
     margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
+    margin += sample_reach(draw)
     top = max((min(y0, min(y1, y2)) - margin + 7) >> 4, draw[R.Y0])
     bottom = min((max(y0, max(y1, y2)) + margin - 8) >> 4, draw[R.Y1] - 1)
     x0, x1, x2 = int64(x[v0]), int64(x[v1]), int64(x[v2])

@@ -186,6 +186,12 @@ def stroke_bounds(draw, stroke, corners, sx, sy):
 
 
 @kernel
+def sample_reach(draw):
+    """How far, in 1/16 pixel, the samples that cover a pixel may lie from its middle."""
+    return int64(8) if draw[R.COVER_SAMPLES] else int64(0)
+
+
+@kernel
 def stroke_margin(draw, kind):
     """How far, in 1/16 pixel, a stroke's samples may lie outside the box of its row's vertices: 16 times the
     half width is at most 1.12 times the width in eighths; a step's pixel may begin before the line does, and

@@ -2,7 +2,7 @@
 
 import math
 
-from fixedpipe.pipeline.enums import DepthFormat
+from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat
 from tests.reference import fixed
 
 OFFSET_LIMIT = 2**30  # Assumed: far above any depth unit
@@ -103,14 +103,26 @@ def base_vertex(e):
     return max((1, 0, 2), key=lambda i: exponents[i])
 
 
+def edge_terms(n, inverse_w):
+    """Edge values times the vertices' 1/w, or ones, as depths take them. Measured: as ``iterate``."""
+    edges = [fixed.keep_significant_bits(float(n_i), WEIGHT_BITS) for n_i in n]
+    return [fixed.keep_significant_bits(a * w, WEIGHT_BITS) for a, w in zip(edges, inverse_w, strict=True)]
+
+
+def matters(state):
+    """Whether a state's fragments have depths. Source: OpenGL 1.2.1 section 4.1.5."""
+    test, limits = state.depth_test, state.depth_clamp
+    tests = test is not None and (test.function != ComparisonFunction.ALWAYS or test.write)
+    return tests or (limits is not None and limits.cull)
+
+
 def iterate(n, inverse_w, depths):
     """A fragment's depth from its edge values: the base vertex's, plus the others' weighted differences.
 
     ``inverse_w``: three ones, or the vertices' 1/w with W buffering. Measured: 90676 of 90676 and 887880 of
     887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures).
     """
-    edges = [fixed.keep_significant_bits(float(n_i), WEIGHT_BITS) for n_i in n]
-    e = [fixed.keep_significant_bits(a * w, WEIGHT_BITS) for a, w in zip(edges, inverse_w, strict=True)]
+    e = edge_terms(n, inverse_w)
     inverse = fixed.low_reciprocal(1.0 / ((e[0] + e[1]) + e[2]))
     base = base_vertex(e)
     products = []

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from tests.reference import fixed
 
+MOST_WEIGHT = 2.0**16  # Assumed: a limit that no picture reaches
 WEIGHT_BITS = 24  # Measured: significant bits of the weights (Depth_buffer, Line_width)
 
 
@@ -67,7 +68,7 @@ def weights(n, inverse_w):
     d = denominator(e)
     inverse = 1.0 / d
     q0, q2 = iteration_weights(e, inverse)
-    w0, w2 = math.floor(256.0 * q0), math.floor(256.0 * q2)
+    w0, w2 = (math.trunc(min(max(256.0 * q, -MOST_WEIGHT), MOST_WEIGHT)) for q in (q0, q2))
     return Weights(e[0] * inverse, e[2] * inverse, q0, q2, (w0, 256 - w0 - w2, w2))
 
 
@@ -86,8 +87,10 @@ def iterate_coordinate(v, weights):
 
 
 def iterate_color_channel(w, c):
-    """A byte from three vertex bytes. Measured: 153600 of 153600 pixels."""
-    return (w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + 128) >> 8
+    """A byte from three vertex bytes, within their least and greatest. Measured: 153600 of 153600 pixels;
+    outside a triangle 1082 of 1082 (3D_primitive, Smoothing_control captures).
+    """
+    return min(max((w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + 128) >> 8, min(c)), max(c))
 
 
 def exact_color_channel(n, inverse_w, c):

@@ -1,7 +1,9 @@
 """Several samples in a pixel (docs/numbers.md, section 19): where they are, and what reading them gives."""
 
-# Offsets from a pixel's middle in 1/16 pixel, y up. Assumed: no two of a number in one row or column.
+# Offsets from a pixel's middle in 1/16 pixel, y up. Of 4 and 8 Assumed: no two of a number in one row or
+# column; of 2 Measured: the upper left corner and the middle (Swath_width, Antialiasing_tests captures).
 POSITIONS = {
+    2: ((-8, 8), (0, 0)),
     4: ((-6, -2), (-2, 6), (2, -6), (6, 2)),
     8: ((-7, -1), (-5, 5), (-3, -5), (-1, 3), (1, -3), (3, 7), (5, 1), (7, -7)),
 }

@@ -10,6 +10,7 @@ from fixedpipe.pipeline.enums import (
     ColorFormat,
     ColorWeights,
     FogArithmetic,
+    LineRasterization,
     ShadeModel,
     TextureCompareMode,
     TextureShaderOperation,
@@ -182,8 +183,33 @@ def shape_of(primitives, vertices, kind, state, profile):
     return triangle, partial(coverage.covers, triangle)
 
 
-def draw_primitive(target, primitives, corners, stroke, state, textures, profile):
-    """One row of ``triangles``, ``corners``, and of ``strokes``, ``stroke`` (None: a triangle).
+def places_of(kind, state, profile, place):
+    """The places of a pixel by which a kind of primitive is asked for what it covers; None: its middle alone.
+
+    Source: OpenGL 1.2.1 sections 3.4.4, 3.5.2 (smooth lines and polygons); Measured: Swath_width
+    (multisampled surfaces).
+    """
+    if place is not None:
+        in_steps = kind == LINE and state.line.rasterization == LineRasterization.STEPS
+        return None if in_steps else (place,)
+    smooth = {TRIANGLE: state.polygon.smooth, LINE: state.line.smooth, POINT: False}[kind]
+    return profile.primitives.smoothing_samples if smooth else None
+
+
+def moved_by(primitives, x, y):
+    """The same primitives elsewhere. Assumed: nothing, the frame of reference changes."""
+    return SimpleNamespace(x=[v + x for v in primitives.x], y=[v + y for v in primitives.y])
+
+
+def has_weights(n, inverse_w, depth_w):
+    """Whether a pixel's weights have sums that can be divided by. Assumed: others are left out."""
+    e = interpolate.perspective_terms(n, inverse_w)
+    return interpolate.denominator(e) > 0 and interpolate.denominator(depth.edge_terms(n, depth_w)) > 0
+
+
+def draw_primitive(target, primitives, corners, stroke, state, textures, profile, place=None):
+    """One row of ``triangles``, ``corners``, and of ``strokes``, ``stroke`` (None: a triangle); ``place``:
+    the place in a pixel of a multisampled window that draws it.
 
     Source: OpenGL 1.2.1 chapters 3, 4.
     """
@@ -211,18 +237,31 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     ]
     in_units = state.vertex.depth_units
     depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, in_units)
-    depth_w = inverse_w if state.w_buffering else (1.0, 1.0, 1.0)
+    depth_w = inverse_w if state.w_buffering and depth.matters(state) else (1.0, 1.0, 1.0)
     offset, slope = offset_of(primitives, source, state, target.depth_bits, enabled and source[0] >= 0)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
-    if kind == TRIANGLE:
+    places = places_of(kind, state, profile, place)
+    if kind == TRIANGLE and places is None:
         columns, rows = coverage.spanned(shape, columns, rows)
+    if places is not None:
+        pictures = {
+            (-right, up): shape_of(moved_by(primitives, -right, up), vertices, kind, state, profile)[1]
+            for right, up in places
+        }
     for px, py in product(columns, rows):
-        if not covers(px, py) or strokes.clipped_away(state.window_clip, px, py, target.height):
+        covered = 1
+        if places is None:
+            covered = covers(px, py)
+        else:
+            covered = coverage.covered_samples(places, lambda *by, at=(px, py): pictures[by](*at))
+        if not covered or strokes.clipped_away(state.window_clip, px, py, target.height):
             continue
         if kind == TRIANGLE and strokes.stippled_away(polygon.stipple, px, py, target.height):
             continue
         n = coverage.edge_values(shape, *(shape.pixel_of(px, py) if kind == LINE else (px, py)))
         if kind == LINE and strokes.stippled_line(state.line.stipple, shape, counter, px, py):
+            continue
+        if places is not None and not has_weights(n, inverse_w, depth_w):
             continue
         weights = interpolate.weights(n, inverse_w)
         color = [
@@ -247,12 +286,15 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             z = z if new_depth is None else new_depth
         fog_coordinate = iterated_fog([primitives.fog[v] for v in vertices], weights, profile)
         shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, textures, profile)
+        if places is not None:
+            shaded = [*shaded[:3], shaded[3] * covered // len(places)]
         if alive:
             per_fragment.write_fragment(target, px, py, shaded, z, state)
 
 
-def draw(target, primitives, state, textures, profile):
-    """Draw window primitives into the target, in order. ``textures``: name to texture, for the enabled units.
+def draw(target, primitives, state, textures, profile, place=None):
+    """Draw window primitives into the target, in order. ``textures``: name to texture, for the enabled units;
+    ``place``: as ``draw_primitive`` has it.
 
     Source: OpenGL 1.2.1 section 2.1 (fragments of a primitive are drawn before the next primitive's).
     """
@@ -271,4 +313,4 @@ def draw(target, primitives, state, textures, profile):
     used = {name: plain_texture(textures[name]) for name in names}
     for i, corners in enumerate(columns.triangles):
         stroke = columns.strokes[i] if columns.strokes else None
-        draw_primitive(target, columns, corners, stroke, state, used, profile)
+        draw_primitive(target, columns, corners, stroke, state, used, profile, place)

@@ -69,7 +69,7 @@ class Line(Segment):
         edges = []
         if self.rasterization == LineRasterization.STEPS:
             half = self.width * 2 * longer
-            first, last = (end[self.axis] // coverage.SUBPIXELS for end in (self.a, self.b))
+            first, last = self.step_of(self.a), self.step_of(self.b)
             here = (px, py)[self.axis]
             if not (first <= here < last or last < here <= first):
                 return False
@@ -80,18 +80,24 @@ class Line(Segment):
         edges += [(half - across, (-dy, dx)), (half + across, (dy, -dx))]
         return all(n > 0 or (n == 0 and draws_its_edge(normal)) for n, normal in edges)
 
+    def step_of(self, end):
+        """The pixel along the longer axis that an end lies in; on a boundary between rows the upper one.
+
+        Measured: 20 of 20 ends (Smoothing_control).
+        """
+        return (end[self.axis] - self.axis) // coverage.SUBPIXELS
+
     def pixel_of(self, px, py):
         """The pixel at whose sample the values are taken: itself. Measured: Line_width captures."""
         return px, py
 
     def steps(self):
         """How many steps the line has. Measured: 3D_primitive captures."""
-        first, last = (end[self.axis] // coverage.SUBPIXELS for end in (self.a, self.b))
-        return abs(last - first)
+        return abs(self.step_of(self.b) - self.step_of(self.a))
 
     def position(self, px, py):
         """How many steps come before this one. Source: OpenGL 1.2.1 section 3.4.2; Inferred: the NV2A's."""
-        return abs((px, py)[self.axis] - self.a[self.axis] // coverage.SUBPIXELS)
+        return abs((px, py)[self.axis] - self.step_of(self.a))
 
 
 TINY = 2.0**-50  # of a pixel's sixteenth; Assumed: nothing, its square and it are far below any difference

@@ -75,6 +75,7 @@ from fixedpipe.pipeline.state import (
     PixelTexture,
     PointParameters,
     PointState,
+    PolygonState,
     RasterPosition,
     RegisterCombiners,
     RGBPortion,
@@ -819,6 +820,16 @@ def _rasterization():
         **_STROKES,
     )
     yield Feature(
+        name="smooth lines and polygons (LINE_SMOOTH, POLYGON_SMOOTH)",
+        group="Points and lines",
+        has=lambda p: bool(p.primitives.smoothing_samples),
+        commands=(_draw(polygon=PolygonState(smooth=True)),),
+        asked="smooth",
+        reference=("tests/reference/render.py",),
+        implementation=("raster/portable/draw.py", "pipeline/native/pack_fragments.py"),
+        tests=("tests/pipeline/execution/test_random_states.py",),
+    )
+    yield Feature(
         name="point parameters (EXT_point_parameters)",
         group="Points and lines",
         has=lambda p: p.vertices.point_parameters,
@@ -1045,7 +1056,7 @@ def _framebuffers():
         implementation=("pipeline/framebuffers/framebuffer.py",),
         tests=("tests/raster/pixels/test_accumulation.py",),
     )
-    for samples in (4, 8):
+    for samples in (2, 4, 8):
         yield Feature(
             name=f"{samples} samples in a pixel",
             group="Framebuffers",

@@ -43,7 +43,7 @@ class ReferenceFrame:
     ReadPixels read. ``types``: of what NumPy type a host takes it. ``current``: which of the targets commands
     draw to. ``auxiliary``: the window's auxiliary buffers as Targets with its depths and stencil values;
     ``accumulation``: its sums, None before the first. ``undefined``: how many groups of pixel textures had an
-    undefined q.
+    undefined q; ``sample``: the place in every pixel that draws it, as ``render.draw`` has it.
     """
 
     target: render.Target
@@ -55,6 +55,7 @@ class ReferenceFrame:
     auxiliary: dict = field(default_factory=dict)
     accumulation: list | None = None
     undefined: int = 0
+    sample: tuple | None = None
 
     def buffer(self, which):
         """What a ColorBuffer stands for."""
@@ -76,10 +77,12 @@ class ReferenceFrame:
         return self.accumulation
 
 
-def run_reference(commands, profile, width, height, depth_bits):
-    """Every command in order; returns a ReferenceFrame."""
+def run_reference(commands, profile, width, height, depth_bits, sample=None):
+    """Every command in order; returns a ReferenceFrame. ``sample``: the place that draws pixels
+    (``render.draw``).
+    """
     window = render.Target(width, height, depth_bits)
-    frame = ReferenceFrame(window, window)
+    frame = ReferenceFrame(window, window, sample=sample)
     for command in commands:
         _run(frame, command, profile)
     return frame
@@ -109,7 +112,7 @@ def _clear(frame, command, profile):
 def _draw(frame, command, profile):
     size, written = (frame.current.width, frame.current.height), frame.buffer(command.state.draw_buffer)
     primitives = stage.process(command.mesh, command.state, profile, *size)
-    render.draw(written, primitives, command.state, frame.textures, profile)
+    render.draw(written, primitives, command.state, frame.textures, profile, frame.sample)
 
 
 def _accum(frame, command, profile):

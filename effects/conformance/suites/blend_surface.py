@@ -49,23 +49,27 @@ BACKGROUNDS = (  # 0xAABBGGRR
     0x80FF0000,
     0xFFFF0000,
 )
+FACTORS = {"DstAlpha": BlendFactor.DST_ALPHA, "1-DstAlpha": BlendFactor.ONE_MINUS_DST_ALPHA}
 SIZE, HALF, SMALL = 128, 64, 8  # of the surface, the pattern and the squares, pixels
 UNBLENDED = replace(scenes.DEFAULT, blending=None)
+OPAQUE = replace(UNBLENDED, color_mask=ColorMask(alpha=False))  # the alpha shown is one
 
 
 def names():
     """Every case of the suite."""
     blended = [f"{s}_{b}" for s in SURFACES for b in BLENDINGS]
-    return blended + [f"DstAlpha_{s}" for s in SURFACES] + list(SURFACES)
+    return blended + [f"{factor}_{s}" for factor in FACTORS for s in SURFACES] + list(SURFACES)
 
 
-def _ramps():
-    """Words of 32 bits: four quarters of ramps, alpha from 0 in the corners to 255 in the middle."""
-    at = np.arange(HALF)
-    ramp = (at % (HALF // 2)).astype(np.float32) * np.float32(255) / np.float32(HALF // 2)
+def ramps(size):
+    """Words of 32 bits [size, size]: four quarters of ramps, alpha from 0 in the corners to 255 in the
+    middle.
+    """
+    at = np.arange(size)
+    ramp = (at % (size // 2)).astype(np.float32) * np.float32(255) / np.float32(size // 2)
     ramp = ramp.astype(np.int64)
     across, down = np.meshgrid(ramp, ramp)
-    centre = np.float32(HALF // 2)
+    centre = np.float32(size // 2)
     square = (at.astype(np.float32) - centre) ** 2
     distance = square[None] + square[:, None]
     alpha = (np.float32(255) * (np.float32(1) - distance / (2 * centre * centre))).astype(np.int64)
@@ -85,9 +89,10 @@ def _nibbles():
     return parts[0] << 12 | parts[1] << 8 | parts[2] << 4 | parts[3]
 
 
-def _corners(left, top, size):
-    """The XDK's viewport offset, 17/32 pixel, snaps to half a pixel."""
-    return scenes.rectangle(left + 0.5, top + 0.5, left + size + 0.5, top + size + 0.5)
+def _corners(left, top, width, height=None):
+    """The XDK's viewport offset, 17/32 pixel, snaps to half a pixel. ``height``: by default the width."""
+    bottom = top + (width if height is None else height)
+    return scenes.rectangle(left + 0.5, top + 0.5, left + width + 0.5, bottom + 0.5)
 
 
 def _words(word):
@@ -95,7 +100,7 @@ def _words(word):
     wide = word in (TexelWord.A8R8G8B8, TexelWord.A8B8G8R8, TexelWord.X8R8G8B8)
     grey = np.full((SMALL, SMALL), 0x44444444 if wide else 0x4444)
     zero = np.full((SMALL, SMALL), 0x00FFFF55 if wide else 0x0FF5)
-    return {"pattern": _ramps() if wide else _nibbles(), "grey": grey, "zero": zero}
+    return {"pattern": ramps(HALF) if wide else _nibbles(), "grey": grey, "zero": zero}
 
 
 def _blended(blending, word, squares=True):
@@ -116,9 +121,9 @@ def _blended(blending, word, squares=True):
     )
 
 
-def _times_alpha(word):
-    """White times the destination's alpha on a background."""
-    state = replace(scenes.DEFAULT, blending=Blending(BlendFactor.DST_ALPHA, BlendFactor.ZERO))
+def _times_alpha(factor, word):
+    """White times the destination's alpha, or one minus it, on a background."""
+    state = replace(scenes.DEFAULT, blending=Blending(factor, BlendFactor.ZERO))
     corners = _corners(0, 0, SIZE)
     return (
         scenes.quad("background", corners, scenes.abgr(word), UNBLENDED, SIZE),
@@ -126,10 +131,9 @@ def _times_alpha(word):
     )
 
 
-def _shown(surface, draws, left, top, color_mask):
-    """The draws on a surface, and the surface on the window."""
+def _shown(surface, draws, *pictures):
+    """The draws on a surface, and the surface on the window: (corners, state) of each picture of it."""
     color_format, internal_format = SURFACES[surface]
-    state = replace(UNBLENDED, color_mask=color_mask)
     return (
         MakeCurrent(label="surface", surface="surface", width=SIZE, height=SIZE, color_format=color_format),
         *draws,
@@ -141,7 +145,7 @@ def _shown(surface, draws, left, top, color_mask):
             origin=WindowOrigin.UPPER_LEFT,
         ),
         MakeCurrent(label="window"),
-        scenes.textured_quad("shown", _corners(left, top, SIZE), "shown", state),
+        *(scenes.textured_quad("shown", corners, "shown", state) for corners, state in pictures),
     )
 
 
@@ -152,16 +156,22 @@ def case(name, inputs):
         return None
     if name in SURFACES:  # the program's first version
         draws = _blended(BLENDINGS["Add_SrcA_1-SrcA"], TexelWord.A8R8G8B8, squares=False)
-        return Case(commands=(scenes.clear(0xFF050505), *_shown(name, draws, 256, 176, ColorMask())))
-    if name.startswith("DstAlpha_"):
-        surface, height = name.removeprefix("DstAlpha_"), 160
-        pictures = [_times_alpha(word) for word in BACKGROUNDS]
-    else:
-        surface, height = name.split("_Add")[0], 144
-        blending = BLENDINGS[name.removeprefix(f"{surface}_")]
-        pictures = [_blended(blending, word) for word in WORDS]
+        picture = _corners(256, 176, SIZE), UNBLENDED
+        return Case(commands=(scenes.clear(0xFF050505), *_shown(name, draws, picture)))
     commands = [scenes.clear(0xFF555555)]
-    for k, draws in enumerate(pictures):
-        left, top = 32 + 144 * (k % 4), 92 + height * (k // 4)
-        commands += _shown(surface, draws, left, top, ColorMask(alpha=False))  # the alpha shown is one
+    factor, _, surface = name.partition("_")
+    if factor in FACTORS:
+        for k, word in enumerate(BACKGROUNDS):
+            left, top = 32 + 144 * (k % 4), 92 + 160 * (k // 4)
+            halves = (
+                (_corners(left, top, SIZE, SIZE // 2), scenes.DEFAULT),  # over the window by its alpha
+                (_corners(left, top + SIZE // 2, SIZE, SIZE // 2), OPAQUE),
+            )
+            commands += _shown(surface, _times_alpha(FACTORS[factor], word), *halves)
+        return Case(commands=tuple(commands))
+    surface = name.split("_Add")[0]
+    blending = BLENDINGS[name.removeprefix(f"{surface}_")]
+    for k, word in enumerate(WORDS):
+        left, top = 32 + 144 * (k % 4), 92 + 144 * (k // 4)
+        commands += _shown(surface, _blended(blending, word), (_corners(left, top, SIZE), OPAQUE))
     return Case(commands=tuple(commands))

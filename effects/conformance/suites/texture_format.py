@@ -121,23 +121,26 @@ def x_alpha(entry):
     return tuple(commands)
 
 
+def texture_of(name):
+    """The texture of a TexFmt case, and what its coordinates count where one is its whole edge."""
+    if name in FORMATS:
+        entry = FORMATS[name]
+        texture = texture_memory.texture_of(texture_memory.gradient(SIZE, SIZE), entry)
+        return texture, SIZE if entry.linear else 1
+    if name in PALETTED:
+        return paletted_texture(indices(PALETTED[name]), palette(PALETTED[name])), 1
+    blocks = texture_memory.dxt1_blocks(texture_memory.gradient(SIZE, SIZE)).tobytes()
+    return compressed_texture(blocks, InternalFormat.COMPRESSED_RGBA_S3TC_DXT1, SIZE, SIZE), 1
+
+
 def case(name, inputs):
     """The case of that name, or None."""
     del inputs
     if name in X_ALPHA:
         return Case(commands=x_alpha(X_ALPHA[name]))
-    if name in FORMATS:
-        entry = FORMATS[name]
-        texture = texture_memory.texture_of(texture_memory.gradient(SIZE, SIZE), entry)
-        scale = SIZE if entry.linear else 1
-    elif name == COMPRESSED:
-        blocks = texture_memory.dxt1_blocks(texture_memory.gradient(SIZE, SIZE)).tobytes()
-        texture = compressed_texture(blocks, InternalFormat.COMPRESSED_RGBA_S3TC_DXT1, SIZE, SIZE)
-        scale = 1
-    elif name in PALETTED:
-        texture, scale = paletted_texture(indices(PALETTED[name]), palette(PALETTED[name])), 1
-    else:
+    if name not in names():
         return None
+    texture, scale = texture_of(name)
     positions, coordinates = square()
     state = replace(
         scenes.DEFAULT,

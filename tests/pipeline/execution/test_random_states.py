@@ -27,7 +27,9 @@ from fixedpipe.pipeline.state import (
     CombinerInput,
     FinalCombiner,
     GeneralCombiner,
+    LineState,
     PassState,
+    PolygonState,
     RegisterCombiners,
     RGBPortion,
     Sampler,
@@ -115,6 +117,50 @@ def test_every_shading_of_any_mesh_equals_the_specification(seed, depth_bits, ba
 @given(seeds, depths, batches)
 def test_every_point_line_and_outline_equals_the_specification(seed, depth_bits, batch):
     assert_equal_to_reference(stroked_frame(seed, WIDTH, HEIGHT), NV2A, depth_bits, batch)
+
+
+def smoothed(commands, lines=True, polygons=True):
+    """The same frame with smooth lines and polygons."""
+    for command in commands:
+        if isinstance(command, Draw):
+            state = command.state
+            line = LineState(state.line.width, LineRasterization.RECTANGLE, smooth=lines)
+            polygon = replace(state.polygon, smooth=polygons)
+            command = replace(command, state=replace(state, line=line, polygon=polygon))
+        yield command
+
+
+@settings(max_examples=150)
+@given(seeds, depths, batches)
+def test_smooth_lines_and_outlines_equal_the_specification(seed, depth_bits, batch):
+    assert_equal_to_reference(tuple(smoothed(stroked_frame(seed, WIDTH, HEIGHT))), NV2A, depth_bits, batch)
+
+
+@settings(max_examples=150)
+@given(seeds, depths, batches)
+def test_smooth_polygons_equal_the_specification(seed, depth_bits, batch):
+    assert_equal_to_reference(tuple(smoothed(shaded_frame(seed, WIDTH, HEIGHT))), NV2A, depth_bits, batch)
+
+
+@settings(max_examples=100)
+@given(seeds, st.sampled_from((stroked_frame, shaded_frame, textured_frame)))
+def test_the_column_engine_draws_smooth_primitives_alike(seed, frame):
+    commands = tuple(smoothed(frame(seed, WIDTH, HEIGHT)))
+    first = execute(commands, NV2A, WIDTH, HEIGHT, threads=1).framebuffer
+    again = execute(commands, NV2A, WIDTH, HEIGHT, threads=1, engine="columns").framebuffer
+    for name in ("stencil", "depth", "color"):
+        np.testing.assert_array_equal(getattr(first, name), getattr(again, name), err_msg=name)
+
+
+def test_a_smooth_triangles_alpha_is_the_share_of_eight_samples():
+    # Right of x = 4 5/16 and above y = 4 3/4, as 3D_primitive's first triangle has its edges.
+    corners = np.array([(4.3125, 8.0), (4.3125, -40.0), (64.0, 8.0)]) / (WIDTH / 2, HEIGHT / 2) - 1
+    mesh = Mesh(np.column_stack([corners, np.zeros(3)]), colors=np.ones((3, 4)))
+    state = PassState(polygon=PolygonState(smooth=True))
+    image = execute((Draw(label="edge", mesh=mesh, state=state),), NV2A, WIDTH, HEIGHT).image()
+    assert image[2, 3, 3] == 0
+    assert image[2, 4, 3] == 255 * 5 // 8
+    assert image[2, 5, 3] == 255
 
 
 def stippled_frame(seed):

@@ -7,11 +7,13 @@ import pytest
 
 from fixedpipe.pipeline.commands import (
     Accum,
+    BindTexImage,
     Clear,
     CopyPixels,
     CopyTexImage,
     Draw,
     DrawPixels,
+    MakeCurrent,
     Mesh,
     ReadPixels,
     TexImage,
@@ -21,14 +23,16 @@ from fixedpipe.pipeline.enums import (
     BlendFactor,
     ColorBuffer,
     ComparisonFunction,
+    InternalFormat,
     PrimitiveType,
     StencilOperation,
     TextureFilter,
+    TextureTarget,
 )
 from fixedpipe.pipeline.execution.machine import Machine, execute
 from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, mean
 from fixedpipe.pipeline.pixel_transfer import PixelImage
-from fixedpipe.pipeline.profiles import GEFORCE_256, INFINITE_REALITY
+from fixedpipe.pipeline.profiles import GEFORCE_256, INFINITE_REALITY, NV2A
 from fixedpipe.pipeline.state import (
     Blending,
     DepthTest,
@@ -43,6 +47,7 @@ from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from fixedpipe.pipeline.vertices import stage
 from tests.reference import multisample as reference
+from tests.support.run_reference import run_reference
 
 SIZE = 16  # a power of two: positions on the 1/16-pixel grid stay there
 PICTURE = np.random.Generator(np.random.PCG64(3)).random((8, 8, 4))
@@ -143,6 +148,41 @@ def test_samples_lie_where_the_specification_says(count):
         moved = stage.process(edge(8.5).mesh, PassState(), MULTISAMPLED, SIZE, SIZE, position)
         expected = [reference.seen_from(x, y, position) for x, y in zip(seen.x, seen.y, strict=True)]
         assert list(zip(moved.x, moved.y, strict=True)) == expected
+
+
+@pytest.mark.parametrize("engine", [None, "columns"])
+@pytest.mark.parametrize("primitive", [PrimitiveType.TRIANGLES, PrimitiveType.LINES, PrimitiveType.POINTS])
+def test_a_machine_that_shades_pixels_draws_them_by_each_samples_place(primitive, engine):
+    commands = scene((0, 0), primitive=primitive)
+    together = execute(commands, NV2A, SIZE, SIZE, samples=2, engine=engine).framebuffer
+    apart = [run_reference(commands, NV2A, SIZE, SIZE, 24, place).target for place in reference.POSITIONS[2]]
+    assert np.array_equal(together.image(), averaged([np.array(target.color) for target in apart]))
+    assert np.array_equal(together.depth, np.array(apart[0].depth))
+    assert SAMPLE_POSITIONS[2] == reference.POSITIONS[2]
+
+
+def test_a_pbuffers_samples_lie_side_by_side_in_a_texture_of_it():
+    make = MakeCurrent(label="make", surface="s", width=SIZE, height=SIZE, samples=2)
+    bind = BindTexImage(label="bind", texture="t", surface="s", target=TextureTarget.TEXTURE_RECTANGLE)
+    commands = (*scene((0, 0)), make, *scene((0, 0))[1:], bind)
+    texels = execute(commands, NV2A, SIZE, SIZE).textures["t"].levels[0][0]
+    assert texels.shape == (SIZE, 2 * SIZE, 4)
+    for k, place in enumerate(reference.POSITIONS[2]):
+        apart = run_reference(scene((0, 0)), NV2A, SIZE, SIZE, 24, place).target
+        assert np.array_equal(texels[::-1, k::2], np.array(apart.color))
+
+
+def test_a_pbuffer_of_several_samples_keeps_their_number_and_becomes_no_depth_texture():
+    make = MakeCurrent(label="make", surface="s", width=8, height=8, samples=2)
+    with pytest.raises(UnsupportedState, match="2 samples in each pixel"):
+        validate((make, replace(make, samples=1)), NV2A, 8, 8, 24)
+    with pytest.raises(UnsupportedState, match="3 samples in each pixel; NV2A has 1 or 2"):
+        validate((replace(make, samples=3),), NV2A, 8, 8, 24)
+    depths = BindTexImage(
+        label="bind", texture="t", surface="s", internal_format=InternalFormat.DEPTH_COMPONENT24
+    )
+    with pytest.raises(UnsupportedState, match="whose colours alone become a texture"):
+        validate((make, depths), NV2A, 8, 8, 24)
 
 
 @pytest.mark.parametrize("count", COUNTS)

@@ -947,6 +947,7 @@ LACKING = {
         draw(fog=Fog(coordinate_source=FogCoordinateSource.FOG_COORDINATE)),
         "no FOG_COORDINATE; use FRAGMENT_DEPTH",
     ),
+    "smoothing_samples": ((), draw(polygon=PolygonState(smooth=True)), "no smooth lines and polygons"),
     "composite_matrix": (False, draw(vertex=VertexState(composite=Composite())), "has no Composite"),
     "fog_registers": (False, draw(fog=Fog(registers=FogRegisters())), "has no FogRegisters"),
     "separate_specular_color": (False, lit(separate_specular_color=True), "no SEPARATE_SPECULAR_COLOR"),
@@ -973,6 +974,7 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
         "perspective_hint",
     }
     with_tests_of_their_own |= {"max_pixel_map_table"}  # test_transfer.py
+    with_tests_of_their_own |= {"shades_samples"}  # test_multisample.py: it refuses nothing
     with_tests_of_their_own |= {  # test_machines.py
         "max_probes",
         "exact_probes",

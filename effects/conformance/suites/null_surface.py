@@ -1,0 +1,29 @@
+"""Null_surface: a quad, after draws whose surfaces lie elsewhere in memory.
+
+Source: src/tests/null_surface_tests.cpp of nxdk_pgraph_tests. Before the picture is cleared and drawn the
+program draws the same quad to the window's memory as 512 by 512 pixels, and to a texture's: nothing of
+both is left.
+"""
+
+from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
+
+SUITE = "Null_surface"
+
+NAME = "XemuBug893"
+NEAR, FAR = 0.15, 0.85  # the quad's edges, of the window's
+
+
+def names():
+    """The one case of the suite."""
+    return [NAME]
+
+
+def case(name, inputs):
+    """The case of that name, or None."""
+    del inputs
+    if name != NAME:
+        return None
+    corners = scenes.rectangle(NEAR * WIDTH, NEAR * HEIGHT, FAR * WIDTH, FAR * HEIGHT, 0.1)
+    quad = scenes.quad("quad", corners, (0.1, 0.6, 0.1, 1.0))
+    return Case(commands=(scenes.clear(0xFE134415), quad))
