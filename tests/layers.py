@@ -82,7 +82,9 @@ PACKAGES = {
     },
     "pipeline/golden": {
         "raster": "kernel",
-        "pipeline": "commands profiles framebuffers validation execution inspection",
+        "pipeline": (
+            "enums state textures commands profiles notations framebuffers validation execution inspection"
+        ),
     },
     "effects/refusal": {},
     "effects/collection": {"effects": "refusal"},
@@ -194,7 +196,7 @@ LIBRARIES = {
     "pipeline/framebuffers": ("PIL",),
     "pipeline/native": ("numba",),
     "pipeline/ideal": ("numba",),
-    "pipeline/golden": ("PIL", "pytest"),
+    "pipeline/golden": ("PIL", "pytest", "syrupy"),
     "effects/scattering": ("scipy",),
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),
