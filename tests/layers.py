@@ -205,7 +205,7 @@ LIBRARIES = {
     "pipeline/native": ("numba",),
     "pipeline/ideal": ("numba",),
     "pipeline/selftest": ("llvmlite", "numba"),
-    "pipeline/golden": ("PIL", "pytest"),
+    "pipeline/golden": ("PIL", "pytest", "syrupy"),
     "effects/scattering": ("scipy",),
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),

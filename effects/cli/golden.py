@@ -31,16 +31,23 @@ def _place(root):
         return Path(root).resolve() if root else workplace(Path.cwd())
 
 
-def _run_pytest(*arguments):
-    """pytest's exit status: 0 all passed, 1 tests failed, 5 there were none. Others are refused."""
+def _run_pytest(*arguments, silent=False):
+    """pytest's exit status: 0 all passed, 1 tests failed, 5 there were none. Others are refused.
+
+    ``silent``: what it prints is printed where it is refused alone.
+    """
     from importlib.util import find_spec
 
     from fixedpipe.effects.refusal import Refusal
 
     if find_spec("pytest") is None:
         raise Refusal("pytest is not installed here; install fixedpipe[pytest].")
-    status = subprocess.run([sys.executable, "-m", "pytest", *arguments], check=False).returncode
+    out = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT} if silent else {}
+    done = subprocess.run([sys.executable, "-m", "pytest", *arguments], check=False, **out)
+    status = done.returncode
     if status not in (0, 1, 5):
+        if silent:
+            click.echo(done.stdout.decode(errors="replace"), err=True)
         raise Refusal(
             f"pytest ended with the status {status}, before its tests did; what it printed says why."
         )
@@ -135,6 +142,19 @@ def accept(names, root):
         for candidate in chosen:
             for sentence in accept_where_sound(root, [candidate]):
                 click.echo(sentence)
+
+
+@golden.command("import")
+@click.argument("folder", metavar="DIR")
+@click.option("--into", "module", required=True, metavar="FILE", help="The test module that draws them.")
+def import_(folder, module):
+    """Make PNG files golden that pytest-mpl, pytest-regressions or syrupy compared with: those in DIR that
+    have the name of a test of the module. What is golden already stays as it is.
+    """
+    from fixedpipe.effects.cli.golden_import import import_baselines
+
+    whole = import_baselines(folder, module, _run_pytest)
+    click.get_current_context().exit(0 if whole else PICTURES)
 
 
 @golden.command()

@@ -24,6 +24,11 @@ def pytest_addoption(parser):
         action="store_true",
         help="Accept pictures that have no golden one yet; one that differs still fails.",
     )
+    group.addoption(
+        "--golden-tests",
+        metavar="FILE",
+        help="Write the tests that are there into FILE, with their stores: for `fixedpipe golden import`.",
+    )
     parser.addini(
         "golden_folder", "Folder beside a test module that keeps its golden pictures.", default="golden"
     )
@@ -109,7 +114,7 @@ class _Run:
             raise
         asking = self._asked(item)
         if asking is not None and asking.failures:
-            pytest.fail("golden pictures:\n" + "\n".join(asking.failures), pytrace=False)
+            pytest.fail("\n".join(asking.failures), pytrace=False)
         return result
 
     def _asked(self, item):
@@ -129,6 +134,10 @@ class _Run:
     def pytest_collection_finish(self, session):
         """Which tests there are."""
         self.tests |= {item.nodeid for item in session.items}
+        if file := self.config.getoption("golden_tests"):
+            places = [self.place(item) for item in session.items]
+            told = [{"test": p.test, "store": str(p.store), "keep": p.keep} for p in places]
+            Path(file).write_text(json.dumps(told), encoding="utf-8")
 
     def pytest_deselected(self, items):
         """Tests that are there and do not run: the run is no whole one."""
@@ -279,14 +288,18 @@ class _Run:
             return
         write = terminalreporter.write_line
         terminalreporter.section("golden pictures")
-        for title, found in (
-            ("differ", changed),
-            ("have no golden picture yet", new),
-            ("recorded", recorded),
-            ("are golden, and no test asks for them", sorted(self.orphans)),
+        for one, many, found in (
+            ("differs", "differ", changed),
+            ("has no golden picture yet", "have no golden picture yet", new),
+            ("recorded", "recorded", recorded),
+            (
+                "is golden, and no test asks for it",
+                "are golden, and no test asks for them",
+                sorted(self.orphans),
+            ),
         ):
             if found:
-                write(f"{len(found)} {title}:")
+                write(f"{len(found)} {one if len(found) == 1 else many}:")
                 for name in found[:20]:
                     write(f"  {name}")
                 if len(found) > 20:

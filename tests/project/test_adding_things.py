@@ -58,7 +58,7 @@ LAYERS = (
 OURS = ("fixedpipe", "tests", "bench")
 OF_STATE = ("raster", "pipeline", "tests/reference", "tests/support")
 # Frames to draw, of states that others know: a new one needs none there.
-_DRAWN = "pipeline/selftest/"
+_DRAWN = ("pipeline/selftest/", "pipeline/golden/vectors.py")
 PRODUCT = ("raster", "pipeline", "effects", "bench")
 
 
