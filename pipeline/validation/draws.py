@@ -3,13 +3,13 @@
 from types import NoneType
 
 from fixedpipe.pipeline.canonical import canonical
-from fixedpipe.pipeline.enums import ColorBuffer, LineRasterization, PolygonMode, VertexStage
+from fixedpipe.pipeline.enums import ColorBuffer, FogArithmetic, LineRasterization, PolygonMode, VertexStage
 from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
 from fixedpipe.pipeline.state import Color, PassState, RegisterCombiners, VertexState
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
-from fixedpipe.pipeline.validation.meshes import checked_meshes, infinite_fog_problem, mesh_problem
+from fixedpipe.pipeline.validation.meshes import checked_meshes, finite_problem, infinite_fog, mesh_problem
 
 
 def draw(walk, command):
@@ -23,8 +23,7 @@ def draw(walk, command):
             return
     walk.warned = False
     pass_state(walk, state, mesh)
-    if problem := infinite_fog_problem(mesh, state, walk.profile):
-        walk.refuse(problem)
+    _infinite_fog(walk, state, mesh)
     _points_and_lines(walk, state, mesh)
     if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
         walk.refuse(f"polygon.stipple has {len(state.polygon.stipple)} bytes; give 32 rows of 4, 128 in all.")
@@ -104,6 +103,15 @@ def pass_state(walk, state, mesh):
     buffers.color_buffer(walk, state.draw_buffer)
     if problem := future_problem(state, walk.profile):
         walk.refuse(problem)
+
+
+def _infinite_fog(walk, state, mesh):
+    known = walk.profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE
+    if mesh in infinite_fog and not (known and state.vertex.stage == VertexStage.PROGRAM_RESULTS):
+        problem = finite_problem("the mesh's fog_coordinates", mesh.fog_coordinates[:, None])
+        walk.refuse(
+            f"{problem} A vertex program's results alone may have others, where a machine's fog is a table."
+        )
 
 
 def _points_and_lines(walk, state, mesh):

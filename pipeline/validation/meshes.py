@@ -4,7 +4,7 @@ from weakref import WeakSet
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import FogArithmetic, PrimitiveType, VertexStage
+from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.sentences import shown
 from fixedpipe.pipeline.validation.types import check_int, enum_check
 
@@ -29,10 +29,11 @@ def _array_problem(name, array, vertices, low, high):
         return f"{name} has shape {array.shape}; give [vertices, {components}]."
     if len(array) != vertices:
         return f"{name} has {len(array)} vertices but positions has {vertices}; give one row for each vertex."
-    return _finite_problem(name, array)
+    return finite_problem(name, array)
 
 
-def _finite_problem(name, array):
+def finite_problem(name, array):
+    """What is wrong with a vertex array that holds numbers which are not finite, or None."""
     finite = np.isfinite(array)
     if finite.all():
         return None
@@ -82,15 +83,6 @@ def mesh_problem(mesh):
                 f"numbers from 0 to {vertices - 1}."
             )
     return _counts_problem(mesh.counts, drawn)
-
-
-def infinite_fog_problem(mesh, state, profile):
-    """What is wrong with fog coordinates that are not finite in a state, a sentence, or None."""
-    known = profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE
-    if mesh not in infinite_fog or (known and state.vertex.stage == VertexStage.PROGRAM_RESULTS):
-        return None
-    problem = _finite_problem("the mesh's fog_coordinates", mesh.fog_coordinates[:, None])
-    return f"{problem} A vertex program's results alone may have others, where a machine's fog is a table."
 
 
 def _counts_problem(counts, drawn):
