@@ -33,6 +33,7 @@ from fixedpipe.pipeline.golden.store import (
 
 FOLDER = ".golden"
 NEW, CHANGED, PASSED, ORPHAN, MISSING, RECORDED = "new", "changed", "passed", "orphan", "missing", "recorded"
+EXCUSED = "excused"  # of a test that was skipped, or failed as it was expected to
 
 
 @dataclass(frozen=True)

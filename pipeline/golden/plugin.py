@@ -80,7 +80,11 @@ class _Run:
 
     def __init__(self, config):
         self.config, self.root = config, config.rootpath
-        self.pictures, self.tests, self.passed, self.whole = {}, set(), set(), True
+        self.pictures, self.tests = {}, set()
+        self.passed, self.failed, self.excused = set(), set(), set()  # tests
+        # A run of some tests alone says nothing of pictures that were not asked for. --lf leaves tests out
+        # without a word to other plug-ins.
+        self.whole, self.collected = not config.getoption("lf", False), 0
         self.reports = []  # of other processes
         self.problems, self.orphans, self.notes = [], [], []
 
@@ -108,32 +112,50 @@ class _Run:
         try:
             result = yield
         except BaseException:
-            asking = self._asked(item)
+            asking = self._asked(item, ended=False)
             if asking is not None and asking.failures:
                 item.add_report_section("call", "golden", "\n".join(asking.failures))
             raise
-        asking = self._asked(item)
+        asking = self._asked(item, ended=True)
         if asking is not None and asking.failures:
             pytest.fail("\n".join(asking.failures), pytrace=False)
         return result
 
-    def _asked(self, item):
+    def _asked(self, item, ended):
+        from fixedpipe.pipeline.golden.candidates import MISSING
+
         asking = item.stash.get(_ASKING, None)
         if asking is not None:
             for key, status in asking.asked.items():
+                if status == MISSING and ended:  # refused, as the test expected
+                    continue
                 name = asking.told(key)
                 store = os.path.relpath(asking.place.store, self.root).replace(os.sep, "/")
                 self.pictures[name] = {"status": status, "store": store, "key": key, "test": item.nodeid}
         return asking
 
     def pytest_runtest_logreport(self, report):
-        """Which tests ran to their end."""
+        """Which tests ran to their end, which failed, and of which nothing is asked: those that are skipped
+        or expected to fail.
+        """
+        if type(report) is not pytest.TestReport:  # a subtest's
+            return
         if report.when == "call" and report.passed:
             self.passed.add(report.nodeid)
+        if report.failed:
+            self.failed.add(report.nodeid)
+        if report.skipped or hasattr(report, "wasxfail"):
+            self.excused.add(report.nodeid)
+
+    def pytest_itemcollected(self, item):
+        """A test that is there, whatever is chosen of them afterwards."""
+        self.tests.add(item.nodeid)
+        self.collected += 1
 
     def pytest_collection_finish(self, session):
         """Which tests there are."""
         self.tests |= {item.nodeid for item in session.items}
+        self.whole = self.whole and self.collected == len(session.items)
         if file := self.config.getoption("golden_tests"):
             places = [self.place(item) for item in session.items]
             told = [{"test": p.test, "store": str(p.store), "keep": p.keep} for p in places]
@@ -166,6 +188,10 @@ class _Run:
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session, exitstatus):
         """Send, or gather: what the run found, orphans, what is recorded."""
+        from fixedpipe.pipeline.golden.candidates import EXCUSED, PASSED
+
+        if self.config.getoption("collectonly"):
+            return
         if hasattr(self.config, "workeroutput"):
             self.config.workeroutput[_SENT] = json.dumps(self._seen())
             return
@@ -175,7 +201,11 @@ class _Run:
             self.passed |= set(sent["passed"])
             self.whole = self.whole and sent["whole"]
         stopped = exitstatus not in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED)
+        stopped = stopped or session.shouldfail or session.shouldstop
         self.whole = self.whole and not stopped and not any("::" in arg for arg in self.config.args)
+        for picture in self.pictures.values():
+            if picture["test"] in self.excused and picture["status"] != PASSED:
+                picture["status"] = EXCUSED
         stores = self._stores() if self.whole or self.pictures else {}
         if not (self.pictures or stores):
             return
@@ -202,11 +232,25 @@ class _Run:
 
     def _earlier(self):
         """Of a run of some tests alone, what is known of the others from the runs before."""
-        from fixedpipe.pipeline.golden.candidates import FOLDER, read_run
+        from fixedpipe.pipeline.golden.candidates import FOLDER, MISSING, PASSED, RECORDED, read_run
 
-        if self.whole or not (self.root / FOLDER / "run.json").exists():
+        if not (self.root / FOLDER / "run.json").exists():
             return {}
-        return read_run(self.root)["pictures"]
+        earlier = read_run(self.root)["pictures"]
+        for picture in earlier.values():
+            if picture["test"] in self.failed:  # what it drew this time is told of itself
+                picture["status"] = MISSING
+            elif picture["status"] == RECORDED:
+                picture["status"] = PASSED
+        if not self.whole:
+            return earlier
+        if self.config.args_source is not self.config.ArgsSource.ARGS:
+            return {}
+        # Of modules that were not asked for, and are still there.
+        ran = {test.partition("::")[0] for test in self.tests}
+        modules = {p["test"].partition("::")[0] for p in earlier.values()} - ran - {""}
+        there = {module for module in modules if (self.root / module).is_file()}
+        return {name: p for name, p in earlier.items() if p["test"].partition("::")[0] in there}
 
     def _record(self):
         from fixedpipe.pipeline.golden.accepting import accept_where_sound
@@ -254,7 +298,7 @@ class _Run:
         """How the pictures of a store went that no test asked for: orphans, or missing from a test that
         failed.
         """
-        from fixedpipe.pipeline.golden.candidates import MISSING, ORPHAN
+        from fixedpipe.pipeline.golden.candidates import EXCUSED, MISSING, ORPHAN
         from fixedpipe.pipeline.golden.store import StoreError, read_store
 
         try:
@@ -271,7 +315,7 @@ class _Run:
             name = f"{module or store.removesuffix('.json')}::{key}"
             if orphan:
                 self.orphans.append(name)
-            status = ORPHAN if orphan else MISSING
+            status = ORPHAN if orphan else EXCUSED if test in self.excused else MISSING
             self.pictures[name] = {"status": status, "store": store, "key": key, "test": test}
 
     # ---------------------------------------------------------------------------------------------- words

@@ -24,6 +24,7 @@ _WORDS = {
     "missing": "were not drawn, since their tests did not come so far",
     "orphan": "are golden, and no test asks for them",
     "recorded": "were recorded in this run",
+    "excused": "are excused: their tests were skipped, or failed as they were expected to",
     "passed": "are golden",
 }
 

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 from fixedpipe.pipeline.golden.candidates import (
     CHANGED,
+    EXCUSED,
     FOLDER,
     MISSING,
     NEW,
@@ -22,12 +23,13 @@ from fixedpipe.pipeline.golden.candidates import (
 from fixedpipe.pipeline.golden.differences import Difference
 
 # From what needs a person first to what needs nobody.
-STATUSES = (CHANGED, NEW, MISSING, ORPHAN, RECORDED, PASSED)
-GOOD = (PASSED, RECORDED)
+STATUSES = (CHANGED, NEW, MISSING, ORPHAN, RECORDED, EXCUSED, PASSED)
+GOOD = (PASSED, RECORDED, EXCUSED)
 _SAID = {
     NEW: "has no golden picture yet",
     MISSING: "its test did not draw it",
     ORPHAN: "is golden, and no test asks for it",
+    EXCUSED: "its test was skipped, or failed as it was expected to",
 }
 
 
