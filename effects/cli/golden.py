@@ -172,7 +172,8 @@ def orphans(remove, root):
             if remove:
                 remove_orphan(root, name, picture)
             click.echo(f"{name}{', removed' if remove else ''}")
-    click.echo(f"{len(found)} orphans" if found else "No picture is an orphan.")
+    count = f"{len(found)} orphan{'s' if len(found) > 1 else ''}"
+    click.echo(count if found else "No picture is an orphan.")
     click.get_current_context().exit(PICTURES if found and not remove else 0)
 
 

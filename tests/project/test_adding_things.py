@@ -52,6 +52,7 @@ LAYERS = (
     "pipeline/execution/",
     "pipeline/ideal/",
     "pipeline/inspection/",
+    "pipeline/golden/",
     "tests/reference/",
     "tests/support/",
 )
