@@ -14,6 +14,7 @@ from fixedpipe.pipeline.state import SignedComponents, TextureShaderStage
 from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Bump_map"
+OPEN = "the texel formats R16B16 and unswizzled YUV as bump maps"
 
 FORMATS = bump_quads.formats(without=("R16B16",))
 HILO = {"BumpMap_R16B16": False, "BumpMap_R16B16_B": True}  # crossed on blue

@@ -21,6 +21,7 @@ from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat, PrimitiveT
 from fixedpipe.pipeline.state import DepthClamp, DepthTest
 
 SUITE = "Depth_buffer_fixed_function"
+OPEN = "the last bits of the depth weights' reciprocal"
 single = np.float32
 
 FORMATS = {  # the name's parts: format, the farthest word, the farthest depth of the view

@@ -17,6 +17,7 @@ from fixedpipe.pipeline.state import DepthTest, TextureShaderStage, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Pixel_shader"
+OPEN = "which coordinates CLIP_PLANE compares, and how it ends fragments at their edge"
 
 DEPENDENT = {
     "StageDependentAlphaRed": Operation.DEPENDENT_AR_TEXTURE_2D,

@@ -24,6 +24,7 @@ from fixedpipe.pipeline.state import (
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Point_params"
+OPEN = "points of fractional and smooth sizes"
 
 # a, b, c of the attenuation, range, bias, minimum.
 BASIC = (

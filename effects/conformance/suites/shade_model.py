@@ -18,6 +18,7 @@ from fixedpipe.pipeline.state import Light, Lighting, Material, PolygonState, Te
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Shade_model"
+OPEN = "single pixels on ties of weights, by the last bits of 1/w"
 
 PREFIXES = ("Fixed", "FixedTex", "W_Fixed", "W_FixedTex", "Prog", "ProgTex", "ProgLM")
 MODELS = {"Flat": ShadeModel.FLAT, "Smooth": ShadeModel.SMOOTH}

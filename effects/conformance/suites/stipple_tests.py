@@ -15,6 +15,7 @@ from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.pipeline.commands import Draw
 
 SUITE = "Stipple_tests"
+OPEN = "how the pattern lies on borders of primitives"
 
 # Words for rows of device pixels from the top, the leftmost pixel in the highest bit.
 PATTERNS = {

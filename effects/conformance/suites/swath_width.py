@@ -18,6 +18,7 @@ from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Swath_width"
+OPEN = "edges: a linear filter on texels' middles"
 
 WIDTHS = ("00", "01", "02", "03", "04", "0F")
 SURFACE, SAMPLES = "samples", 2
@@ -120,5 +121,6 @@ def case(name, inputs):
             scenes.clear(0xFF222322),
             *_surface(),
             Draw(label="shown", mesh=window, state=state),
-        )
+        ),
+        explanation="edges: a linear filter on texels' middles, which takes some of the row above at places",
     )

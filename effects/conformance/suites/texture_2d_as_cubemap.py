@@ -15,6 +15,7 @@ from fixedpipe.pipeline.state import TextureShaderStage
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Texture_2D_as_cubemap"
+OPEN = "the last bits of a dot product's sum, at texels' boundaries"
 
 BACKGROUNDS = {"Cubemap_Bad2D": 0xFE121212, "DotSTR3D_Bad2D": 0xFE141414}  # the others: 0xFE131313
 LAST = {

@@ -21,6 +21,7 @@ from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_border"
+OPEN = "ties between texels of the border"
 
 SIZE, CELL = 32, 2
 COLORS = (
@@ -68,6 +69,7 @@ WORDS = (
 )  # fmt: skip
 MASKS = (0xFFFF0000, 0xFF00FF00, 0xFF0000FF, 0xFFFF00FF, 0xFFFFFF00, 0xFF00FFFF)
 LAYERS = 4
+OVER_EDGES = "a linear filter reads border texels over a face's edge"
 DEPTHS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 2.75)  # of LAYERS
 EDGE, GAP, COLUMNS = 64, 32, 6  # of the quads, pixels
 
@@ -200,7 +202,7 @@ def _bordered_cube(size):
             positions = vertex_programs.perspective(points[:, :3], depth_maximum=65535.0)
             mesh = scenes.window_mesh(positions, texture_coordinates=(directions,))
             commands.append(Draw(label="cube", mesh=mesh, state=state))
-    return Case(commands=tuple(commands))
+    return Case(commands=tuple(commands), explanation=OVER_EDGES)
 
 
 def colored_checkerboard():
@@ -265,4 +267,5 @@ def case(name, inputs):
                 state=replace(state, texture_units=(TextureUnit("bordered", MINIFIED),)),
             ),
         ]
+        return Case(commands=tuple(commands), explanation="a row of ties between texels of the border")
     return Case(commands=tuple(commands))

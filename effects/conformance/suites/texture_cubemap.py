@@ -20,6 +20,7 @@ from fixedpipe.pipeline.state import DepthTest, TextureShaderStage, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d, texture_cube_map
 
 SUITE = "Texture_cubemap"
+OPEN = "the last bits of a dot product's sum, at texels' boundaries"
 
 MAPPINGS = {
     "0to1": DotProductMapping.UNSIGNED_IDENTITY,

@@ -29,6 +29,7 @@ from fixedpipe.pipeline.state import CombinerInput, DepthTest, GeneralCombiner, 
 from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_shadow_comparator"
+OPEN = "the last bits of a float reference of 24 bits that equals a texel nearly"
 
 FUNCTIONS = {
     "N": ComparisonFunction.NEVER,
