@@ -1,6 +1,7 @@
 """Captures of a real chip: every suite's cases are sound, the command says what is so, nothing got worse."""
 
 import contextlib
+import hashlib
 import json
 import os
 import re
@@ -439,9 +440,18 @@ def test_a_difference_is_seen_and_what_is_not_compared_is_told_apart():
 # ------------------------------------------------------------------------------------ the chip's own pictures
 
 
+def in_sample(name):
+    """Whether `make test` redraws a case: a quarter of them, the same ones always."""
+    return hashlib.sha256(name.encode()).digest()[0] < 64
+
+
 @pytest.mark.needs_shared
-def test_no_case_agrees_with_fewer_pixels_than_accepted(captures, capfd):
+@pytest.mark.parametrize(
+    "sampled", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["a quarter", "the rest"]
+)
+def test_no_case_agrees_with_fewer_pixels_than_accepted(captures, capfd, sampled):
     accepted = from_text(ACCEPTED.read_text())
+    accepted = {name: counts for name, counts in accepted.items() if in_sample(name) == sampled}
     chosen = [c for c in find_captures(captures) if f"{c.suite}/{c.name}" in accepted]
     found, errors, unexplained = count(chosen, INPUTS)
     assert not errors
