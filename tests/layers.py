@@ -170,7 +170,9 @@ PACKAGES = {
         ),
     },
     "effects/conformance": {
-        "pipeline": "enums state textures commands profiles vertices framebuffers native execution",
+        "pipeline": (
+            "enums state textures commands profiles vertices framebuffers validation native execution"
+        ),
         "effects": "refusal passes",
     },
     "effects/reports": {

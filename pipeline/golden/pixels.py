@@ -21,6 +21,8 @@ _MODES = {"L": np.uint8, "LA": np.uint8, "RGB": np.uint8, "RGBA": np.uint8, "I;1
 _ORIENTATION = 0x0112  # of EXIF.  Source: EXIF 2.3, table 4
 # Components of PNG's color types.  Source: PNG specification, second edition, table 11.1
 _COMPONENTS = {0: 1, 2: 3, 4: 2, 6: 4}
+# Filters of a row.  Source: PNG specification, second edition, section 9.2
+_NONE, _SUB, _UP, _AVERAGE, _PAETH = range(5)
 _MOST_BYTES = 1 << 31  # of a picture's pixels. Assumed: enough for any test
 
 
@@ -162,19 +164,19 @@ def _sixteen_bits(data, components):
     return out.view(">u2").reshape(height, width, components)
 
 
-def _unfiltered(kind, line, above, bytes_of):
-    if kind == 0:
+def _unfiltered(filtered_by, line, above, bytes_of):
+    if filtered_by == _NONE:
         return line
-    if kind == 2:
+    if filtered_by == _UP:
         return line + above  # modulo 256
-    if kind == 1:
+    if filtered_by == _SUB:
         return np.cumsum(line.reshape(-1, bytes_of), axis=0, dtype=np.uint8).reshape(-1)
-    if kind not in (3, 4):
-        raise OSError(f"a row has the filter {kind}")
+    if filtered_by not in (_AVERAGE, _PAETH):
+        raise OSError(f"a row has the filter {filtered_by}")
     out, up = [0] * bytes_of + line.tolist(), [0] * bytes_of + above.tolist()
     for k in range(bytes_of, len(out)):
         left, over, corner = out[k - bytes_of], up[k], up[k - bytes_of]
-        if kind == 3:
+        if filtered_by == _AVERAGE:
             out[k] = out[k] + (left + over) // 2 & 255
         else:
             near = min((left, over, corner), key=lambda value: abs(left + over - corner - value))

@@ -91,6 +91,7 @@ NUMBERS = {
     "pipeline/native/combiner_plan.py": {"operand.factor == 1", "bias == 0", "output < 2"},
     "pipeline/validation/draws.py": {"1 <= factor <= 256"},  # of a line's stipple
     "pipeline/validation/textures.py": {"0 <= command.face < faces"},  # as given
+    "pipeline/vertices/transform_tables.py": {"base > 0"},  # of a power
     "raster/columns/interpolate.py": {"base == 0", "base == 2"},  # a vertex of three
     "raster/pixels/rectangles.py": {"alpha <= 0"},
     "raster/portable/combine.py": {"alpha >= 0", "output < 2"},  # planes
