@@ -178,7 +178,7 @@ OPENGL_1_2 = Profile(
             FogArithmetic.ROUNDED, "Assumed: rounding to nearest; OpenGL 1.2.1 section 3.10 leaves it open"
         ),
         subpixel_bits=known(4, "Source: OpenGL 1.2.1 table 6.24 (the minimum)"),
-        guard_band=known(8192, "Assumed: as wide as the NV2A's"),
+        guard_band=known(8192, "Assumed: wide enough for what is drawn about the screen"),
         device_origin=known(
             WindowOrigin.UPPER_LEFT,
             "Source: OpenGL 1.2.1 section 2.10.1: window y upwards; the board's count is Assumed",

@@ -104,7 +104,7 @@ DOORS = {
         (8,),
         floats=False,
     ),
-    "digest": Door(digest, (4, 4, 4), floats=False),
+    "digest": Door(digest, (4, 4, 4), frozenset(map(np.dtype, (np.uint8, np.uint16))), floats=False),
     "png": Door(png, (4, 4, 4), integers=(np.uint8, np.uint16), floats=False),
     "densities": Door(lambda a: Volume("v", a, (1.0, 1.0, 1.0)), (4, 4, 4), floats=False),
     "vector_texels": Door(lambda a: encoding.vector_texels(a, GEFORCE_256), (4, 4, 3), frozenset()),

@@ -152,7 +152,7 @@ def test_reciprocals_beside_an_areas_are_decided_rightly(seed, bits):
     expected = np.array([reciprocal_29(1.0 / total) for total in totals])
     reciprocals(totals, areas, out, decided)
     assert (totals == expected)[decided].all()
-    assert decided.any() and (bits < 36 or not decided.all())
+    assert decided.any()  # that some are left undecided is likely of wide areas, and not certain
 
 
 def quotients(seed, size, count):
