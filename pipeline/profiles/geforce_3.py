@@ -244,7 +244,7 @@ GEFORCE_3 = Profile(
         subpixel_bits=known(4, "Inferred: from the NV2A: 294000 of 294000 pixels (TopLeftRaster capture)"),
         guard_band=known(
             8192,
-            "Assumed: off-screen vertices stay unclipped at least so far; a picture with farther ones would settle it",
+            "Assumed: off-screen vertices are not clipped up to there; a picture would show how far",
         ),
         device_origin=known(WindowOrigin.UPPER_LEFT, "Inferred: from the NV2A: TopLeftRaster capture"),
         color_weights=known(
