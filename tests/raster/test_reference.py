@@ -738,13 +738,16 @@ def test_exponential_fog_rounds_to_nearest():
     assert fog.fog_factor(1e300, Fog(FogMode.EXP, density=0.0), GEFORCE_256) == 255
 
 
-def test_table_fog_s_registers_are_rounded_to_their_bits_and_zero_keeps_its_sign():
+def test_table_fog_s_registers_are_rounded_to_their_bits_and_no_result_tells_the_signs_of_zeros_apart():
     fourteen, zero = (
         fog.line(Fog(FogMode.EXP, registers=FogRegisters(bias=b, multiplier=-0.0)))
         for b in (1 + 3 * 2.0**-14, -0.0)
     )
     assert fourteen == (1 + 2.0**-12, 0.0)  # 1 + 1.5 * 2^-13: a tie, to the even side
-    assert [math.copysign(1.0, value) for value in zero] == [-1.0, -1.0]
+    assert zero == (0, 0)  # fractions, which have one zero: 0 times infinity is 0, whatever the signs
+    for bias, multiplier in ((-0.0, -0.0), (0.0, 0.0), (-0.0, 0.0)):
+        state = Fog(FogMode.EXP, registers=FogRegisters(bias=bias, multiplier=multiplier))
+        assert {fog.vertex_value(state, c) for c in (-0.0, 0.0, -1.0, 1.0, math.inf, -math.inf)} == {0.0}
 
 
 def test_thresholds_of_exponential_fog_fall():

@@ -56,7 +56,7 @@ def line(fog):
         divisor = 2.0 * (ln_256 if fog.mode == FogMode.EXP else math.sqrt(ln_256))
         bias, multiplier = 1.5, -fog.density / divisor
     entered = lighting_unit.single if fog.mode == FogMode.LINEAR else lighting_unit.to_lighting
-    return math.copysign(entered(bias), bias), math.copysign(entered(multiplier), multiplier)
+    return entered(bias), entered(multiplier)
 
 
 def vertex_value(fog, coordinate):
