@@ -18,7 +18,7 @@ HOSTILE = "</script><b>&\"' é"
 RANDOM = np.random.default_rng(3)
 RGBA = RANDOM.integers(0, 256, (9, 12, 4), np.uint8)
 DEEP = RANDOM.integers(0, 65536, (7, 5, 3), np.uint16)
-GREY = RANDOM.integers(0, 256, (6, 8, 1), np.uint8)
+GREY = RANDOM.integers(0, 256, (40, 150, 1), np.uint8)  # wider than what was drawn, and than 16 times fits
 SMOOTH = np.tile(np.arange(16, dtype=np.uint8)[:, None, None] * 9, (1, 10, 2))
 
 
@@ -181,6 +181,8 @@ def test_pictures_of_two_kinds_are_shown_beside_each_other_at_one_scale(page):
     boxes = [page.locator(".stage canvas").nth(k).bounding_box() for k in (0, 1)]
     assert boxes[0]["width"] / golden.shape[1] == boxes[1]["width"] / now.shape[1]
     assert boxes[0]["y"] == boxes[1]["y"]
+    stage = page.locator(".stage").bounding_box()
+    assert boxes[1]["x"] + boxes[1]["width"] <= stage["x"] + stage["width"]
     disabled = page.locator("article button:disabled").all_inner_texts()
     assert disabled == ["difference", "mask", "flip", "slide"]
 
