@@ -8,6 +8,7 @@ import base64
 import json
 import shlex
 import zlib
+from contextlib import suppress
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -47,10 +48,9 @@ def golden_page(root: Path, found: list[dict[str, Any]]) -> str:
         candidate = candidates.get(entry["name"])
         if candidate is not None and entry["status"] in (CHANGED, NEW):
             entry["command"] = f"fixedpipe golden accept {shlex.quote(entry['name'])}"
-            try:
+            golden = None
+            with suppress(StoreError):  # ``told`` says it
                 golden = golden_pixels(root, candidate)
-            except StoreError as error:
-                golden, entry["told"] = None, f"{entry['told']}\n{error}"
             entry["golden"] = None if golden is None else _picture(golden)
             entry["now"] = _picture(candidate_pixels(root, candidate), golden)
         entries.append(entry)
