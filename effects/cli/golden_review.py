@@ -31,14 +31,14 @@ def review_by_keys(root, found):
         _draw(root, candidate)
         while True:
             click.echo(f"{_KEYS}: ", nl=False)
-            key = click.getchar(echo=False).lower()
+            key = _key()
             click.echo(key if key.isprintable() else "")
             if key == "a":
                 for sentence in accept_where_sound(root, [candidate]):
                     click.echo(sentence)
                 accepted += 1
                 break
-            if key in ("q", "\x03", "\x04"):
+            if key == "q":
                 click.echo(f"{accepted} accepted, {len(waiting) - number + 1} left.")
                 return
             if key == "d":
@@ -46,6 +46,21 @@ def review_by_keys(root, found):
             elif key == "s":
                 break
     click.echo(f"{accepted} accepted.")
+
+
+def _key():
+    """A key that was pressed; Ctrl-C and Ctrl-D end as q does. Raises Refusal where no terminal has keys."""
+    from fixedpipe.effects.refusal import Refusal
+
+    try:
+        return click.getchar(echo=False).lower()
+    except (KeyboardInterrupt, EOFError):
+        return "q"
+    except OSError as error:
+        raise Refusal(
+            "There is no terminal here that has keys. Write the page instead, with --html FILE, and accept "
+            "by `fixedpipe golden accept NAME`."
+        ) from error
 
 
 def _shown(pixels):
@@ -63,12 +78,12 @@ def _draw(root, candidate):
     from rich.console import Console
     from rich.text import Text
 
-    from fixedpipe.pipeline.golden.candidates import candidate_pixels, golden_pixels
+    from fixedpipe.pipeline.golden.candidates import candidate_pixels
 
     console = Console(highlight=False)
     if not console.is_terminal or console.color_system not in ("256", "truecolor"):
         return
-    now, expected = candidate_pixels(root, candidate), golden_pixels(root, candidate)
+    now, expected = candidate_pixels(root, candidate), _golden(root, candidate)
     pictures = [("now", _shown(now))]
     if expected is not None:
         pictures.insert(0, ("golden", _shown(expected)))
@@ -92,6 +107,17 @@ def _draw(root, candidate):
         console.print(line)
 
 
+def _golden(root, candidate):
+    """What is golden; None where no file holds it, which the picture's sentences say."""
+    from fixedpipe.pipeline.golden.candidates import golden_pixels
+    from fixedpipe.pipeline.golden.store import StoreError
+
+    try:
+        return golden_pixels(root, candidate)
+    except StoreError:
+        return None
+
+
 def _spread(mask):
     """A mask in which a pixel that stands for several is set where any of them is: [h, w, 1]."""
     step = max(1, -(-mask.shape[1] // _COLUMNS), -(-mask.shape[0] // _ROWS))
@@ -108,9 +134,9 @@ def _hex(color):
 
 def _pixels(root, candidate):
     """The first pixels that differ, as codes."""
-    from fixedpipe.pipeline.golden.candidates import candidate_pixels, golden_pixels
+    from fixedpipe.pipeline.golden.candidates import candidate_pixels
 
-    now, expected = candidate_pixels(root, candidate), golden_pixels(root, candidate)
+    now, expected = candidate_pixels(root, candidate), _golden(root, candidate)
     if expected is None or expected.shape != now.shape or expected.dtype != now.dtype:
         click.echo("There are no two pictures of one kind to compare.")
         return

@@ -170,6 +170,11 @@ def accept(root: Path, candidate: Candidate) -> str:
     """
     store = root / candidate.store
     before = read_store(store).get(candidate.key)
+    if before and (before.sha256, before.passes) == (candidate.golden.sha256, candidate.golden.passes):
+        remove_candidate(root, candidate.name)
+        return (
+            f"{candidate.name}: golden already, as it was drawn"  # another run of the same tests was quicker
+        )
     if (before and before.sha256) != candidate.expected:
         raise StoreError(
             f"{candidate.name} was accepted otherwise since the tests ran; run them again, and look at what "

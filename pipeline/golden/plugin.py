@@ -255,11 +255,16 @@ class _Run:
     def _record(self):
         from fixedpipe.pipeline.golden.accepting import accept_where_sound
         from fixedpipe.pipeline.golden.candidates import NEW, RECORDED, read_candidates
+        from fixedpipe.pipeline.golden.store import read_store
 
         candidates = read_candidates(self.root)
         for name, picture in self.pictures.items():
-            if picture["status"] == NEW and name in candidates:
+            if picture["status"] != NEW:
+                continue
+            if name in candidates:
                 accept_where_sound(self.root, [candidates[name]])
+                picture["status"] = RECORDED
+            elif picture["key"] in read_store(self.root / picture["store"]):  # by another run, meanwhile
                 picture["status"] = RECORDED
 
     # --------------------------------------------------------------------------------------------- orphans

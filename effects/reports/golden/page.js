@@ -24,89 +24,110 @@ function el(name, attributes = {}, ...children) {
 
 const kept = new Map();
 
-// The codes of a picture: a Uint8Array or Uint16Array, row by row from the top.
-async function codesOf(picture) {
-  if (!picture) return null;
-  if (kept.has(picture)) return kept.get(picture);
+// The bytes of a picture that was written as differences: from those of `other`, or from bytes of its own that come
+// `back` before.
+async function bytesOf(picture, other) {
   const deflated = Uint8Array.from(atob(picture.data), (c) => c.charCodeAt(0));
   const stream = new Blob([deflated]).stream().pipeThrough(new DecompressionStream("deflate"));
-  const bytes = await new Response(stream).arrayBuffer();
-  let codes = new Uint8Array(bytes);
-  if (picture.bits === 16) {
-    const view = new DataView(bytes);
-    codes = Uint16Array.from({ length: bytes.byteLength / 2 }, (_, k) => view.getUint16(2 * k, true));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  if (picture.of_golden) for (let k = 0; k < bytes.length; k++) bytes[k] += other[k];
+  else if (picture.back) for (let k = picture.back; k < bytes.length; k++) bytes[k] += bytes[k - picture.back];
+  return bytes;
+}
+
+// The codes of an entry's pictures, golden and now: a Uint8Array or Uint16Array, row by row from the top, or null.
+async function codesOf(entry) {
+  if (!kept.has(entry)) {
+    kept.clear(); // one entry's: a page of large pictures would fill the memory
+    const golden = entry.golden && await bytesOf(entry.golden), now = entry.now && await bytesOf(entry.now, golden);
+    const codes = (picture, bytes) => {
+      if (!picture || picture.bits === 8) return bytes;
+      const view = new DataView(bytes.buffer);
+      return Uint16Array.from({ length: bytes.length / 2 }, (_, k) => view.getUint16(2 * k, true));
+    };
+    kept.set(entry, [codes(entry.golden, golden), codes(entry.now, now)]);
   }
-  kept.set(picture, codes);
-  return codes;
+  return kept.get(entry);
 }
 
 const at = (picture, codes, x, y) => Array.from(codes.subarray(
   (y * picture.width + x) * picture.components, (y * picture.width + x + 1) * picture.components));
 
-// Opaque bytes of a pixel's codes: the colour, or with `alpha` the alpha as a grey.
-function shown(picture, code, alpha) {
-  const bytes = picture.bits === 16 ? code.map((c) => c >> 8) : code;
-  const n = picture.components;
-  if (alpha && n % 2 === 0) return [bytes[n - 1], bytes[n - 1], bytes[n - 1]];
-  return n < 3 ? [bytes[0], bytes[0], bytes[0]] : bytes.slice(0, 3);
-}
-
-function canvasOf(width, height, pixel) {
+// An opaque picture of as many pixels: paint(bytes, first byte of a pixel, first code of a pixel) sets three bytes.
+function canvasOf({ width, height, components }, paint) {
   const canvas = el("canvas", { width, height });
-  const context = canvas.getContext("2d"), image = context.createImageData(width, height);
-  for (let y = 0, k = 0; y < height; y++) {
-    for (let x = 0; x < width; x++, k += 4) {
-      const [r, g, b] = pixel(x, y);
-      image.data[k] = r; image.data[k + 1] = g; image.data[k + 2] = b; image.data[k + 3] = 255;
-    }
+  const context = canvas.getContext("2d"), image = context.createImageData(width, height), bytes = image.data;
+  for (let to = 0, from = 0; to < bytes.length; to += 4, from += components) {
+    paint(bytes, to, from);
+    bytes[to + 3] = 255;
   }
   context.putImageData(image, 0, 0);
   return canvas;
+}
+
+// Which of a pixel's components are shown as red, green and blue: the colour, or with `alpha` the alpha as a grey.
+function channels(n, alpha) {
+  if (alpha && n % 2 === 0) return [n - 1, n - 1, n - 1];
+  return n < 3 ? [0, 0, 0] : [0, 1, 2];
 }
 
 // ------------------------------------------------------------------------------------------------ the stage
 
 const comparable = (a, b) => a && b && a.width === b.width && a.height === b.height &&
   a.components === b.components && a.bits === b.bits;
+const ORANGE = [255, 170, 40]; // alpha alone
 
 function drawn(entry, golden, now) {
-  const a = entry.golden, b = entry.now;
-  const one = (picture, codes) => canvasOf(picture.width, picture.height,
-    (x, y) => shown(picture, at(picture, codes, x, y), state.alpha));
-  const apart = (x, y) => {
-    const first = at(a, golden, x, y), second = at(b, now, x, y);
-    return first.map((code, k) => Math.abs(code - second[k]));
+  const a = entry.golden, b = entry.now, n = b.components;
+  const one = (picture, codes) => {
+    const [r, g, blue] = channels(picture.components, state.alpha), shift = picture.bits - 8;
+    return canvasOf(picture, (bytes, to, from) => {
+      bytes[to] = codes[from + r] >> shift;
+      bytes[to + 1] = codes[from + g] >> shift;
+      bytes[to + 2] = codes[from + blue] >> shift;
+    });
   };
-  const full = b && b.bits === 16 ? 65535 : 255;
+  const full = b.bits === 16 ? 65535 : 255, shift = b.bits - 8;
   const gain = state.gain || Math.max(1, Math.floor(full / Math.max(1, entry.difference ? entry.difference.largest : 1)));
+  const colors = n % 2 ? n : n - 1; // components that are none of alpha
+  const sameColor = (from) => {
+    for (let k = from; k < from + colors; k++) if (golden[k] !== now[k]) return false;
+    return true;
+  };
+  const alphaAlone = (from) => n > colors && golden[from + colors] !== now[from + colors] && sameColor(from);
+  const gained = (k) => Math.min(full, Math.abs(golden[k] - now[k]) * gain) >> shift;
+  const shown = channels(n, state.alpha);
   return {
     gain,
     golden: () => one(a, golden),
     now: () => one(b, now),
-    difference: () => canvasOf(b.width, b.height, (x, y) => {
-      const gained = apart(x, y).map((d) => Math.min(full, d * gain));
-      return shown(b, gained, state.alpha);
+    difference: () => canvasOf(b, (bytes, to, from) => {
+      if (!state.alpha && alphaAlone(from)) {
+        for (let k = 0; k < 3; k++) bytes[to + k] = ORANGE[k] * gained(from + colors) / 255;
+      } else {
+        for (let k = 0; k < 3; k++) bytes[to + k] = gained(from + shown[k]);
+      }
     }),
-    mask: () => canvasOf(b.width, b.height, (x, y) => {
-      const differences = apart(x, y), n = differences.length;
-      const color = n % 2 === 0 ? differences.slice(0, -1) : differences;
-      if (color.some((d) => d)) return [255, 255, 255];
-      return differences.some((d) => d) ? [255, 170, 40] : [24, 26, 30]; // alpha alone
+    mask: () => canvasOf(b, (bytes, to, from) => {
+      const color = alphaAlone(from) ? ORANGE : sameColor(from) ? [24, 26, 30] : [255, 255, 255];
+      for (let k = 0; k < 3; k++) bytes[to + k] = color[k];
     }),
   };
 }
 
-function zoomOf(picture, room) {
+// How much larger pictures are shown: as asked, or so that the largest of them fits.
+function zoomOf(entry, room) {
   if (state.zoom) return state.zoom;
-  return Math.max(1, Math.min(16, Math.floor(Math.min(room / picture.width, 480 / picture.height))));
+  const most = (edge) => Math.max(entry.now[edge], entry.golden ? entry.golden[edge] : 0);
+  return Math.max(1, Math.min(16, Math.floor(Math.min(room / most("width"), 480 / most("height")))));
 }
 
 async function stage(entry, place, under) {
-  const [golden, now] = await Promise.all([codesOf(entry.golden), codesOf(entry.now)]);
+  const [golden, now] = await codesOf(entry);
   if (pictures[state.index] !== entry) return;
   const both = comparable(entry.golden, entry.now), makes = drawn(entry, golden, now);
   const view = entry.golden ? (both || state.view === "golden" || state.view === "now" ? state.view : "beside") : "now";
-  const zoom = zoomOf(entry.now, (place.clientWidth - 60) / (view === "beside" ? (both ? 3 : 2) : 1));
+  const zoom = zoomOf(entry, (place.clientWidth - 60) / (view === "beside" ? (both ? 3 : 2) : 1));
 
   const sized = (canvas) => {
     canvas.style.width = `${canvas.width * zoom}px`;
@@ -126,10 +147,13 @@ async function stage(entry, place, under) {
     under.textContent = [`x ${x}, y ${y}`, line("golden", entry.golden, golden), line("now   ", entry.now, now)].join("\n");
   };
 
+  const alone = entry.now.components % 2 || state.alpha ? "" : "; orange: of alpha alone";
+  const titles = { golden: "golden", now: "now", difference: `difference \u00d7 ${makes.gain}${alone}`,
+    mask: "mask: white where colours differ, orange where alpha alone does" };
   let content;
   if (view === "beside") {
     content = [figure("golden", sized(makes.golden())), figure("now", sized(makes.now()))];
-    if (both) content.push(figure(`difference \u00d7 ${makes.gain}`, sized(makes.difference())));
+    if (both) content.push(figure(titles.difference, sized(makes.difference())));
   } else if (view === "flip") {
     const first = sized(makes.golden()), second = sized(makes.now());
     const title = el("figcaption", {}, state.flipped ? "now" : "golden");
@@ -152,9 +176,7 @@ async function stage(entry, place, under) {
     content = [el("figure", {}, el("figcaption", {}, "golden on the left, now on the right"),
       el("div", { class: "over" }, first, second), slider)];
   } else {
-    const title = { golden: "golden", now: "now", difference: `difference \u00d7 ${makes.gain}`,
-      mask: "mask: white where colours differ, orange where alpha alone does" }[view];
-    content = [figure(title, sized(makes[view]()))];
+    content = [figure(titles[view], sized(makes[view]()))];
   }
   place.replaceChildren(el("div", { class: "pair" }, content));
   place.dataset.view = view;
@@ -219,10 +241,10 @@ pictures.forEach((entry, index) => {
   if (entry.status !== title) {
     title = entry.status;
     const count = pictures.filter((other) => other.status === title).length;
-    list.append(el("h2", { class: title }, `${count} ${words[title]}`));
+    list.append(el("h2", { class: title }, `${count} ${words[title][count === 1 ? 0 : 1]}`));
   }
   const apart = entry.difference;
-  const small = apart ? `${apart.count} pixels, at most ${apart.largest}` : (entry.told || "").split("\n")[0];
+  const small = apart ? `${apart.count} pixel${apart.count === 1 ? "" : "s"}, at most ${apart.largest}` : (entry.told || "").split("\n")[0];
   list.append(el("button", { type: "button", "data-index": index, onclick: () => change({ index, flipped: false }) },
     entry.name, small && title !== "passed" ? el("small", {}, small) : null));
 });

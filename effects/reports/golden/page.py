@@ -8,24 +8,35 @@ import base64
 import json
 import shlex
 import zlib
+from contextlib import suppress
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fixedpipe.effects.reports.golden.results import CHANGED, NEW, STATUSES
 from fixedpipe.effects.reports.style import PALETTE
 from fixedpipe.pipeline.golden.candidates import candidate_pixels, golden_pixels, read_candidates
+from fixedpipe.pipeline.golden.differences import kinds_differ
 from fixedpipe.pipeline.golden.store import StoreError
 
+# Of one picture and of several.
 _WORDS = {
-    "changed": "differ from what is golden",
-    "new": "have no golden picture yet",
-    "missing": "were not drawn, since their tests did not come so far",
-    "orphan": "are golden, and no test asks for them",
-    "recorded": "were recorded in this run",
-    "excused": "are excused: their tests were skipped, or failed as they were expected to",
-    "passed": "are golden",
+    "changed": ("differs from what is golden", "differ from what is golden"),
+    "new": ("has no golden picture yet", "have no golden picture yet"),
+    "missing": (
+        "was not drawn, since its test did not come so far",
+        "were not drawn, since their tests did not come so far",
+    ),
+    "orphan": ("is golden, and no test asks for it", "are golden, and no test asks for them"),
+    "recorded": ("was recorded in this run", "were recorded in this run"),
+    "excused": (
+        "is excused: its test was skipped, or failed as it was expected to",
+        "are excused: their tests were skipped, or failed as they were expected to",
+    ),
+    "passed": ("is golden", "are golden"),
 }
 
 
@@ -37,16 +48,16 @@ def golden_page(root: Path, found: list[dict[str, Any]]) -> str:
         candidate = candidates.get(entry["name"])
         if candidate is not None and entry["status"] in (CHANGED, NEW):
             entry["command"] = f"fixedpipe golden accept {shlex.quote(entry['name'])}"
-            entry["now"] = _picture(candidate_pixels(root, candidate))
-            try:
+            golden = None
+            with suppress(StoreError):  # ``told`` says it
                 golden = golden_pixels(root, candidate)
-            except StoreError as error:
-                golden, entry["told"] = None, f"{entry['told']}\n{error}"
             entry["golden"] = None if golden is None else _picture(golden)
+            entry["now"] = _picture(candidate_pixels(root, candidate), golden)
         entries.append(entry)
     counts = {status: sum(e["status"] == status for e in entries) for status in STATUSES}
     says = (
-        "; ".join(f"{count} {_WORDS[status]}" for status, count in counts.items() if count) or "no pictures"
+        "; ".join(f"{count} {_WORDS[status][count > 1]}" for status, count in counts.items() if count)
+        or "no pictures"
     )
     plain = "".join(
         f"<li><b>{escape(e['status'])}</b> {escape(e['name'])}<pre>{escape(e['told'])}\n"
@@ -68,16 +79,34 @@ def golden_page(root: Path, found: list[dict[str, Any]]) -> str:
     )
 
 
-def _picture(pixels):
+def _picture(pixels, golden=None):
+    """A picture for the script. Bytes are written as differences, which are smaller once they are deflated:
+    from a ``golden`` picture of the same kind, from the pixel to the left, or from the one above.
+    """
     height, width, components = pixels.shape
-    little = pixels.astype(pixels.dtype.newbyteorder("<"), copy=False)
+    given = _bytes(pixels)
+    of_golden = golden is not None and not kinds_differ(golden, pixels)
+    if of_golden:
+        backs = {0: given - _bytes(golden)}
+    else:
+        backs = {back: given.copy() for back in (0, len(given) // (width * height), len(given) // height)}
+        for back, data in backs.items():
+            data[back:] -= given[: len(given) - back] if back else np.uint8(0)
+    deflated = {back: zlib.compress(data.tobytes()) for back, data in backs.items()}
+    back = min(deflated, key=lambda back: len(deflated[back]))
     return {
         "width": width,
         "height": height,
         "components": components,
         "bits": 8 * pixels.dtype.itemsize,
-        "data": base64.b64encode(zlib.compress(little.tobytes())).decode(),
+        "of_golden": of_golden,
+        "back": back,
+        "data": base64.b64encode(deflated[back]).decode(),
     }
+
+
+def _bytes(pixels):
+    return np.frombuffer(pixels.astype(pixels.dtype.newbyteorder("<"), copy=False).tobytes(), np.uint8)
 
 
 def _text(name):

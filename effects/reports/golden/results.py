@@ -21,6 +21,7 @@ from fixedpipe.pipeline.golden.candidates import (
     read_run,
 )
 from fixedpipe.pipeline.golden.differences import Difference
+from fixedpipe.pipeline.golden.store import StoreError
 
 # From what needs a person first to what needs nobody.
 STATUSES = (CHANGED, NEW, MISSING, ORPHAN, RECORDED, EXCUSED, PASSED)
@@ -43,7 +44,11 @@ def results(root: Path) -> list[dict[str, Any]]:
         candidate = candidates.get(name)
         if candidate is not None and picture["status"] in (CHANGED, NEW):
             entry["told"] = candidate.told or entry["told"]
-            what = compared(root, candidate)
+            try:
+                what = compared(root, candidate)
+            except StoreError as error:  # a damaged file of one picture; the others are told all the same
+                what = str(error)
+                entry["told"] += f"\n{error}" if what not in entry["told"] else ""
             if isinstance(what, Difference):
                 entry["difference"] = asdict(what)
         found.append(entry)

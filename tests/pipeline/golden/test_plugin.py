@@ -470,3 +470,18 @@ def test_a_project_is_run_from_anywhere_and_through_links(project):
     ):
         done = subprocess.run([*command, *arguments], cwd=folder, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout
+
+
+def test_two_runs_that_record_at_once_record_all_and_both_say_so(project):
+    project.write(
+        "@pytest.mark.parametrize('n', range(40))\ndef test_a(golden, n):\n    golden(P + np.uint8(n))\n"
+    )
+    command = [sys.executable, "-B", "-m", "fixedpipe.effects.cli", "golden", "record"]
+    runs = [
+        subprocess.Popen(command, cwd=project.folder, stdout=subprocess.PIPE, text=True) for _ in range(2)
+    ]
+    said = [run.communicate()[0] for run in runs]
+    assert [run.returncode for run in runs] == [0, 0], said
+    assert len(read_store(project.store)) == 40
+    assert project.candidates() == []
+    assert project()[0] == 0

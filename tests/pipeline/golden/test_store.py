@@ -226,6 +226,15 @@ def test_what_was_accepted_otherwise_meanwhile_is_not_overwritten(accepted):
     assert kept(root) == before
 
 
+def test_what_another_run_accepted_just_so_is_no_error(accepted):
+    root, changed = accepted
+    change_store(root / changed.store, {"test_a": changed.golden})
+    before = kept(root)
+    assert accept(root, changed) == "tests/test_a.py::test_a: golden already, as it was drawn"
+    assert kept(root) == before
+    assert candidates.read_candidates(root) == {}
+
+
 def test_a_candidate_whose_picture_was_changed_is_not_accepted(accepted):
     root, changed = accepted
     (png,) = (root / ".golden" / "candidates").glob("*.png")
