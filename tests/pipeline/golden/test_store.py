@@ -11,6 +11,7 @@ import pytest
 
 from fixedpipe.pipeline.framebuffers.pictures import whole_png
 from fixedpipe.pipeline.golden import candidates, store
+from fixedpipe.pipeline.golden.accepting import accept_where_sound
 from fixedpipe.pipeline.golden.candidates import CHANGED, NEW, Candidate, accept, write_candidate
 from fixedpipe.pipeline.golden.store import (
     Passed,
@@ -23,6 +24,7 @@ from fixedpipe.pipeline.golden.store import (
     read_store,
     to_text,
 )
+from fixedpipe.pipeline.selftest import quick
 
 PICTURE = np.arange(24, dtype=np.uint8).reshape(2, 3, 4)
 OTHER = PICTURE ^ np.uint8(1)
@@ -268,3 +270,16 @@ def test_a_place_without_a_run_is_said(tmp_path):
     (tmp_path / ".golden" / "run.json").write_text("{}")
     with pytest.raises(StoreError, match="run pytest again"):
         candidates.read_run(tmp_path)
+
+
+def test_nothing_is_accepted_where_the_self_test_fails(accepted, monkeypatch):
+    root, changed = accepted
+    before = kept(root)
+    monkeypatch.setattr(quick, "failures", lambda: ("One frame differs.", "Another one."))
+    with pytest.raises(StoreError, match=r"Nothing was accepted.*One frame differs. \(and 1 more\)"):
+        accept_where_sound(root, [changed])
+    assert kept(root) == before
+    assert accept_where_sound(root, []) == []
+    monkeypatch.setattr(quick, "failures", tuple)
+    assert len(accept_where_sound(root, [changed])) == 1
+    assert kept(root) != before
