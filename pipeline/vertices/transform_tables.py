@@ -6,6 +6,8 @@ before ends.
 
 import numpy as np
 
+from fixedpipe.raster.floats import SINGLE_BITS, keep_significant_bits
+
 # Slopes of the 32 pieces of 2^x and of log2(x).
 EXPONENTIAL_SLOPES = (
     359, 366, 375, 383, 391, 400, 409, 417, 427, 436, 445, 455, 466, 475, 486, 497,
@@ -19,6 +21,7 @@ _EXPONENTIAL, _LOGARITHM = np.array(EXPONENTIAL_SLOPES), np.array(LOGARITHM_SLOP
 _EXPONENTIAL_STARTS = np.concatenate([[0], np.cumsum(EXPONENTIAL_SLOPES)])
 _LOGARITHM_STARTS = np.concatenate([[0], np.cumsum(LOGARITHM_SLOPES)])
 _POWER_STEPS = 1 << 13  # of an exponent's one
+_LAST_BIT = 2.0 ** (1 - SINGLE_BITS)  # of one
 _LOGARITHM_STEPS = 1 << 26
 
 
@@ -31,13 +34,26 @@ def _exponential_of_steps(steps):
 
 
 def _steps(column):
-    """An exponent in steps, toward minus infinity; beyond single precision's it stays just beyond."""
-    return np.floor(np.clip(np.nan_to_num(column), -512.0, 512.0) * _POWER_STEPS).astype(np.int64)
+    """An exponent in steps, toward minus infinity; beyond single precision's it stays just beyond. What is
+    smaller than a single's last bit of one is 0, what is no number more than any.
+    """
+    column = np.where(np.abs(column) < _LAST_BIT, 0.0, np.where(np.isnan(column), np.inf, column))
+    return np.floor(np.clip(column, -512.0, 512.0) * _POWER_STEPS).astype(np.int64)
 
 
 def exponential(column):
     """2^x of a column."""
     return np.where(np.isnan(column), np.nan, _exponential_of_steps(_steps(column)))
+
+
+def exponential_parts(column):
+    """EXP's x and y: 2^floor(x), and x - floor(x), toward minus infinity where x is negative."""
+    whole = _exponential_of_steps(_steps(column) & -_POWER_STEPS)
+    large = np.abs(column) >= 1.0 / _LAST_BIT  # these have no fraction
+    some = np.where(large | np.isnan(column), 0.0, column)
+    negative = np.where(some > -_LAST_BIT, 1.0, np.floor(some / _LAST_BIT) * _LAST_BIT - np.floor(some))
+    fraction = np.where(some < 0.0, negative, some - np.floor(some))
+    return whole, np.where(np.isnan(column), np.nan, fraction)
 
 
 def _logarithm_steps(column):
@@ -53,10 +69,10 @@ def _logarithm_steps(column):
 
 
 def logarithm(column):
-    """log2 of a column without negative numbers, 24 bits; of 0 minus infinity."""
+    """log2 of a column without negative numbers, cut to 24 bits; of 0 minus infinity."""
     some = np.isfinite(column) & (column > 0)
     steps = _logarithm_steps(np.where(some, column, 1.0))
-    value = (steps / _LOGARITHM_STEPS).astype(np.float32).astype(np.float64)
+    value = keep_significant_bits(steps / _LOGARITHM_STEPS, SINGLE_BITS)
     return np.where(some, value, np.where(column == 0, -np.inf, column))
 
 
@@ -64,12 +80,10 @@ def lit_power(base, exponent):
     """LIT's z where its x is positive: 2^(exponent log2(base)), the exponent within -128 and 128."""
     some = np.isfinite(base) & (base > 0)
     steps = _logarithm_steps(np.where(some, base, 1.0))
-    power = np.clip(
-        np.trunc(np.clip(np.nan_to_num(exponent), -256, 256) * _POWER_STEPS), -(1 << 20), (1 << 20) - 1
-    )
-    # Python's integers of a product of up to 54 bits fit int64: 34 bits times 21.
-    value = _exponential_of_steps(steps * power.astype(np.int64) >> 26)
+    power = np.clip(_steps(exponent), -(1 << 20), (1 << 20) - 1)
+    # 34 bits times 21 fit int64.
+    value = _exponential_of_steps(steps * power >> 26)
     limit = np.where(np.signbit(exponent) == np.isinf(base), 0.0, np.inf)
     value = np.where(some, value, limit)
-    value = np.where(exponent == 0, 1.0, value)
-    return np.where(np.isnan(base) | np.isnan(exponent), np.nan, value)
+    value = np.where(np.isnan(base) | np.isnan(exponent), np.nan, value)
+    return np.where(exponent == 0, 1.0, value)

@@ -22,7 +22,7 @@ from fixedpipe.pipeline.vertices.chip_floats import (
     transform_product,
     transform_reciprocal,
 )
-from fixedpipe.pipeline.vertices.transform_tables import exponential, lit_power, logarithm
+from fixedpipe.pipeline.vertices.transform_tables import exponential, exponential_parts, lit_power, logarithm
 from fixedpipe.raster.floats import LEAST_SINGLE
 
 TEMPORARIES, CONSTANTS = 12, 192
@@ -70,8 +70,7 @@ def _reciprocal(x):
 
 
 def _exp(x):
-    whole = np.floor(x)
-    return exponential(whole), x - whole, exponential(x), np.ones_like(x)
+    return *exponential_parts(x), exponential(x), np.ones_like(x)
 
 
 def _log(x):
@@ -85,7 +84,7 @@ def _lit(a):
     x, y, _, power = a
     one = np.ones_like(x)
     lit = np.where(np.signbit(x), 0.0, x)
-    return one, lit, np.where(lit > 0, lit_power(y, power), 0.0), one
+    return one, lit, np.where(lit != 0, lit_power(y, power), 0.0), one
 
 
 # By name: how many operands, whether they are scalars, and the four components of the result.

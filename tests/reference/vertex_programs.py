@@ -47,6 +47,86 @@ def clamped_reciprocal(x):
     return -size if x < 0 else size
 
 
+# Slopes of the 32 pieces of 2^x and of log2 x in an octave, in units of 2^-22 to 2^-13 and of 2^-26 to 2^-13.
+# Source: envytools (xf_exp_lut_b, xf_log_lut_b).
+POWER_SLOPES = (
+    359, 366, 375, 383, 391, 400, 409, 417, 427, 436, 445, 455, 466, 475, 486, 497,
+    507, 518, 530, 542, 553, 565, 578, 591, 603, 617, 629, 645, 657, 673, 689, 699,
+)  # fmt: skip
+LOGARITHM_SLOPES = (
+    11702, 11271, 10966, 10650, 10361, 10106, 9800, 9574, 9337, 9112, 8898, 8693, 8499, 8310, 8133, 7962,
+    7796, 7641, 7488, 7343, 7202, 7070, 6939, 6814, 6692, 6578, 6464, 6356, 6251, 6147, 6058, 5930,
+)  # fmt: skip
+LAST_BIT = Fraction(1, 2**23)  # of one in single precision. Source: IEEE 754
+
+
+def climbed(slopes, steps):
+    """How high a line of pieces of 256 steps has climbed. Source: envytools (xf_exp_core, xf_log_core)."""
+    return sum(slope * min(max(steps - 256 * i, 0), 256) for i, slope in enumerate(slopes))
+
+
+def power_steps(x):
+    """An exponent in 8192ths, toward minus infinity. Source: envytools (xf_pre_exp)."""
+    if special(x):
+        return 2**31 - 1 if math.isnan(x) or x > 0 else -(2**31)
+    return 0 if abs(x) < LAST_BIT else math.floor(x * 8192)
+
+
+def power_of_steps(steps):
+    """2^(steps/8192). Source: envytools (xf_exp_core)."""
+    whole, rest = divmod(steps, 8192)
+    if whole >= 128:
+        return math.inf
+    if whole <= -127:
+        return Fraction(0)
+    return (1 + Fraction(climbed(POWER_SLOPES, rest), 2**22)) * Fraction(2) ** whole
+
+
+def power_of_two(x):
+    """EXP: 2^floor(x), x - floor(x), 2^x, 1. Source: envytools (xf_exp_flr, xf_exp_frc, xf_exp)."""
+    if special(x) and math.isnan(x):
+        return [math.inf, x, x, Fraction(1)]
+    steps = power_steps(x)
+    fraction = Fraction(0) if special(x) else x - math.floor(x)
+    if not special(x) and x < 0:
+        fraction = math.floor(fraction / LAST_BIT) * LAST_BIT if x <= -LAST_BIT else Fraction(1)
+    return [power_of_steps(steps // 8192 * 8192), fraction, power_of_steps(steps), Fraction(1)]
+
+
+def logarithm_steps(x):
+    """log2 of a positive number in 2^-26. Source: envytools (xf_log_core)."""
+    e = unit.exponent(x)
+    steps = math.floor((x / Fraction(2) ** e - 1) * 8192)
+    return climbed(LOGARITHM_SLOPES, steps) + e * 2**26
+
+
+def logarithm(x):
+    """LOG: exponent, mantissa and log2 of |x|, 1. Source: envytools (xf_log_e, xf_log_f, xf_log)."""
+    if special(x):
+        rest = math.nan if math.isnan(x) else Fraction(1)
+        return [abs(x), rest, abs(x), Fraction(1)]
+    if x == 0:
+        return [-math.inf, Fraction(1), -math.inf, Fraction(1)]
+    e = unit.exponent(x)
+    value = unit.cut(Fraction(logarithm_steps(abs(x)), 2**26), TRANSFORM)
+    return [Fraction(e), abs(x) / Fraction(2) ** e, value, Fraction(1)]
+
+
+def lit(x, y, power):
+    """LIT of x, y and w. Source: envytools (xf_lit)."""
+    one, zero = Fraction(1), Fraction(0)
+    if x <= 0:
+        return [one, zero, zero, one]
+    if power == 0:
+        return [one, x, one, one]
+    if y <= 0:
+        return [one, x, math.inf if power < 0 else zero, one]
+    if special(y):
+        return [one, x, zero if power < 0 else math.inf, one]
+    steps = logarithm_steps(y) * min(max(power_steps(power), -(2**20)), 2**20 - 1) // 2**26
+    return [one, x, power_of_steps(steps), one]
+
+
 def execute(name, *operands):
     """The four components of a result; ``operands`` have four each. Source: NV_vertex_program."""
     a = operands[0]
@@ -68,4 +148,7 @@ def execute(name, *operands):
         "RCP": lambda: [reciprocal(a[0])] * 4,
         "RCC": lambda: [clamped_reciprocal(a[0])] * 4,
         "RSQ": lambda: [unit.transform_inverse_root(a[0])] * 4,
+        "EXP": lambda: power_of_two(a[0]),
+        "LOG": lambda: logarithm(a[0]),
+        "LIT": lambda: lit(a[0], a[1], a[3]),
     }[name]()

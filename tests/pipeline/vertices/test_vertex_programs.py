@@ -13,7 +13,7 @@ from tests.reference import vertex_programs as reference
 
 ARITY = {
     "MOV": 1, "MUL": 2, "ADD": 2, "MAD": 3, "DP3": 2, "DP4": 2, "DPH": 2, "DST": 2, "MIN": 2, "MAX": 2,
-    "SLT": 2, "SGE": 2, "RCP": 1, "RCC": 1, "RSQ": 1,
+    "SLT": 2, "SGE": 2, "RCP": 1, "RCC": 1, "RSQ": 1, "EXP": 1, "LOG": 1, "LIT": 1,
 }  # fmt: skip
 ordinary = st.floats(-8, 8, width=32).filter(lambda x: abs(x) > 1e-30)
 numbers = ordinary | st.sampled_from([1.0, -1.0, 2.0**100, -(2.0**-100), 3.4e38])
@@ -33,7 +33,7 @@ def exact(value):
 def test_every_instruction_computes_what_is_specified(name, values):
     count = ARITY[name]
     operands = np.array(values, np.float32).astype(np.float64).reshape(3, 4)[:count]
-    scalar = name in ("RCP", "RCC", "RSQ")
+    scalar = name in ("RCP", "RCC", "RSQ", "EXP", "LOG")
     read = ", ".join(f"v[{i}]" + (".x" if scalar else "") for i in range(count))
     inputs = {i: operands[i] for i in range(count)}
     got = vertex_program(f"{name} o[COL0], {read};").run(inputs)["COL0"][0]
