@@ -169,6 +169,10 @@ PACKAGES = {
             "texture_filtering acceptance figures"
         ),
     },
+    "effects/arithmetic": {
+        "raster": "codes portable columns",
+        "pipeline": "enums state textures profiles vertices framebuffers columns golden",
+    },
     "effects/conformance": {
         "pipeline": (
             "enums state textures commands profiles vertices framebuffers validation native execution"
@@ -177,7 +181,7 @@ PACKAGES = {
     },
     "effects/reports": {
         "pipeline": "commands profiles framebuffers native execution ideal golden",
-        "effects": "refusal technique bibliography acceptance figures conformance",
+        "effects": "refusal technique bibliography acceptance figures arithmetic conformance",
     },
     "effects/presentation": {
         "pipeline": "profiles",

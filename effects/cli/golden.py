@@ -208,21 +208,33 @@ def review(html, root):
 @golden.command()
 @click.argument("folder", metavar="DIR")
 @click.option("--profile", default="NV2A", show_default=True, metavar="NAME", help="The machine.")
-@click.option("--cases", default=256, show_default=True, type=click.IntRange(0), help="Of each stage.")
+@click.option(
+    "--cases", default=256, show_default=True, type=click.IntRange(0), help="Of each stage, or rule."
+)
 @click.option("--frames", default=32, show_default=True, type=click.IntRange(0), help="Whole frames.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's.")
-def export(folder, profile, cases, frames, seed):
+@click.option("--rules", is_flag=True, help="The NV2A's arithmetic rule by rule instead.")
+def export(folder, profile, cases, frames, seed, rules):
     """Write test vectors for another renderer into DIR: random states with their inputs and the pixels that a
     machine gives, as JSON, a case on each line, and raw pixels. docs/golden-images.md has the format.
+
+    With --rules, a file for each rule of the NV2A's arithmetic: its formula, its evidence, and numbers in and
+    out. docs/arithmetic-for-emulators.md shows them.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.options import machine_of
+    from fixedpipe.effects.cli.options import machine_of, refuse_ignored
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.effects.reports.files import writable_folder
-    from fixedpipe.effects.reports.golden.vectors import write_vectors
+    from fixedpipe.effects.reports.golden.vectors import write_rules, write_vectors
 
+    if rules:
+        why = "--rules writes the NV2A's arithmetic and no frames; leave it out"
+        refuse_ignored(click.get_current_context(), ("profile", "frames"), why)
     machine, folder = machine_of(profile), writable_folder(folder)
     announce_compiling()
     with refusals():
-        written = write_vectors(folder, machine, cases, frames, seed)
+        if rules:
+            written = write_rules(folder, cases, seed)
+        else:
+            written = write_vectors(folder, machine, cases, frames, seed)
     click.echo(f"{len(written)} files of {machine.name}'s vectors are in {folder}; index.json names them.")

@@ -61,7 +61,7 @@ def _dot(a, b, components):
 def _clamped_reciprocal(x):
     """RCC: a reciprocal of 2^-64 to 2^64 in magnitude. Source: NV_vertex_program1_1; envytools (xf_rcp)."""
     size = np.abs(transform_reciprocal(x))
-    return np.copysign(np.fmin(np.fmax(size, np.float64(2.0**-64)), np.float64(2.0**64)), x)
+    return np.copysign(np.minimum(np.maximum(size, np.float64(2.0**-64)), np.float64(2.0**64)), x)
 
 
 def _reciprocal(x):
@@ -77,7 +77,9 @@ def _log(x):
     size = np.abs(x)
     mantissa, exponent = np.frexp(np.where(np.isfinite(size) & (size > 0), size, 1.0))
     whole = np.where(size > 0, exponent - 1.0, -np.inf)
-    return (np.where(np.isinf(size), np.inf, whole), 2.0 * mantissa, logarithm(size), np.ones_like(x))
+    whole, mantissa = np.where(np.isinf(size), np.inf, whole), 2.0 * mantissa
+    whole, mantissa = (np.where(np.isnan(x), np.nan, part) for part in (whole, mantissa))
+    return whole, mantissa, logarithm(size), np.ones_like(x)
 
 
 def _lit(a):

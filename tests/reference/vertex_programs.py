@@ -40,8 +40,10 @@ def reciprocal(x):
 
 
 def clamped_reciprocal(x):
-    """RCC of what is not 0. Source: NV_vertex_program1_1."""
+    """RCC of what is not 0. Source: NV_vertex_program1_1; envytools (xf_rcp: what is no number stays it)."""
     found = reciprocal(x)
+    if special(found):
+        return found
     low, high = Fraction(1, 2**64), Fraction(2**64)
     size = min(max(abs(found), low), high)
     return -size if x < 0 else size

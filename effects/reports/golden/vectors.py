@@ -3,9 +3,11 @@
 import hashlib
 import json
 
+from fixedpipe.effects.arithmetic.rules import RULES
 from fixedpipe.effects.reports.files import writable_folder, write_whole
 from fixedpipe.pipeline.golden.provenance import provenance
 from fixedpipe.pipeline.golden.vectors import STAGES, frame_case, raw_planes, stage_case
+from fixedpipe.pipeline.profiles import NV2A
 
 FORMAT = 1
 
@@ -30,6 +32,22 @@ def write_vectors(folder, profile, cases, frames, seed):
         files |= planes
         case["depth_bits"], case["expected"] = framebuffer.depth_bits, sorted(planes)
         files[f"{name}.json"] = _lines({}, [case])
+    return _write(folder, files, profile, seed)
+
+
+def write_rules(folder, cases, seed):
+    """Write a file for each rule of the NV2A's arithmetic, ``cases`` random ones behind its edges; the files'
+    names.
+
+    Raises Refusal for a folder that cannot be written.
+    """
+    writable_folder(folder / "rules")
+    files = {f"rules/{rule.id}.json": _lines(rule.head(), rule.cases(cases, seed)) for rule in RULES.values()}
+    return _write(folder, files, NV2A, seed)
+
+
+def _write(folder, files, profile, seed):
+    """Write the files, and the index of them; all names."""
     for name, data in files.items():
         write_whole(folder / name, data)
     known = provenance(profile)

@@ -1,0 +1,1 @@
+"""The NV2A's arithmetic as rules, each with test vectors (docs/arithmetic-for-emulators.md)."""
