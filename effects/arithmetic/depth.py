@@ -231,7 +231,7 @@ _FLOAT = "(E + bias << f) + floor((m - 1) 2^f) of m 2^E, 1 <= m < 2; bias 7 and 
 _FORMATS = {
     DepthFormat.FIXED_16: ("floor(clamp(depth, 0, 65535))", False, (65534.99, 65535.0, 65536.0)),
     DepthFormat.FIXED_24: ("floor(clamp(depth, 0, 16777215))", False, (16777214.5, 16777215.0, 16777216.0)),
-    DepthFormat.FLOAT_16: (_FLOAT, True, (2.0**-6, 2.0**-7, 511.0, 511.9375, 512.0)),
+    DepthFormat.FLOAT_16: (_FLOAT, True, (2.0**-6, 2.0**-7, 511.0, 511.96875, 512.0)),
     DepthFormat.FLOAT_24: (_FLOAT, True, (2.0**-126, 2.0**-127, 1e38, 2.0**127, 2.0**128)),
 }
 

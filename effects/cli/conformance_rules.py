@@ -27,7 +27,10 @@ def tell_distinctions(name, captures, modules, inputs, json_path, progress):
     if json_path:
         write_whole(json_path, (json.dumps(found, indent=1) + "\n").encode())
     if not found:
-        click.echo(f"None of {len(captures)} captures tells; a program whose pixels depend on it would.")
+        would = (
+            f"; on a board {rule.probe}." if rule.probe else "; a program whose pixels depend on it would."
+        )
+        click.echo(f"None of {len(captures)} captures tells{would}")
     else:
         click.echo(f"{len(found)} of {len(captures)} captures tell.")
 

@@ -21,13 +21,34 @@ from fixedpipe.pipeline.profiles.profile import Profile
 
 
 @dataclass(frozen=True)
+class Probe:
+    """A program whose picture answers a question on any board with register combiners, of two stages at most.
+
+    ``text``: !!RC1.0; ``primary``: the primary color's components, bytes. ``stands``: the red, green and blue
+    that come out as the profile has the rule; ``otherwise``: by its rival.
+    """
+
+    text: str
+    primary: int
+    stands: int
+    otherwise: tuple[int, ...]
+
+    def __str__(self):
+        return (
+            f"with a primary color of {self.primary}/255 the program\n  {self.text}\n"
+            f"draws {self.stands} as it stands, {' or '.join(map(str, self.otherwise))} otherwise"
+        )
+
+
+@dataclass(frozen=True)
 class Rule:
     """A question; ``stands``: the rule that the profile has, ``otherwise`` the other, on the machine
     ``changed``.
 
     Where no profile has the other rule, ``changed`` is None. Fragments are then counted: of Draws whose
     combiners ``concern`` the rule, those for which a ``stage`` would give another number, as ``differs``
-    finds by what the column engine's witness is told of it.
+    finds by what the column engine's witness is told of it. ``probe``: the program to run where no capture
+    tells.
     """
 
     question: str
@@ -37,6 +58,7 @@ class Rule:
     stage: str = ""
     concern: Callable[[Any], bool] = lambda combiners: True
     differs: Callable[[dict[str, Any]], Any] = lambda columns: False
+    probe: Probe | None = None
 
 
 def _interpolates(combiners):
@@ -70,30 +92,58 @@ def _negative_differs(columns):
     return ((total < 0) & (_rounded(total) != -(-total // 255))).any(axis=0)
 
 
+# 1/255 and 2/255 in every component.
+_UNIT, _TWO_UNITS = (", ".join([f"{n / 255:.6f}"] * 4) for n in (1, 2))
+
 RULES = {
     "expand-half": Rule(
         "What is one half to the mappings EXPAND_NORMAL and EXPAND_NEGATE?",
         "128: 2 x - 256",
         "127.5: 2 x - 255",
         NV2A.changed(expand_half=127.5),
+        probe=Probe("!!RC1.0 { rgb { spare0 = expand(col0); } } out.rgb = spare0;", 200, 144, (145,)),
     ),
     "product-rounding": Rule(
         "Where is the sum of a general combiner's two products rounded?",
         "once, after the sum",
         "each product on its own",
         NV2A.changed(product_rounding=ProductRounding.PER_PRODUCT),
+        probe=Probe(
+            f"!!RC1.0 const0 = ({_UNIT}); {{ rgb {{ discard = const0 * col0; discard = const0 * col0; "
+            "spare0 = sum(); } } out.rgb = spare0;",
+            100,
+            1,
+            (0,),
+        ),
     ),
     "round-before-scale": Rule(
         "Is a general combiner's sum rounded before it is scaled?",
         "rounded, then scaled",
         "scaled, then rounded",
         NV2A.changed(round_before_scale=False),
+        probe=Probe(
+            f"!!RC1.0 const0 = ({_UNIT}); {{ rgb {{ spare0 = const0 * col0; scale_by_four(); }} }} "
+            "out.rgb = spare0;",
+            100,
+            0,
+            (2,),
+        ),
     ),
     "clamp-low": Rule(
         "What is the least value of a general combiner's output?",
         "-256",
         "-255",
         NV2A.changed(clamp_low=-255),
+        probe=Probe(
+            "!!RC1.0 const0 = (1, 1, 1, 1); "
+            "{ rgb { spare0 = zero; bias_by_negative_one_half_scale_by_two(); } } "
+            "{ rgb { discard = spare0 * -const0; discard = const0 * -const0; spare0 = sum(); "
+            "scale_by_four(); } } "
+            "out.rgb = spare0;",
+            0,
+            4,
+            (0,),
+        ),
     ),
     "half-bias": Rule(
         "What is one half to the mappings HALF_BIAS_NORMAL and HALF_BIAS_NEGATE?",
@@ -102,6 +152,12 @@ RULES = {
         stage="portion",
         concern=_maps_half_bias,
         differs=lambda columns: np.ones(columns["mapped"][0].shape[1], bool),
+        probe=Probe(
+            "!!RC1.0 { rgb { spare0 = half_bias(col0); scale_by_four(); } } out.rgb = spare0;",
+            150,
+            88,
+            (90, 92),
+        ),
     ),
     "negative-products": Rule(
         "Is a negative sum of products rounded to nearest, or is its magnitude cut?",
@@ -109,6 +165,13 @@ RULES = {
         "its magnitude is cut",
         stage="portion",
         differs=_negative_differs,
+        probe=Probe(
+            f"!!RC1.0 const0 = ({_UNIT}); {{ rgb {{ spare0 = const0 * -col0; }} }} "
+            "{ rgb { spare0 = -spare0; scale_by_four(); } } out.rgb = spare0;",
+            200,
+            4,
+            (0,),
+        ),
     ),
     "final-lerp": Rule(
         "Where is the final combiner's A B + (1 - A) C rounded?",
@@ -117,6 +180,13 @@ RULES = {
         stage="final combiner",
         concern=_interpolates,
         differs=_lerp_differs,
+        probe=Probe(
+            f"!!RC1.0 const0 = ({_UNIT}); const1 = ({_TWO_UNITS}); {{ rgb {{ spare0 = zero; }} }} "
+            "out.rgb = lerp(col0, const0, const1);",
+            100,
+            2,
+            (1,),
+        ),
     ),
     "color-bits": Rule(
         "How many significant bits of a float vertex colour become a byte?",

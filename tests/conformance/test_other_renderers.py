@@ -13,10 +13,13 @@ from fixedpipe.effects.conformance.rules import RULES, distinction, fragments_th
 from fixedpipe.effects.conformance.scoreboard import Row, Score
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.notations.programs import parse_program
-from fixedpipe.pipeline.profiles import NV2A
+from fixedpipe.pipeline.profiles import GEFORCE_256, NV2A
 from fixedpipe.pipeline.state import PassState
+from fixedpipe.pipeline.validation.validate import validate_program
 from tests.conformance.test_conformance import conformance, refusal
+from tests.layers import ROOT
 
 SUITE, NAME = "Alpha_func", "AlphaFuncNotEqual_Enabled"
 WHOLE = WIDTH * HEIGHT
@@ -129,6 +132,44 @@ def test_a_changed_machine_changes_what_the_rule_says():
         assert (rule.changed is None) == bool(rule.stage), name
         if rule.changed is not None:
             assert rule.changed.facts != NV2A.facts, name
+
+
+# What the rivals that no profile has make of a probe: of code that computes as the question says.
+RIVALS = {
+    "half-bias": (int((150 - 127.5) * 4), (150 - 127) * 4),
+    "negative-products": (-4 * -(200 // 255),),
+    "final-lerp": ((2 * 100 + 255) // 510 + (2 * 155 * 2 + 255) // 510,),
+}
+
+
+def probed(probe, profile):
+    """What a probe's fragments are on a machine."""
+    program = parse_program(probe.text)
+    validate_program(None, program.combiners, profile)
+    vertices = Mesh(
+        np.array([[0.0, 0.0, 0.0, 1.0]]),
+        PrimitiveType.POINTS,
+        colors=np.full((1, 4), probe.primary / 255),
+    )
+    state = PassState(register_combiners=program.combiners)
+    return (
+        execute((Draw(label="probe", mesh=vertices, state=state),), profile, 1, 1).image()[0, 0, :3].tolist()
+    )
+
+
+@pytest.mark.parametrize("name", [name for name, rule in RULES.items() if rule.probe])
+def test_a_probe_draws_what_it_says(name):
+    rule, probe = RULES[name], RULES[name].probe
+    for profile in (NV2A, GEFORCE_256):
+        assert probed(probe, profile) == [probe.stands] * 3
+    if rule.changed is not None:
+        assert probed(probe, rule.changed) == [*probe.otherwise] * 3
+    else:
+        assert RIVALS[name] == probe.otherwise
+    assert probe.stands not in probe.otherwise
+    page = (ROOT / "docs" / "silicon.md").read_text()
+    otherwise = " or ".join(map(str, probe.otherwise))
+    assert f"| `{name}` | `{probe.text}` | {probe.primary} | {probe.stands} | {otherwise} |" in page
 
 
 def comparison(image, theirs):
