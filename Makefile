@@ -17,7 +17,7 @@ ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
-.PHONY: help setup figures conformance machines instructions techniques layers docs docs-check test test-all check bench accept \
+.PHONY: help setup figures conformance machines instructions arithmetic techniques layers docs docs-check test test-all check bench accept \
 	accept-conformance accept-selftest matrix clean
 
 help:
@@ -28,6 +28,7 @@ help:
 	@echo "make bench              measure; BENCH='--peer llvmpipe' compares with Mesa"
 	@echo "make machines           write docs/machines.md: which machine has which feature"
 	@echo "make instructions       write docs/program-instructions.md: what programs' instructions become, and round"
+	@echo "make arithmetic         write docs/arithmetic-for-emulators.md: the NV2A's rules with formulas and vectors"
 	@echo "make techniques         write docs/papers/index.md: which technique, figure or study an id is"
 	@echo "make layers             write into docs/architecture.md which package imports which (tests/layers.py)"
 	@echo "make docs               write into the pages what commands measure (ONLY='F004-2 P9': these alone): 5 minutes"
@@ -80,6 +81,9 @@ machines: $(READY)
 
 instructions: $(READY)
 	$(BIN)/python -m tests.instructions
+
+arithmetic: $(READY)
+	$(BIN)/python -m tests.arithmetic
 
 techniques: $(READY)
 	$(BIN)/python -m tests.techniques

@@ -241,7 +241,7 @@ def _surface(color_format):
         id=f"surface-{name.lower().replace('_', '-')}",
         stage="Blending",
         numbers="N10.5",
-        formula="each component cut to its bits, at the top of its byte; padding as the format's name has it",
+        formula="bytes from red, the lowest: their components' upper bits, zeros below; padding by name",
         in_words=True,
         evidence="Measured: 16 Blend_surface pictures of 16384 pixels",
         captures=("Blend_surface", "Surface_format"),

@@ -33,32 +33,32 @@ def _quad(chance):
 _TERMS = (
     "each product cut to 24 bits; {} summed, terms cut 5 bits below the largest's last, and cut to 24 bits"
 )
-_UNIT = (
-    "Source: envytools, NV_vertex_program1_1; Measured: Vertex_shader_swizzle_tests, Fog_exceptional_value"
-)
+_CHIP = "Source: envytools, NV_vertex_program1_1; Measured: every pixel of the captures named"
 _TABLE = "Source: envytools: tables of 32 straight lines; no capture has it"
-_SOURCE = "Source: NV_vertex_program1_1; no capture has it"
-# By instruction: operands, whether they are scalars, what it is, evidence, captures.
-_PROVEN = ("Vertex_shader_swizzle_tests", "Fog_exceptional_value", "Attrib_float")
+_SOURCE = "Source: NV_vertex_program1_1, envytools; no capture has it"
+_FLOATS, _CARRIED = "Attrib_float", "Attrib_carryover"
+_RCC = tuple(f"W_param/rcc_w_zero_inf__z{z}" for z in ("0.25", "0.50", "-0.50"))
+_FOG, _PAIRS = "Fog_exceptional_value", "Vertex_shader_independence_tests"
+# By instruction: operands, whether they are scalars, what it is, evidence, captures whose programs have it.
 _INSTRUCTIONS = {
-    "MUL": (2, False, "a b cut to 24 bits; 0 times anything is 0, NaN has no sign", _UNIT, _PROVEN),
-    "ADD": (2, False, _TERMS.format("a and b are"), _UNIT, _PROVEN),
-    "MAD": (3, False, "a b cut to 24 bits, then ADD", f"{_UNIT}; Assumed: its product is cut first", _PROVEN),
-    "DP3": (2, False, _TERMS.format("three are"), _UNIT, _PROVEN),
-    "DP4": (2, False, _TERMS.format("four are"), _UNIT, _PROVEN),
+    "MUL": (2, False, "a b cut to 24 bits; 0 times anything is 0, NaN has no sign", _CHIP, (_FLOATS, _FOG)),
+    "ADD": (2, False, _TERMS.format("a and b are"), _CHIP, (_PAIRS,)),
+    "MAD": (3, False, "MUL, then ADD", f"{_CHIP}; Assumed: its product is cut first", (_CARRIED,)),
+    "DP3": (2, False, _TERMS.format("three are"), _CHIP, (_PAIRS,)),
+    "DP4": (2, False, _TERMS.format("four are"), _CHIP, (_FOG,)),
     "DPH": (2, False, "DP4 with one for a's w", _SOURCE, ()),
     "DST": (2, False, "1, a.y b.y, a.z, b.w", _SOURCE, ()),
     "MIN": (2, False, "the lesser; -0 is less than 0", _SOURCE, ()),
     "MAX": (2, False, "the greater; -0 is less than 0", _SOURCE, ()),
     "SLT": (2, False, "1 where a < b, else 0; -0 is less than 0", _SOURCE, ()),
-    "SGE": (2, False, "0 where a < b, else 1; -0 is less than 0", _SOURCE, ()),
-    "RCP": (1, True, "a seed of 7 bits and two Newton steps (N2.13); 1/-0 is minus infinity", _UNIT, _PROVEN),
-    "RCC": (1, True, "RCP, its magnitude within 2^-64 and 2^64", _UNIT, ("Fog_exceptional_value", "W_param")),
-    "RSQ": (1, True, "of |a|: a seed of 7 bits and two Newton steps (N2.13)", _SOURCE, ()),
+    "SGE": (2, False, "0 where a < b, else 1; -0 is less than 0", _CHIP, (_CARRIED, _PAIRS)),
+    "RCP": (1, True, "a seed of 7 bits and two Newton steps (N2.13); 1/-0 is minus infinity", _CHIP, (_FOG,)),
+    "RCC": (1, True, "RCP, its magnitude within 2^-64 and 2^64", _CHIP, _RCC),
+    "RSQ": (1, True, "of |a|: a seed of 7 bits and two Newton steps (N2.13)", _CHIP, (_PAIRS,)),
     "EXP": (1, True, "2^floor(a), a - floor(a), 2^a by the table, 1", _TABLE, ()),
     "LOG": (1, True, "of |a|: its exponent, its mantissa, log2 by the table, 1", _TABLE, ()),
     "LIT": (1, False, "1, max(a.x, 0), a.x > 0 ? 2^(a.w log2 a.y) by the tables : 0, 1", _TABLE, ()),
-}  # fmt: skip
+}
 _INPUTS = "abc"
 
 
@@ -306,7 +306,11 @@ WINDOW = (
         numbers="N2.6",
         formula="T24(T24(x * reciprocal(w)) + offset)",
         evidence="Measured: TopLeftRaster_Fixed; Viewport, 1832971 of 1833172 pixels",
-        captures=("Viewport", "Depth_buffer_fixed_function"),
+        captures=(
+            "Vertex_shader_rounding_tests/TopLeftRaster_Fixed",
+            "Viewport",
+            "Depth_buffer_fixed_function",
+        ),
         inputs={"x": "single", "w": "single", "offset": "single"},
         output="single",
         compute=_window,
@@ -324,7 +328,11 @@ WINDOW = (
         numbers="N2.5",
         formula="trunc(16 * clamp(x, -1048576, extent + 1048576))",
         evidence="Measured: 294000 of 294000 pixels (TopLeftRaster); the guard band's edge is Assumed",
-        captures=("3D_primitive", "Viewport", "W_buffering/WBuf24D_FloorQuad_V0_ZB0_ZS0"),
+        captures=(
+            "Vertex_shader_rounding_tests/TopLeftRaster",
+            "Viewport",
+            "W_buffering/WBuf24D_FloorQuad_V0_ZB0_ZS0",
+        ),
         inputs={"x": "single", "extent": "int"},
         output="int",
         compute=lambda x, extent: snap(np.float64(x), extent, NV2A),

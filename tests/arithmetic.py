@@ -1,0 +1,156 @@
+"""docs/arithmetic-for-emulators.md, made of the rules and their vectors: ``python -m tests.arithmetic``."""
+
+import textwrap
+from itertools import groupby
+from pathlib import Path
+
+from fixedpipe.effects.arithmetic.rules import RULES
+from fixedpipe.effects.conformance.rules import RULES as QUESTIONS
+from tests.documents import WIDTH, table
+from tests.support.arithmetic import DEFINITIONS, IN_WORDS
+
+PAGE = Path(__file__).parents[1] / "docs" / "arithmetic-for-emulators.md"
+SHOWN = 3  # vectors of a rule
+
+_HEAD = """\
+# The NV2A's arithmetic, for authors of emulators
+
+An emulator of the Xbox's graphics chip is right where it computes what the chip computes, one function
+after the other. This page has these functions: {rules} rules, each with its formula, what proves it, and
+test vectors. It is made by `make arithmetic`, and a test fails where it is stale. [silicon.md](silicon.md)
+says what the captures of a real chip are, and how many pixels agree; [numbers.md](numbers.md) has every
+rule with its order of operations.
+
+    fixedpipe golden export DIR --rules                 DIR/rules/ID.json for each rule, {count} vectors
+    fixedpipe golden export DIR --rules --cases 5000    that many random ones of each behind its edge cases
+    fixedpipe golden export DIR                         random states and whole frames: golden-images.md
+
+A file is a JSON object with a case on each line, so that a program without a JSON library reads it too
+([examples/read_rules.c](examples/read_rules.c) does, for seven rules):
+
+| field | what it is |
+|---|---|
+| `format` | 1 |
+| `rule`, `stage` | the id, which names the file, and the part of the chip |
+| `numbers` | the rule of [numbers.md](numbers.md) |
+| `formula` | of the inputs' names: an expression in Python's notation, or a sentence |
+| `evidence` | it begins with Measured, Inferred, Source or Assumed |
+| `captures` | SUITE, or SUITE/CASE, of nxdk_pgraph_tests that show it; none: no capture does |
+| `open` | the question of `fixedpipe conformance --discriminates` that asks whether it is so, or nothing |
+| `inputs`, `output` | kinds by name, and the result's |
+| `cases` | inputs by name, and `expected`: edge cases first, then random ones from `--seed` |
+
+| kind | how it is written |
+|---|---|
+| `int` | a whole number |
+| `single`, `double` | the bits of IEEE 754's single and double precision, `0x3f800000`; `NaN`, of any bits |
+| `bytes` | two hexadecimal digits each |
+| `name` | OpenGL's name without GL_, or the chip's |
+| `int[4]` | a list of so many |
+
+Every vector is computed by the functions that draw, and none is typed. `tests/effects/test_arithmetic.py`
+reads all of them back from their files and asks the executable specification (`tests/reference/`, which
+shares no code with those functions) and, where the formula is an expression, the formula itself; a vector
+that is wrong in its last bit is noticed, of each rule. `index.json` has every file's SHA-256.
+
+**What a proof is worth.** *Measured*: the captures named were drawn through this function, and every pixel
+but those that [silicon.md](silicon.md) tells of agrees; that says nothing of inputs that no capture has.
+*Source*: a specification or envytools' model says so, and no capture contradicts. *Inferred* and *Assumed*:
+nobody has seen it; where a question is named, [silicon.md](silicon.md#questions-that-no-capture-answers)
+has the program that would answer it.
+
+"""
+_WORDS = """\
+## Words of the formulas
+
+Numbers are exact unless a formula cuts them; those with a point are double precision, in the order that
+stands there.
+
+"""
+_LEFT_OUT = """\
+## What is not here
+
+What has no function of its own inputs alone, or nothing behind it that a vector would prove:
+
+- which pixels of lines, points, smooth and multisampled primitives are drawn (N11, N19), and clipping;
+- the level of detail of a 2x2 block, mipmaps' levels, layers, anisotropic footprints (N7.6 to N7.12);
+- lighting as a whole (N2.15 to N2.18), generated texture coordinates, point parameters: its numbers are here;
+- matrices times vectors (N2.1, N2.6), and what a triangle through w = 0 becomes;
+- the polygon offset of W buffering, and what a fixed format takes of an offset: open in silicon.md;
+- BRDF lookups, shadow comparisons, colour keys, HILO filters (N12.10, N12.13 to N12.17);
+- dithering: the chip has none in its colour buffer (N10.6). That of DXT1 is in the rule `dxt1`;
+- the 2D engine, clears, and what surfaces share in memory;
+- the order of tests, writes and masks of a fragment: whole frames have it.
+
+The evidence is of one NV2A and of these captures' programs. Nothing here was compared with a GeForce.
+"""
+
+
+def _code(text):
+    return f"`{text}`".replace("|", r"\|")
+
+
+def _plain(text):
+    return text.replace("|", r"\|").replace("*", r"\*")
+
+
+def _shown(value):
+    return "[" + ", ".join(map(str, value)) + "]" if isinstance(value, list) else str(value)
+
+
+def _vectors(rule):
+    """A few cases in a cell: an edge, a middle one, and the last, which is random where the rule draws."""
+    cases = list(rule.cases(1, 0))
+    picked = [cases[len(cases) // 3], cases[2 * len(cases) // 3], cases[-1]][-SHOWN:]
+    lines = []
+    for case in picked:
+        given = ", ".join(f"{name} {_shown(case[name])}" for name in rule.inputs)
+        lines.append(_code(f"{given}: {_shown(case['expected'])}"))
+    return "<br>".join(dict.fromkeys(lines))
+
+
+def _proof(rule):
+    parts = [_plain(rule.evidence)]
+    if rule.open:
+        stands, otherwise = QUESTIONS[rule.open].stands, QUESTIONS[rule.open].otherwise
+        parts.append(f"Question {_code(rule.open)}: {_plain(stands)}; or {_plain(otherwise)}")
+    return "<br>".join(parts)
+
+
+def _stage(name, rules):
+    rows = []
+    for rule in rules:
+        formula = _plain(rule.formula) if rule.in_words else _code(rule.formula)
+        number = f"[{rule.numbers}](numbers.md#{rule.numbers})"
+        captures = ", ".join(rule.captures).replace("_", r"\_") or "none"
+        rows.append((_code(rule.id), number, formula, _vectors(rule), _proof(rule), captures))
+    head = ("rule", "numbers", "formula", "vectors: inputs, and what is expected", "evidence", "captures")
+    return f"## {name}\n\n{table(head, rows)}\n"
+
+
+def _words():
+    rows = [(_code(f"{name}({of})"), _code(text)) for name, (of, text) in DEFINITIONS.items()]
+    rows += [(_code(name), text) for name, text in IN_WORDS.items()]
+    return _WORDS + table(("", "is"), rows) + "\n"
+
+
+def _wrapped(text):
+    """Its paragraphs in lines of the pages' width; tables, lists and code as they stand."""
+    parts = text.split("\n\n")
+    plain = [not part.startswith(("|", "-", "#", " ")) for part in parts]
+    return "\n\n".join(
+        textwrap.fill(part, WIDTH, break_on_hyphens=False, break_long_words=False) if wraps else part
+        for part, wraps in zip(parts, plain, strict=True)
+    )
+
+
+def page():
+    """The whole page as text."""
+    count = sum(1 for rule in RULES.values() for _ in rule.cases(256, 0))
+    head = _wrapped(_HEAD.format(rules=len(RULES), count=f"{count:,}"))
+    stages = [_stage(name, rules) for name, rules in groupby(RULES.values(), lambda rule: rule.stage)]
+    return head + _words() + "".join(stages) + _wrapped(_LEFT_OUT)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page())
