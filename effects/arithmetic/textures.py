@@ -107,7 +107,10 @@ def _dxt(name, captures, evidence, size):
         stage="Texels",
         numbers="N7.4",
         formula="16 texels, the row at t = 0 first, four bytes each; thirds are (2 a + b + 1) // 3"
-        + ("; then dithered to 5, 6 and 5 bits at (0, 0)" if name == "DXT1" else ""),
+        + {
+            "DXT1": "; then dithered to 5, 6 and 5 bits at (0, 0)",
+            "DXT5": "; sevenths of alphas ((7 - k) a + k b + 3) // 7, fifths likewise with 2",
+        }.get(name, ""),
         in_words=True,
         evidence=evidence,
         captures=captures,
@@ -176,7 +179,7 @@ TEXELS = (
     _dxt(
         "DXT5",
         ("Texture_DXT/DXT5_plasma_alpha_dxt5", "Texture_DXT/DXT5_plasma_dxt5"),
-        "Measured: the colours, as DXT3's; Assumed: interpolated alphas are cut",
+        "Measured: every pixel of the captures named, of which one has alphas",
         16,
     ),
 )

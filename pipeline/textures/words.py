@@ -157,12 +157,23 @@ def _s3tc_colors(blocks, punch_through):
 
 
 def _s3tc_alphas(blocks):
-    """Alpha bytes int64 [..., 16] of DXT5's alpha blocks uint8 [..., 8]."""
+    """Alpha bytes int64 [..., 16] of DXT5's alpha blocks uint8 [..., 8], each to nearest.
+
+    Measured: 2 of 2 captures with an alpha (DXT5_plasma_alpha, of whose 304986 pixels sevenths that are cut
+    lose 18944, and fifths 320).
+    """
     ends = blocks[..., :2].astype(np.int64)
     a, b = ends[..., 0], ends[..., 1]
-    seven = np.stack([a, b, *(((7 - k) * a + k * b) // 7 for k in range(1, 7))], -1)
+    seven = np.stack([a, b, *(((7 - k) * a + k * b + 3) // 7 for k in range(1, 7))], -1)
     five = np.stack(
-        [a, b, *(((5 - k) * a + k * b) // 5 for k in range(1, 5)), np.zeros_like(a), np.full_like(a, 255)], -1
+        [
+            a,
+            b,
+            *(((5 - k) * a + k * b + 2) // 5 for k in range(1, 5)),
+            np.zeros_like(a),
+            np.full_like(a, 255),
+        ],
+        -1,
     )
     palette = np.where((a > b)[..., None], seven, five)
     return np.take_along_axis(palette, _unpacked(blocks[..., 2:], 3), -1)
@@ -172,7 +183,7 @@ def texels_of_blocks(blocks, internal_format, width, height):
     """Register bytes uint8 [height, width, 4] of S3TC blocks uint8 [rows, columns, bytes of a block]; the
     first row is t = 0.
 
-    DXT3's four bits of alpha become a byte by replication. Assumed: DXT5's alphas are cut.
+    DXT3's four bits of alpha become a byte by replication.
     """
     if internal_format is InternalFormat.COMPRESSED_RGBA_S3TC_DXT1:
         texels = _s3tc_colors(blocks, True)

@@ -58,7 +58,8 @@ def texel_of_ycbcr(y, u, v):
 def texels_of_block(block, name):
     """Sixteen texels, row by row, of an S3TC block's bytes; ``name``: DXT1, DXT3 or DXT5.
 
-    Source: EXT_texture_compression_s3tc; Measured: thirds round to nearest (DXT3_plasma).
+    Source: EXT_texture_compression_s3tc; Measured: thirds, sevenths and fifths round to nearest (DXT3_plasma,
+    DXT5_plasma_alpha).
     """
     color = block[-8:]
     ends = [int.from_bytes(bytes(color[k : k + 2]), "little") for k in (0, 2)]
@@ -76,7 +77,7 @@ def texels_of_block(block, name):
     elif name == "DXT5":
         a, b, codes = block[0], block[1], int.from_bytes(bytes(block[2:8]), "little")
         steps = 7 if a > b else 5
-        levels = [a, b, *(((steps - k) * a + k * b) // steps for k in range(1, steps))]
+        levels = [a, b, *(((steps - k) * a + k * b + steps // 2) // steps for k in range(1, steps))]
         levels += [] if a > b else [0, 255]
         for i, texel in enumerate(texels):
             texel[3] = levels[(codes >> (3 * i)) & 7]
