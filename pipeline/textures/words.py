@@ -15,7 +15,7 @@ from fixedpipe.pipeline.textures.pixels import whole_numbers
 ONE = None  # a component that is full intensity
 
 # What each word is stored as, and its red, green, blue and alpha as (lowest bit, bits).
-# Measured: every pixel of the formats' captures (Texture_format, Volume_texture); Y16's low byte by the latter.
+# Measured: every pixel of the formats' captures (Texture_format; Volume_texture, Y16's low byte too).
 # Source: NV_texture_shader (HILO16).
 _FIELDS = {
     TexelWord.A8R8G8B8: (InternalFormat.RGBA8, (16, 8), (8, 8), (0, 8), (24, 8)),
