@@ -304,8 +304,7 @@ class Machine:
                 rounded = fragment_bits(self.profile, target) == NATIVE_BITS
                 given = command.mesh, state, self.profile, *size, position
                 primitives = stage.process(*given, rounded=rounded)
-                given = primitives, state, self.profile, self._current, self.textures
-                draw = Prepared.of(*given, sample)
+                draw = Prepared.of(primitives, state, self.profile, self._current, self.textures, sample)
                 frame.kept.keep(command, surface, draw)
             lost = draw.dropped
             if frame.record:
