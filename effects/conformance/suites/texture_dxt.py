@@ -14,7 +14,6 @@ from fixedpipe.pipeline.enums import TextureFilter
 from fixedpipe.pipeline.state import TextureUnit
 
 SUITE = "Texture_DXT"
-OPEN = "DXT5 images of another alpha block order"
 
 SQUARE = ((192, 112, 256),)  # left, top, edge
 SQUARES = (
