@@ -11,11 +11,11 @@ import numpy as np
 from fixedpipe.effects.conformance import scenes, texture_memory
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.commands import Draw, TexImage
-from fixedpipe.pipeline.enums import InternalFormat, Register, TextureFilter
+from fixedpipe.pipeline.enums import InternalFormat, Register, TexelWord, TextureFilter
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
-from fixedpipe.pipeline.textures.words import compressed_texture
+from fixedpipe.pipeline.textures.words import compressed_texture, texture_of_words
 
 SIZE = 256  # of both textures
 LEFT, TOP, EDGE, STEP = 146, 66, 168, 180
@@ -108,6 +108,12 @@ def texture_of(colors, entry):
     """(the bump texture, whether its coordinates count texels) in a format; None: DXT1."""
     if entry is None:
         return dxt1_of(picture(colors)), False
+    if (
+        entry.word is TexelWord.R6G5B5
+    ):  # Measured: BumpEnvLum_R6G5B5_B, _B_R90 (each component's highest bits)
+        red, green, blue = (picture(colors)[..., k].astype(np.int64) for k in range(3))
+        words = (red >> 2) << 10 | (green >> 3) << 5 | blue >> 3
+        return texture_of_words(words, entry.word, entry.target), entry.linear
     return texture_memory.texture_of(picture(colors), entry), entry.linear
 
 

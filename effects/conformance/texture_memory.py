@@ -216,8 +216,8 @@ def read_as(words, written, word, swizzled):
 def texture_of(rgba, entry):
     """The texture that the chip sees of a picture, RGBA bytes [rows, columns, 4], in a format."""
     if entry.word is TexelWord.R6G5B5:
-        # The version that drew the two-dimensional captures lets SDL write R5G6B5; the volumes' writes
-        # A1R5G5B5.
+        # The version that drew Texture_format's captures lets SDL write R5G6B5; the volumes' writes A1R5G5B5,
+        # the bump maps' R6G5B5 itself (``bump_quads``).
         return texture_of_words(packed_words(rgba, TexelWord.R5G6B5), entry.word, entry.target)
     if not entry.converted_by_sdl:
         return texture_of_words(converted_words(rgba, entry.word), entry.word, entry.target)
@@ -245,6 +245,6 @@ def volume_of(layers, entry):
 
     The programs convert volumes with SDL alone, formats that need more to R8G8B8A8.
     """
-    written = entry.sdl_word or TexelWord.R8G8B8A8
+    written = TexelWord.R8G8B8A8 if entry.sdl_word is None else entry.sdl_word
     words = read_as(packed_words(layers, written), written, entry.word, True)
     return texture_of_words(words, entry.word, TextureTarget.TEXTURE_3D)

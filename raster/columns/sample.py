@@ -58,7 +58,7 @@ def positions(coordinates, target, divided, computed, size, flat=False):
     """(T_s, T_t, T_r) of s, t, r, q float64 [k, 4] and the face or None.
 
     ``size`` (width, height, layers) of the level; ``divided``: by q; ``computed``: the coordinates are lifted
-    by TAU. ``flat``: s and t, t downwards, on a cube map's first face.
+    by TAU, where directions are that are not. ``flat``: s and t, t downwards, on a cube map's first face.
     """
     if target == C.TARGET_CUBE_MAP:
         face = major_axis(coordinates)
@@ -67,8 +67,8 @@ def positions(coordinates, target, divided, computed, size, flat=False):
             coordinates, face = np.stack([np.ones_like(s), t, -s, s], axis=1), np.zeros_like(face)
         sc, tc, major = on_face(coordinates, face)
         half, none = 0.5 * float(size[0]), ~(major > 0.0)
-        divisor = np.where(none, 1.0, major)
-        s, t = (np.where(none, 0.0, (c / divisor + 1.0) * half) + TAU for c in (sc, tc))
+        divisor, lift = np.where(none, 1.0, major), 0.0 if computed else TAU
+        s, t = (np.where(none, 0.0, (c / divisor + 1.0) * half) + lift for c in (sc, tc))
         return (s, t, None), face
     bias = TAU if divided or computed else 0.0
     str_ = [coordinates[:, i] for i in range(3)]

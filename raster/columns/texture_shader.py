@@ -7,7 +7,7 @@ their two's complement. Coordinates are float64 [k] or [k, c].
 import numpy as np
 
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.columns.interpolate import FAR, log2_q7, major_axis, on_face, probes_along
+from fixedpipe.raster.columns.interpolate import FAR, cut_sum, log2_q7, major_axis, on_face, probes_along
 from fixedpipe.raster.columns.numbers import one_of
 
 WORD_BITS = 8  # of a texel that holds words of 16 bits
@@ -68,11 +68,13 @@ def dot(a, b):
 
 
 def offset(strq, texel, matrix, bits):
-    """(s, t) moved by a texel's blue and green, in units of half its range, times the offset matrix."""
+    """(s, t) moved by a texel's blue and green, in units of half its range, times the offset matrix;
+    terms are added as a coordinate's.
+    """
     unit = float(1 << (bits - 1))
     ds, dt = signed(texel[:, 2], bits) / unit, signed(texel[:, 1], bits) / unit
     a1, a2, a3, a4 = (float(a) for a in matrix)
-    return (strq[:, 0] + a1 * ds) + a3 * dt, (strq[:, 1] + a2 * ds) + a4 * dt
+    return cut_sum(strq[:, 0], a1 * ds, a3 * dt)[0], cut_sum(strq[:, 1], a2 * ds, a4 * dt)[0]
 
 
 def deviations(texel, bits, scale):

@@ -410,7 +410,8 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
     scale = 0.5 if cube else (0.0 if target == C.TARGET_RECTANGLE else 1.0)
     operation = unit[R.OPERATION]
     iterated = operation == C.OPERATION_NONE or operation in C.OPERATIONS_WITH_OFFSET
-    bias = TAU if cube or unit[R.PROJECTIVE] or not iterated else 0.0
+    # A direction that a stage made is not lifted. Measured: DotSTR3D_-1to1, DotReflectConst_1_-1to1.
+    bias = TAU if unit[R.PROJECTIVE] or cube == iterated else 0.0
     edge = int64(C.WRAP_CLAMP_TO_EDGE)
     wrap_s, wrap_t = (edge, edge) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
     texel_coordinates(floats, R.S, R.S_SIZE, bias, scale, count)

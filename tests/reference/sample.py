@@ -326,7 +326,8 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
     height, width = level_size(texture, level)
     if texture.target == TextureTarget.TEXTURE_CUBE_MAP:
         face = 0 if flat else cube_map_face(strq)
-        t = [v + TAU for v in face_coordinates((1.0, strq[1], -strq[0]) if flat else strq, face, width)]
+        lift = 0.0 if triangle is None else TAU  # Measured: DotSTR3D_-1to1, DotReflectConst_1_-1to1
+        t = [v + lift for v in face_coordinates((1.0, strq[1], -strq[0]) if flat else strq, face, width)]
         modes = (WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE)
     else:
         face, modes = 0, (sampler.wrap_s, sampler.wrap_t)

@@ -58,8 +58,8 @@ def texel_of_ycbcr(y, u, v):
 def texels_of_block(block, name):
     """Sixteen texels, row by row, of an S3TC block's bytes; ``name``: DXT1, DXT3 or DXT5.
 
-    Source: EXT_texture_compression_s3tc; Measured: thirds, sevenths and fifths round to nearest (DXT3_plasma,
-    DXT5_plasma_alpha).
+    Source: EXT_texture_compression_s3tc; Measured: thirds, fifths and sevenths round to nearest
+    (DXT3_plasma, DXT5_plasma_alpha).
     """
     color = block[-8:]
     ends = [int.from_bytes(bytes(color[k : k + 2]), "little") for k in (0, 2)]
@@ -91,27 +91,25 @@ def place_of_block(layer, row, column, rows, columns, depth):
     return first * rows * columns + (row * columns + column) * together + layer % 4
 
 
-# Where the lattice of red, green and blue begins in each row of a square of 4x4 texels, the lattice's step,
-# and how far above a value its level may lie. Measured: 2048 of 2048 texels (Texture_DXT captures).
+# What is taken off red, green and blue in each row of a square of 4x4 texels, and the step that is kept.
+# Measured: 2048 of 2048 texels (Texture_DXT captures).
 DITHER = (
-    ("3740 5162 0473 2615", 8, 3),
-    ("0231 3120 2013 1302", 4, 1),
-    ("2615 0473 5162 3740", 8, 3),
+    ("0415 2637 5140 7362", 8),
+    ("3120 2013 1302 0231", 4),
+    ("7362 5140 2637 0415", 8),
 )
 
 
 def dithered(texel, x, y):
-    """A DXT1 texel at (x, y) as the NV2A holds it: the highest level that is not too far above each colour.
+    """A DXT1 texel at (x, y) as the NV2A holds it: five or six bits of each colour less the place's number,
+    which is given back with half a step; none of the bits is 0, all of them 255.
 
-    Levels outside the bytes become bytes; the darkest colours become 0, and 255 stays what it is.
-    Measured: 2048 of 2048 texels (docs/numbers.md section 7).
+    Measured: all pixels of Texture_DXT's and Volume_texture's DXT1 captures (docs/numbers.md section 7).
     """
     out = list(texel)
-    for channel, (rows, step, above) in enumerate(DITHER):
-        value, start = texel[channel], int(rows.split()[y % 4][x % 4])
-        levels = [level for level in range(start - step, 256 + step, step) if level <= value + above]
-        if value < step or (value == step and start != above):
-            out[channel] = 0
-        elif value < 255:
-            out[channel] = fixed.clamp(levels[-1], 0, 255)
+    for channel, (rows, step) in enumerate(DITHER):
+        taken = int(rows.split()[y % 4][x % 4])
+        kept = max(texel[channel] - taken, 0) // step
+        between = step * kept + taken + step // 2 - 1
+        out[channel] = {0: 0, 255 // step: 255}.get(kept, between)
     return out

@@ -5,7 +5,7 @@ from math import floor, sqrt
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage
-from tests.reference import roughness, sample
+from tests.reference import interpolate, roughness, sample
 from tests.reference.fixed import clamp
 
 CONVENTIONAL = (
@@ -98,11 +98,14 @@ def scaled(texel, magnitude, stage, bits=8, magnitude_bits=8):
 
 
 def offset(st, texel, matrix, bits=8):
-    """(s, t) moved by a texel's blue and green. Measured: 131072 of 131072 pixels (BumpEnvMap)."""
+    """(s, t) moved by a texel's blue and green, terms cut as a coordinate's.
+
+    Measured: 131072 of 131072 pixels (BumpEnvMap), 303394 of 303394 (BumpMap_G8B8_B_R90, on texels' edges).
+    """
     half = float(1 << (bits - 1))
     ds, dt = signed(texel[2], bits) / half, signed(texel[1], bits) / half
     a1, a2, a3, a4 = matrix
-    return (st[0] + a1 * ds) + a3 * dt, (st[1] + a2 * ds) + a4 * dt
+    return tuple(interpolate.cut_sum(c, a * ds, b * dt) for c, a, b in ((st[0], a1, a3), (st[1], a2, a4)))
 
 
 def as_bytes(texel, sampler):

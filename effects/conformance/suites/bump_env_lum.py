@@ -8,7 +8,7 @@ from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import SignedComponents
 
 SUITE = "Bump_env_lum"
-OPEN = "the texel formats R6G5B5 and unswizzled YUV as bump maps"
+OPEN = "the color conversion of YUV textures, which acts on every unit"
 
 FORMATS = bump_quads.formats(without=())
 VARIED = ("R6G5B5", "X8R8G8B8")

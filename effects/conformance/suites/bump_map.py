@@ -3,8 +3,6 @@
 Source: src/tests/bump_map_tests.cpp of nxdk_pgraph_tests.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from fixedpipe.effects.conformance import bump_quads, scenes
@@ -14,7 +12,7 @@ from fixedpipe.pipeline.state import SignedComponents, TextureShaderStage
 from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Bump_map"
-OPEN = "the texel formats R16B16 and unswizzled YUV as bump maps"
+OPEN = "the color conversion of YUV textures, which acts on every unit"
 
 FORMATS = bump_quads.formats(without=("R16B16",))
 HILO = {"BumpMap_R16B16": False, "BumpMap_R16B16_B": True}  # crossed on blue
@@ -25,15 +23,10 @@ CASES = {
 COLORS = (0x007F4500, 0x00804500, 0x007F4500, 0x00804500)
 CROSSED = (0x00457F00, 0x00457F00, 0x00458000, 0x00458000)
 MATRIX, TURNED = (0.3, 0.0, 0.5, 0.0), (0.0, -0.1, 0.0, 0.3)  # columns
-WORDS = (0x02000100, 0x02000300, 0xFF000100, 0xFF000300)  # HI and LO, 16 bits each
-CROSSED_WORDS = (0x02000300, 0x0200FF00, 0x00000300, 0x0000FF00)
+# HI and LO, 16 bits each: a byte of the program's colours becomes a word as of its format's other textures.
+WORDS = (0x02020101, 0x02020303, 0xFFFF0101, 0xFFFF0303)
+CROSSED_WORDS = (0x02020303, 0x0202FFFF, 0x00000303, 0x0000FFFF)
 CHECKERS = (0xFF0000FE, 0x7F202122)
-
-
-EXPLANATIONS = {
-    "BumpMap_R16B16_B": "signed 16-bit texels: how the chip filters a negative word is not known",
-    "BumpMap_G8B8_B_R90": "offsets that end on a texel edge: the chip's coordinates have 24 bits",
-}
 
 
 def names():
@@ -68,11 +61,11 @@ def case(name, inputs):
     """The case of that name, or None."""
     del inputs
     if name in HILO:
-        return replace(_hilo(HILO[name]), explanation=EXPLANATIONS.get(name, ""))
+        return _hilo(HILO[name])
     if name not in CASES:
         return None
     form, crossed, turned = CASES[name]
-    found = bump_quads.offset_case(
+    return bump_quads.offset_case(
         CROSSED if crossed else COLORS,
         FORMATS[form],
         Operation.OFFSET_TEXTURE_2D,
@@ -80,4 +73,3 @@ def case(name, inputs):
         lambda column, row: SignedComponents(green=row, blue=column),
         CHECKERS,
     )
-    return replace(found, explanation=EXPLANATIONS.get(name, ""))

@@ -17,7 +17,7 @@ from fixedpipe.pipeline.state import DepthTest, TextureShaderStage, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Pixel_shader"
-OPEN = "which coordinates CLIP_PLANE compares, and how it ends fragments at their edge"
+OPEN = "in how many bits the terms of a coordinate are added: three are zero but for that"
 
 DEPENDENT = {
     "StageDependentAlphaRed": Operation.DEPENDENT_AR_TEXTURE_2D,
@@ -92,7 +92,7 @@ def _passthru():
 def _clip_plane():
     commands, combiners = [scenes.clear(0xFF000000)], scenes.SHOWS_PRIMARY
     for number, modes in enumerate(product((CullMode.GEQUAL, CullMode.LESS), repeat=4)):
-        left, top = 32.0 + 80 * (number % 8), 208.0 + 96 * (number // 8)
+        left, top = 32.0 + 80 * (number % 7), 208.0 + 96 * (number // 7)
         for unit, (color, _) in enumerate(((0xFF333333, None), *PLANES)):
             stages = [TextureShaderStage()] * 3
             if unit:

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from PIL import Image
 
-from fixedpipe.effects.conformance import scenes
+from fixedpipe.effects.conformance import host_matrices, scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import DotProductMapping, Face, FrontFace, Register
@@ -79,7 +79,8 @@ CUBES = ((-1.5, math.pi * 0.25), (1.5, math.pi * 1.25))  # x, rotation about the
 
 def names():
     """Every case of the suite."""
-    found = ["Cubemap", "Cubemap_q-inf"]
+    # Each q but one that the earlier program had no name for; a cube map reads none.
+    found = ["Cubemap", *(f"Cubemap_q{q}" for q in ("-inf", "-1.0", "-0.0", "0.0", "1.0", "inf"))]
     for mapping in MAPPINGS:
         kinds = ("DotSTRCube", "DotSTR3D", "DotReflectSpec", "DotReflectSpecConst", "DotReflectDiffuse")
         found += [f"{kind}_{mapping}" for kind in kinds]
@@ -91,13 +92,7 @@ def names():
 
 def model_matrix(x, angle):
     """A cube's place, for row vectors: turned by 45 degrees about y, by ``angle`` about x, then moved."""
-    cy, sy = math.cos(math.pi * 0.25), math.sin(math.pi * 0.25)
-    cx, sx = math.cos(angle), math.sin(angle)
-    about_y = np.array([[cy, 0, -sy, 0], [0, 1, 0, 0], [sy, 0, cy, 0], [0, 0, 0, 1.0]])
-    about_x = np.array([[1, 0, 0, 0], [0, cx, sx, 0], [0, -sx, cx, 0], [0, 0, 0, 1.0]])
-    place = np.eye(4)
-    place[3, :3] = x, 0.0, 2.0
-    return about_y @ about_x @ place
+    return host_matrices.turned(math.pi * 0.25, angle, (x, 0.0, 2.0))
 
 
 def eye_to_window(depth_maximum=65535.0, near=1.0, far=200.0):
@@ -191,7 +186,9 @@ def _view():
 
 def dot_coordinates(model, eyes):
     """Texture coordinates 0 to 3: the place in the normal map, then three rows of a matrix, with their q."""
-    inverse = np.linalg.inv(model @ _view() @ eye_to_window())
+    device = host_matrices.times(host_matrices.projection(), host_matrices.viewport(host_matrices.Z16))
+    view = host_matrices.times(model, host_matrices.view(), wide=True)
+    inverse = host_matrices.inverse(host_matrices.times(view, device, wide=True), wide=True)
     rows = [np.c_[np.tile(inverse[k, :3], (24, 1)), np.broadcast_to(eyes[..., k], 24)] for k in range(3)]
     return [NORMAL_MAP, *rows]
 

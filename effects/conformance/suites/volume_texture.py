@@ -25,7 +25,6 @@ from fixedpipe.pipeline.state import TextureUnit
 from fixedpipe.pipeline.textures.words import compressed_volume, paletted_texture
 
 SUITE = "Volume_texture"
-OPEN = "slices of volumes of A8R8G8B8, and ties between slices"
 
 SIZE, LAYERS, QUADS = 256, 4, 7
 LEFT, RIGHT, TOP, BOTTOM, SPACING = -2.75, 2.75, 1.75, -1.75, 0.1
