@@ -74,7 +74,7 @@ def test_triangles_through_infinity(perspective, mode):
             vertex=PROGRAMMED,
             depth_test=DEPTH,
             polygon=PolygonState(cull_face=face, front_mode=mode, back_mode=mode),
-            texture_units=(TextureUnit("noise"),),
+            texture_units=(TextureUnit("noise", Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)),),
             perspective_correction=perspective,
         )
         image = texture_2d(random.integers(0, 256, (8, 8, 4)).astype(np.uint8))
