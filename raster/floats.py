@@ -14,6 +14,9 @@ FRACTION = (1 << FRACTION_BITS) - 1  # 0 in a power of two
 SINGLE_BITS = 24  # significant bits of single precision
 LEAST_SINGLE = 2.0**-126  # its smallest normal number
 
+# docs/numbers.md, section 4.
+REST_STEP, REST_STEPS = 2.0**-25, 2.0**25  # where the weight that takes the rest loses the others' bits
+
 # docs/numbers.md, section 6.
 SMALLEST = 2.0**-100  # of the largest term of a sum: below it nothing is told from zero
 TAU = 2.0**-24  # texels: lifts computed coordinates over the noise of float64

@@ -1,9 +1,7 @@
-"""Triangles whose corners have a w of either sign, or lie further off than a machine's guard band, as
-polygons that have neither: what of them is near the screen.
+"""Triangles whose corners lie further off than a machine's guard band, as polygons whose corners do not: what
+of them is near the screen. And lines through infinity, as lines that end outside of it.
 
-Measured: the chip fills what the homogeneous triangle covers where w is positive (W_param: all pixels of 11
-captures of quads that go through infinity), and keeps the direction of a corner at 1e35 pixels
-(rcc_w_zero_inf__z-3.08e-33).
+Measured: the chip keeps the direction of a corner at 1e35 pixels (W_param rcc_w_zero_inf__z-3.08e-33).
 """
 
 from fractions import Fraction
@@ -13,6 +11,7 @@ import numpy as np
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH
 from fixedpipe.effects.conformance.scenes import window_mesh
 from fixedpipe.pipeline.enums import PrimitiveType
+from fixedpipe.pipeline.profiles import NV2A
 
 BAND = 8000  # pixels beyond the screen; less than the guard band, so that nothing moves there
 LEAST_W, MOST_W = 2.0**-64, 2.0**64  # Measured: w is clamped as RCC clamps (Front_face)
@@ -41,8 +40,7 @@ def _clipped(polygon):
 
 
 def _is_near(corner):
-    x, y, _, w = corner[:4]
-    return w > 0 and -BAND <= x <= WIDTH + BAND and -BAND <= y <= HEIGHT + BAND
+    return max(abs(corner[0]), abs(corner[1])) <= NV2A.arithmetic.guard_band
 
 
 def _clamped(corner):
@@ -58,6 +56,25 @@ def _middle(ws):
     """
     exponents = [w.numerator.bit_length() - w.denominator.bit_length() for w in ws] or [0]
     return Fraction(2) ** ((min(exponents) + max(exponents)) // 2)
+
+
+def outlines(corners, edges):
+    """Ends of the lines between corners (device x, y and w) of which one has a negative w: from the other the
+    line leads away from it, and leaves the screen; how far is a whole multiple, so the direction is exact.
+
+    Measured: W_param w_neg_strip, whose lines the chip draws so.
+    """
+    ends = []
+    for start, end in edges:
+        a, b = corners[start], corners[end]
+        if (a[2] < 0) == (b[2] < 0) or a[:2] == b[:2]:
+            continue
+        (x, y, _), (ahead_x, ahead_y, _) = (b, a) if a[2] < 0 else (a, b)
+        away = x - ahead_x, y - ahead_y
+        times = BAND // max(abs(away[0]), abs(away[1]))
+        ray = (x, y), (x + times * away[0], y + times * away[1])
+        ends += ray if a[2] > 0 else ray[::-1]
+    return ends
 
 
 def near_part(corners, name, split):

@@ -50,7 +50,7 @@ class IteratedPrimitives:
         e = interpolate.perspective_terms(n, inverse_w)
         b0, b2, _ = interpolate.full_weights(e)
         q0, q2 = interpolate.iteration_weights(e)
-        back = self._back(kinds, triangle, area)
+        back = self._back(kinds, triangle, area * np.sign(inverse_w).prod(axis=1))
         primary, secondary = self._colors(vertices, provoking, back, e, q0, q2)
         if self.state.polygon.shade_model == ShadeModel.SMOOTH:
             corners = self.colors[vertices, back[:, None]]

@@ -14,6 +14,7 @@ from numba import float64, int32, int64, types, uint8, uint64, void
 from fixedpipe.pipeline.enums import FrontFace
 from fixedpipe.raster.fixed import truncate_24
 from fixedpipe.raster.kernel import kernel, separate_loop
+from fixedpipe.raster.portable.interpolate import rest_of
 
 # Subpixels in a pixel, of all compiled kernels. Not the profile's: kernels do not notice where that changes.
 PIXEL = 1 << 4
@@ -71,7 +72,8 @@ def _weigh(mesh, where, counterclockwise, perspective, front):
         perspective[0, i] = e0 / total
         perspective[1, i] = e1 / total
         perspective[2, i] = e2 / total
-        front[i] = (area < 0) == (counterclockwise != 0)
+        turned = (w0 < 0.0) ^ (w1 < 0.0) ^ (w2 < 0.0)
+        front[i] = ((area < 0) ^ turned) == (counterclockwise != 0)
 
 
 @kernel
@@ -118,8 +120,8 @@ def _machine_weights(mesh, where, q):
         c2 = int64(q2 >= 0.5) + int64(q2 >= 0.25)
         first = c0 >= c1 and c0 > c2
         last = c2 >= c0 and (c2 > c1 or (c2 == c1 and c0 == c1))
-        q[0, i] = (1.0 - q1) - q2 if first else q0
-        q[1, i] = (1.0 - q0) - q1 if last else q2
+        q[0, i] = rest_of(q1, q2) if first else q0
+        q[1, i] = rest_of(q0, q1) if last else q2
 
 
 @kernel(void(_MESH, _WHERE, _REALS, int64, float64, float64, float64[::1]))

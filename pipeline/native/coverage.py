@@ -39,11 +39,13 @@ def _covered(primitives, polygon, box, profile):
     for number, row in enumerate(p.triangles[:, :3]):
         x, y, w = (column[row].tolist() for column in (p.x, p.y, p.inverse_w))
         area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
-        front = (area < 0) == (polygon.front_face == FrontFace.CCW)
+        turned = sum(w_i < 0.0 for w_i in w) & 1
+        front = ((area < 0) != turned) == (polygon.front_face == FrontFace.CCW)
         culled = polygon.cull_face in (Face.FRONT_AND_BACK, Face.FRONT if front else Face.BACK)
-        if area == 0 or culled or min(w) < W_SMALLEST or max(w) > W_LARGEST:
+        usual = all(W_SMALLEST <= abs(w_i) <= W_LARGEST for w_i in w)
+        if area == 0 or culled or not usual:
             continue
-        px, py = interpolate.covered_pixels(x, y, box, profile.arithmetic.subpixel_bits)
+        px, py = interpolate.covered_pixels(x, y, w, box, profile.arithmetic.subpixel_bits)
         parts.append((np.full(len(px), number), px, py))
     if not parts:
         return Covered(*(np.zeros(0, np.int64) for _ in range(3)))

@@ -31,7 +31,7 @@ class WindowPrimitives:
     x, y           int32 [n], device window coordinates, 1/16 pixel, y down from the framebuffer's top row
     z              float64 [n], window depth, in [0, 1] where nothing clamps it later; a vertex program's, in
                    depth-buffer units
-    inverse_w      float64 [n], 1 / clip w, positive
+    inverse_w      float64 [n], 1 / clip w; a vertex program's may be negative, all others are positive
     colors         uint8 [n, 2, 8]: front and back colour; red, green, blue, alpha of the primary colour, then
                    of the secondary; float64, not clamped, if the profile is exact
     coordinates    float64 [n, units, 4]: s, t, r, q of each texture unit, after generation and matrix

@@ -44,12 +44,11 @@ def composite_coordinates(clip_coordinates, offset, height):
 
 
 def program_reciprocal(w):
-    """1/w of what a vertex program wrote. Of w from 0 to infinity it is clamped as RCC clamps: an infinite w
-    weighs next to nothing, a w of 0 more than all else. Source: NV_vertex_program1_1; Measured: Front_face.
+    """1/w of what a vertex program wrote, clamped as RCC clamps it: an infinite w weighs next to nothing, a w
+    of 0 more than all else; a zero has a sign. Source: NV_vertex_program1_1; Measured: Front_face, W_param.
     """
-    reciprocal = ONE / w
-    clamped = np.fmin(np.fmax(reciprocal, np.float64(2.0**-64)), np.float64(2.0**64))
-    return np.where(w >= 0, clamped, reciprocal)
+    clamped = np.fmin(np.fmax(np.abs(ONE / w), np.float64(2.0**-64)), np.float64(2.0**64))
+    return np.where(np.isnan(w), w, np.copysign(clamped, w))
 
 
 def snap(device, extent, profile):

@@ -305,7 +305,9 @@ def _process(mesh, triangles, state, profile, width, height, bits):
     first_color = 8 if vertex.clip_planes else 4
     fog = first_color + (16 if two_side else 8)
     x, y, z, inverse_w = _window(vertex, position, columns[:4], width, height)
-    drawable = (inverse_w > 0) & np.isfinite(inverse_w) & np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
+    programmed = vertex.stage == VertexStage.PROGRAM_RESULTS  # which clips nothing: w has either sign
+    drawable = (inverse_w != 0 if programmed else inverse_w > 0) & np.isfinite(inverse_w)
+    drawable &= np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
     if not np.all(drawable):
         drawable = np.broadcast_to(drawable, count)
         lost = np.unique(origin[~drawable[triangles[:, :3]].all(axis=1)])
@@ -318,7 +320,7 @@ def _process(mesh, triangles, state, profile, width, height, bits):
     else:
         y = (height << profile.arithmetic.subpixel_bits) - snap(y, height, profile)
     if not state.perspective_correction:
-        inverse_w = ONE
+        inverse_w = np.copysign(ONE, inverse_w)
     primitives = WindowPrimitives(
         x=filled(count, snap(x, width, profile), np.int32),
         y=filled(count, y, np.int32),

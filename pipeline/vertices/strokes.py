@@ -56,16 +56,18 @@ def point_sizes(mesh, state, profile, eye):
     return np.fmin(np.fmax(size, ZERO), np.float64(profile.primitives.max_point_size))
 
 
-def outlined(triangles, boundary, x, y, polygon):
+def outlined(triangles, boundary, x, y, inverse_w, polygon):
     """Rows and their strokes of triangles in the modes of their faces, and which triangle each came from;
     those that are culled are left out.
 
-    triangles int32 [k, 4]; boundary uint8 [k]: bit j for the edge ``_EDGES[j]``; x, y int32 [n]. A triangle
-    without area faces as a counter-clockwise one does. Measured: Front_face FrontFace_LM captures.
+    triangles int32 [k, 4]; boundary uint8 [k]: bit j for the edge ``_EDGES[j]``; x, y int32 [n], inverse_w
+    float64 [n]. A triangle without area faces as a counter-clockwise one does. Measured: Front_face
+    FrontFace_LM captures. Each negative w turns a triangle. Measured: W_param w_neg_strip captures.
     """
     corner_x, corner_y = x[triangles[:, :3]].astype(np.int64), y[triangles[:, :3]].astype(np.int64)
     (x0, x1, x2), (y0, y1, y2) = corner_x.T, corner_y.T
     counter_clockwise = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0) <= 0
+    counter_clockwise ^= (inverse_w[triangles[:, :3]] < 0.0).sum(axis=1) & 1 == 1
     front = counter_clockwise == (polygon.front_face == FrontFace.CCW)
     mode = np.where(front, polygon.front_mode, polygon.back_mode)
     culled = {None: front & False, Face.FRONT: front, Face.BACK: ~front}.get(polygon.cull_face, front | True)
@@ -216,7 +218,7 @@ def stroked(primitives, mesh, state, profile, clipped, origin, sizes):
     else:
         boundary = _boundary(mesh, clipped, origin)
         rows, strokes, owners = outlined(
-            primitives.triangles, boundary, primitives.x, primitives.y, state.polygon
+            primitives.triangles, boundary, primitives.x, primitives.y, primitives.inverse_w, state.polygon
         )
         primitives = replace(primitives, triangles=rows, strokes=strokes)
         groups = stipple_groups(mesh)[origin[owners]]

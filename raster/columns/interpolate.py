@@ -9,7 +9,15 @@ import numpy as np
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import float_depths
-from fixedpipe.raster.floats import EXPONENT, FRACTION, LEAST_SINGLE, SINGLE_BITS, SMALLEST
+from fixedpipe.raster.floats import (
+    EXPONENT,
+    FRACTION,
+    LEAST_SINGLE,
+    REST_STEP,
+    REST_STEPS,
+    SINGLE_BITS,
+    SMALLEST,
+)
 from fixedpipe.raster.floats import keep_significant_bits as cut
 
 WEIGHT_BITS = SINGLE_BITS  # Measured: significant bits of the weights (Depth_buffer, Line_width captures)
@@ -27,14 +35,16 @@ def edge_functions(x, y, px, py, subpixel_bits):
     return (np.abs(area) - n1 - n2, n1, n2), area
 
 
-def covered_pixels(x, y, box, subpixel_bits):
+def covered_pixels(x, y, w, box, subpixel_bits):
     """The pixels (px, py) that a triangle draws inside ``box`` (x0, y0, x1, y1): section 3, at any width.
 
-    x, y: three whole numbers each, in subpixels.
+    x, y: three whole numbers each, in subpixels; w: of the vertices' w, or 1/w, the signs alone are read.
     """
     step, half = 1 << subpixel_bits, 1 << subpixel_bits >> 1
     left, right = max(box[0], (min(x) - half) // step), min(box[2], (max(x) + half) // step + 1)
     top, bottom = max(box[1], (min(y) - half) // step), min(box[3], (max(y) + half) // step + 1)
+    if min(w) < 0.0:  # it goes through infinity
+        left, top, right, bottom = box
     empty = np.zeros(0, np.int64)
     if left >= right or top >= bottom:
         return empty, empty
@@ -44,7 +54,9 @@ def covered_pixels(x, y, box, subpixel_bits):
         return empty, empty
     order = ((1, 2), (2, 0), (0, 1)) if area[0] > 0 else ((2, 1), (0, 2), (1, 0))
     inside = np.ones(len(px), bool)
-    for n_i, (a, b) in zip(n, order, strict=True):
+    for n_i, (a, b), w_i in zip(n, order, w, strict=True):
+        if w_i < 0.0:
+            n_i, a, b = -n_i, b, a
         owned = y[b] < y[a] or (y[b] == y[a] and x[b] > x[a])
         inside &= (n_i >= 0) if owned else (n_i > 0)
     return px[inside], py[inside]
@@ -117,6 +129,12 @@ def full_weights(e):
     return e[0] * inverse, e[2] * inverse, total > 0.0
 
 
+def rest_of(a, b):
+    """What two weights leave of one: of both the bits from 2**-26 on are lost; the rest keeps 24."""
+    rest = (1.0 - np.trunc(a * REST_STEPS) * REST_STEP) - np.trunc(b * REST_STEPS) * REST_STEP
+    return cut(rest, WEIGHT_BITS)
+
+
 def iteration_weights(e):
     """q0 and q2 with 24 significant bits; the vertex of the highest class takes what the others leave."""
     reciprocal = cut(1.0 / ((e[0] + e[1]) + e[2]), WEIGHT_BITS)
@@ -124,7 +142,7 @@ def iteration_weights(e):
     c0, c1, c2 = ((q >= 0.5).astype(np.int64) + (q >= 0.25) for q in (q0, q1, q2))
     first = (c0 >= c1) & (c0 > c2)
     last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
-    return np.where(first, (1.0 - q1) - q2, q0), np.where(last, (1.0 - q0) - q1, q2)
+    return np.where(first, rest_of(q1, q2), q0), np.where(last, rest_of(q0, q1), q2)
 
 
 MOST_WEIGHT = 2.0**16  # of colours, outside their triangle. Assumed; no picture reaches it

@@ -55,7 +55,14 @@ from fixedpipe.raster.primitives.strokes import (
     stroke_bounds,
     stroke_margin,
 )
-from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, polygon_offset, row_span
+from fixedpipe.raster.primitives.triangle import (
+    corners_of,
+    edge_tie,
+    polygon_offset,
+    reaches_infinity,
+    row_span,
+    side_of,
+)
 
 
 @kernel
@@ -333,6 +340,8 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
             last_row = min((max(y0, max(y1, y2)) + margin - 8) >> 4, bottom - 1)
             left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
             right = min((max(x0, max(x1, x2)) + margin - 8) >> 4, draw[R.X1] - 1)
+            if kind == C.PRIMITIVE_TRIANGLE and reaches_infinity(inverse_w, v0, v1, v2):
+                first_row, last_row, left, right = top, bottom - 1, draw[R.X0], draw[R.X1] - 1
             if finished:
                 last_row = first_row  # one turn of the row loop, to flush
             # Edge functions n1 and n2 step by these from pixel to pixel and row to row; the rest of the area
@@ -354,11 +363,16 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                 area, n1 = n0 + n2, int64(0)
                 right0, down0 = ahead0 - n0, below0 - n0
                 right1, down1, right2, down2 = int64(0), int64(0), -right0, -down0
-            tie0, tie1, tie2 = edge_tie(right0, down0), edge_tie(right1, down1), edge_tie(right2, down2)
             iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
+            side0, side1, side2 = int64(1), int64(1), int64(1)
+            if kind == C.PRIMITIVE_TRIANGLE:
+                side0, side1, side2 = side_of(iw0), side_of(iw1), side_of(iw2)
+            tie0 = edge_tie(side0 * right0, side0 * down0)
+            tie1 = edge_tie(side1 * right1, side1 * down1)
+            tie2 = edge_tie(side2 * right2, side2 * down2)
             if iw0 == iw1 and iw1 == iw2:
                 iw0 = iw1 = iw2 = 1.0
-            back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
+            back = int32(1) if draw[R.BACK_SIGN] == sign * side0 * side1 * side2 else int32(0)
             if kind != C.PRIMITIVE_TRIANGLE:
                 back = strokes[t, 1]
             z0, z1, z2, offset, slope = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -375,14 +389,22 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
             for row in range(first_row, last_row + 1):
                 start, end = left, left
                 if by_samples and not finished:
-                    biased = n0 + tie0, n1 + tie1, n2 + tie2
-                    right_by, down_by = (right0, right1, right2), (down0, down1, down2)
+                    biased = side0 * n0 + tie0, side1 * n1 + tie1, side2 * n2 + tie2
+                    right_by = side0 * right0, side1 * right1, side2 * right2
+                    down_by = side0 * down0, side1 * down1, side2 * down2
                     start, end = sample_spans(
                         draw, strokes, t, corners, kind, row, left, right, biased, right_by, down_by, spans
                     )
                 elif not finished and kind == C.PRIMITIVE_TRIANGLE:
                     start, end = row_span(
-                        n0 + tie0, n1 + tie1, n2 + tie2, right0, right1, right2, left, right
+                        side0 * n0 + tie0,
+                        side1 * n1 + tie1,
+                        side2 * n2 + tie2,
+                        side0 * right0,
+                        side1 * right1,
+                        side2 * right2,
+                        left,
+                        right,
                     )
                 elif not finished:
                     start, end = stroke_span(draw, strokes[t], corners, row, left, right, 0, 0)

@@ -21,7 +21,7 @@ from fixedpipe.raster.fixed import (
     step_24,
     truncate_24,
 )
-from fixedpipe.raster.floats import LEAST_SINGLE, SMALLEST
+from fixedpipe.raster.floats import LEAST_SINGLE, REST_STEP, REST_STEPS, SMALLEST
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
 from fixedpipe.raster.portable.arrays import EDGES, FOG_FACTORS
 
@@ -135,6 +135,18 @@ def weight_class(q):
     return 2.0 if q >= 0.5 else (1.0 if q >= 0.25 else 0.0)
 
 
+@kernel
+def rest_of(a, b):
+    """What two weights leave of one, as an adder makes it that keeps two bits below the last of one's 24: of
+    both the bits from 2**-26 on are lost, and what is left is cut to 24.
+
+    Measured: 66 of 77 captures of Shade_model are exact, with 24 bits 60, with 26 or more 61; of W_param's
+    prog_w_zero_inf__bitri_w-2.00 3 pixels are wrong, with 24 bits 154, with 26 131; of Swath_width's
+    SwathWidth00 9, without the last cut 69.
+    """
+    return truncate_24((1.0 - np.trunc(a * REST_STEPS) * REST_STEP) - np.trunc(b * REST_STEPS) * REST_STEP)
+
+
 @kernel(void(EDGES, int64, float64[:, ::1]))
 def iteration_weights(edges, count, floats):
     """Weights of vertices 0 and 2 with 24 significant bits, into Q0 and Q2; the vertex with the largest one
@@ -153,8 +165,8 @@ def iteration_weights(edges, count, floats):
         c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
         first = (c0 >= c1) & (c0 > c2)
         last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
-        floats[R.Q0, i] = (1.0 - q1) - q2 if first else q0
-        floats[R.Q2, i] = (1.0 - q0) - q1 if last else q2
+        floats[R.Q0, i] = rest_of(q1, q2) if first else q0
+        floats[R.Q2, i] = rest_of(q0, q1) if last else q2
 
 
 @kernel

@@ -6,6 +6,7 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.primitives.strokes import sample_reach, stroke_margin
+from fixedpipe.raster.primitives.triangle import reaches_infinity, side_of
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 BAND_SHIFT = 5
@@ -14,24 +15,26 @@ CHUNK = 256  # triangles that sort_triangles takes at a time: their corners stay
 
 
 @kernel
-def sane(triangles, t, vertices, inverse_w):
-    """Whether a primitive's indices lie in range and its 1/w are positive and ordinary (NaN fails)."""
+def sane(triangles, t, vertices, inverse_w, kind):
+    """Whether a primitive's indices lie in range and its 1/w are ordinary (NaN fails) and positive, a
+    triangle's of either sign.
+    """
     for k in range(4):
         if triangles[t, k] < 0 or triangles[t, k] >= vertices:
             return False
     for k in range(3):
         w = inverse_w[triangles[t, k]]
+        w = abs(w) if kind == C.PRIMITIVE_TRIANGLE else w
         if not (w >= W_SMALLEST and w <= W_LARGEST):
             return False
     return True
 
 
 @kernel
-def band_range(triangles, strokes, t, x, y, draw):
+def band_range(triangles, strokes, t, x, y, inverse_w, kind, draw):
     """First and last band that a primitive's samples can touch; first > last: none."""
     v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
     y0, y1, y2 = int64(y[v0]), int64(y[v1]), int64(y[v2])
-    kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
     margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
     margin += sample_reach(draw)
     top = max((min(y0, min(y1, y2)) - margin + 7) >> 4, draw[R.Y0])
@@ -39,12 +42,15 @@ def band_range(triangles, strokes, t, x, y, draw):
     x0, x1, x2 = int64(x[v0]), int64(x[v1]), int64(x[v2])
     left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
     right = min((max(x0, max(x1, x2)) + margin - 8) >> 4, draw[R.X1] - 1)
+    if kind == C.PRIMITIVE_TRIANGLE and reaches_infinity(inverse_w, v0, v1, v2):
+        top, bottom, left, right = draw[R.Y0], draw[R.Y1] - 1, draw[R.X0], draw[R.X1] - 1
     if top > bottom or left > right:
         return int64(1), int64(0)
     if kind != C.PRIMITIVE_TRIANGLE:
         nothing = x0 == x1 and (y0 == y1 or kind == C.PRIMITIVE_POINT)
         return (int64(1), int64(0)) if nothing else (top >> BAND_SHIFT, bottom >> BAND_SHIFT)
     area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+    area *= side_of(inverse_w[v0]) * side_of(inverse_w[v1]) * side_of(inverse_w[v2])
     if area == 0 or (draw[R.CULL_POSITIVE] and area > 0) or (draw[R.CULL_NEGATIVE] and area < 0):
         return int64(1), int64(0)
     return top >> BAND_SHIFT, bottom >> BAND_SHIFT
@@ -68,10 +74,11 @@ def count_bins(triangles, strokes, x, y, inverse_w, draw, counts, spans):
         if not usable:
             dropped += 1
             continue
-        if not sane(triangles, t, x.shape[0], inverse_w):
+        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
+        if not sane(triangles, t, x.shape[0], inverse_w, kind):
             dropped += 1
             continue
-        first, last = band_range(triangles, strokes, t, x, y, draw)
+        first, last = band_range(triangles, strokes, t, x, y, inverse_w, kind, draw)
         if first <= last:
             spans[t, 0], spans[t, 1] = int32(first), int32(last)
             for band in range(first, last + 1):

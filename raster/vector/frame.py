@@ -105,9 +105,9 @@ def fill_draw(jobs, k, arrays, bands):
             job[R.JOB_ROW_RUNS] = 1
     perspective = False
     for v in range(inverse_w.shape[0]):
-        if inverse_w[v] != inverse_w[0]:
-            perspective = True
-            break
+        if inverse_w[v] < 0.0:  # its triangles go through infinity
+            return False
+        perspective = perspective or inverse_w[v] != inverse_w[0]
     job[R.JOB_PERSPECTIVE] = perspective
     textured = False
     for u in range(draw[R.UNITS]):

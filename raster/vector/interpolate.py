@@ -25,7 +25,7 @@ from fixedpipe.raster.fixed import (
     step_24,
     truncate_24,
 )
-from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, SMALLEST
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, REST_STEP, REST_STEPS, SMALLEST
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.interpolate import TINY, depth_difference
 from fixedpipe.raster.vector.lanes import (
@@ -78,6 +78,12 @@ def weight_class(q):
 
 
 @kernel
+def rest_of(a, b):
+    """What two weights leave of one (``interpolate.rest_of``)."""
+    return keep_24((1.0 - truncated(a * REST_STEPS) * REST_STEP) - truncated(b * REST_STEPS) * REST_STEP)
+
+
+@kernel
 def rest_to_largest(q0, q1, q2):
     """Weights of vertices 0 and 2, where the vertex with the largest one takes what the others leave
     (``interpolate.iteration_weights``).
@@ -86,13 +92,13 @@ def rest_to_largest(q0, q1, q2):
     if all_lanes(q1 > 0.5):
         return q0, q2
     if all_lanes(q0 > 0.5):
-        return (1.0 - q1) - q2, q2
+        return rest_of(q1, q2), q2
     if all_lanes(q2 > 0.5):
-        return q0, (1.0 - q0) - q1
+        return q0, rest_of(q0, q1)
     c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
     first = (c0 >= c1) & (c0 > c2)
     last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
-    return select(first, (1.0 - q1) - q2, q0), select(last, (1.0 - q0) - q1, q2)
+    return select(first, rest_of(q1, q2), q0), select(last, rest_of(q0, q1), q2)
 
 
 @kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE))

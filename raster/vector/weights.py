@@ -35,10 +35,9 @@ def run_color_weights(ints, position, count, n, right):
 
     A weight that is cut to 24 bits has the floor of x. One that takes what the others leave is x and two
     amounts: 1 - (x0 + x1 + x2), less than 2**-23 as the sum is the area times rD, and what was cut from the
-    two others, less than 2**-24 each. So it lies less than 2**-14 of 1/256 above x, and has the same floor
-    where the next step of 1/256 is not that near. Its two subtractions round, but to nearest, which carries
-    no difference below a multiple of 1/256 that is not above it. Sixteen pixels of which one lies near the
-    next step are computed as ``run_weights`` does.
+    two others, less than 2**-24 and 2**-25 each. So it lies less than 2**-13 of 1/256 above x, and has the
+    same floor where the next step of 1/256 is not that near; a last cut carries it over none. Sixteen pixels
+    of which one lies near the next step are computed as ``run_weights`` does.
     """
     separate_loop()
     (n0, n1, n2), (right0, right1, right2) = n, right

@@ -6,9 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fixedpipe.pipeline.commands import Draw, Mesh
-from fixedpipe.pipeline.enums import PrimitiveType, StencilOperation
+from fixedpipe.pipeline.enums import Face, PrimitiveType, StencilOperation
 from fixedpipe.pipeline.execution.machine import execute
-from fixedpipe.pipeline.native.coverage import rasterize
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.native.coverage import covered_triangles, rasterize
 from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import PassState, PolygonState, StencilTest
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
@@ -70,7 +71,7 @@ def test_every_pixel_of_a_mesh_far_beyond_the_screen_is_drawn_exactly_once():
     assert (counts(mesh, 40, 30) == 1).all()
 
 
-def window_triangles(points):
+def window_triangles(points, inverse_w=None):
     """WindowPrimitives of one triangle after the other, from int [3 k, 2] in 1/16 pixel."""
     n = len(points)
     index = np.arange(n, dtype=np.int32).reshape(-1, 3)
@@ -78,7 +79,7 @@ def window_triangles(points):
         x=points[:, 0].astype(np.int32),
         y=points[:, 1].astype(np.int32),
         z=np.zeros(n),
-        inverse_w=np.ones(n),
+        inverse_w=np.ones(n) if inverse_w is None else inverse_w,
         colors=np.zeros((n, 2, 8), np.uint8),
         coordinates=np.zeros((n, 0, 4)),
         fog=np.zeros(n),
@@ -98,8 +99,8 @@ def test_a_triangle_that_names_a_vertex_out_of_range_is_not_drawn(place, vertex)
 
 
 @settings(max_examples=300)
-@given(st.integers(0, 2**32 - 1), st.sampled_from((8, 40, 200, 2000, 120000)), st.booleans())
-def test_coverage_equals_the_specification_pixel_by_pixel(seed, reach, on_ties):
+@given(st.integers(0, 2**32 - 1), st.sampled_from((8, 40, 200, 2000, 120000)), st.booleans(), st.booleans())
+def test_coverage_equals_the_specification_pixel_by_pixel(seed, reach, on_ties, through_infinity):
     random = np.random.default_rng(seed)
     points = random.integers(-reach, reach + 160, (90, 2))
     if on_ties:  # edges through pixel centers, often horizontal or vertical
@@ -107,10 +108,18 @@ def test_coverage_equals_the_specification_pixel_by_pixel(seed, reach, on_ties):
         points[1::3, 1] = np.where(random.random(30) < 0.3, points[0::3, 1], points[1::3, 1])
         points[2::3, 0] = np.where(random.random(30) < 0.3, points[0::3, 0], points[2::3, 0])
         points = points.reshape(30, 3, 2)[:, random.permutation(3)].reshape(90, 2)
-    got = rasterize(window_triangles(points), GEFORCE_256, PolygonState(), None, 11, 9)
+    behind = random.random((30, 3)) < 0.3 if through_infinity else np.zeros((30, 3), bool)
+    polygon = PolygonState(cull_face=Face.BACK if random.random() < 0.5 else None)
+    primitives = window_triangles(points, np.where(behind.ravel(), -1.0, 1.0) * random.uniform(0.1, 9.0, 90))
     expected = []
     for t, corners in enumerate(points.reshape(30, 3, 2).tolist()):
-        triangle = coverage.make_triangle(*(tuple(corner) for corner in corners))
-        expected += [(t, x, y) for x, y in coverage.fragments(triangle, range(11), range(9))]
-    drawn = zip(got.triangle.tolist(), got.x.tolist(), got.y.tolist(), strict=True)
-    assert sorted(drawn) == sorted(expected)
+        triangle = coverage.make_triangle(*(tuple(corner) for corner in corners), behind[t].tolist())
+        if not coverage.is_culled(coverage.is_front_facing(triangle, polygon.front_face), polygon.cull_face):
+            expected += [(t, x, y) for x, y in coverage.fragments(triangle, range(11), range(9))]
+    of_kernels = rasterize(primitives, GEFORCE_256, polygon, None, 11, 9)
+    of_columns = covered_triangles(
+        primitives, PassState(polygon=polygon), GEFORCE_256, Framebuffer.new(11, 9)
+    )
+    for got in (of_kernels, of_columns):
+        drawn = zip(got.triangle.tolist(), got.x.tolist(), got.y.tolist(), strict=True)
+        assert sorted(drawn) == sorted(expected)

@@ -153,7 +153,8 @@ class Access:
 
 def triangle_of(primitives, vertices):
     """The triangle of three vertices. Source: OpenGL 1.2.1 section 3.5.1."""
-    return coverage.make_triangle(*((primitives.x[v], primitives.y[v]) for v in vertices))
+    behind = tuple(primitives.inverse_w[v] < 0 for v in vertices)
+    return coverage.make_triangle(*((primitives.x[v], primitives.y[v]) for v in vertices), behind)
 
 
 def offset_of(primitives, vertices, state, depth_format, enabled):
@@ -198,7 +199,8 @@ def places_of(kind, state, profile, place):
 
 def moved_by(primitives, x, y):
     """The same primitives elsewhere. Assumed: nothing, the frame of reference changes."""
-    return SimpleNamespace(x=[v + x for v in primitives.x], y=[v + y for v in primitives.y])
+    moved = {"x": [v + x for v in primitives.x], "y": [v + y for v in primitives.y]}
+    return SimpleNamespace(**moved, inverse_w=primitives.inverse_w)
 
 
 def has_weights(n, inverse_w, depth_w):
@@ -226,7 +228,8 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         back, source = not front, vertices
     enabled = {TRIANGLE: polygon.offset_fill, LINE: polygon.offset_line, POINT: polygon.offset_point}[kind]
     inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
-    if min(inverse_w) < SMALLEST_INVERSE_W or max(inverse_w) > LARGEST_INVERSE_W:
+    sizes = [abs(w) if kind == TRIANGLE else w for w in inverse_w]
+    if min(sizes) < SMALLEST_INVERSE_W or max(sizes) > LARGEST_INVERSE_W:
         return
     colors = vertex_colors(primitives, vertices, provoking, back, state.polygon)
     units = [

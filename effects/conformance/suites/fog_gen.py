@@ -15,7 +15,7 @@ from fixedpipe.pipeline.enums import FogGeneration, FogMode, PrimitiveType
 from fixedpipe.pipeline.state import Fog, FogRegisters
 
 SUITE = "Fog_gen"
-OPEN = "the last bits of the distance from the eye, and single pixels of the factor"
+OPEN = "the last bits of the distance from the eye"
 
 GENERATIONS = {
     "spec_alpha": FogGeneration.SECONDARY_ALPHA,

@@ -1,7 +1,7 @@
 """W_param: clip coordinates w that are zero, infinite, tiny, huge or negative; the clamped reciprocal RCC.
 
-Source: src/tests/w_param_tests.cpp of nxdk_pgraph_tests. Not drawn are its strips whose lines go through
-infinity (w_neg_strip, w_gaps) and the fixed functions' w of zero with a texture (ff_w_zero__*).
+Source: src/tests/w_param_tests.cpp of nxdk_pgraph_tests. Assumed: in w_gaps, whose program makes separate
+triangles of a strip, each has the strip's order of corners.
 """
 
 from dataclasses import replace
@@ -10,16 +10,17 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
-from fixedpipe.effects.conformance.through_infinity import near_part
+from fixedpipe.effects.conformance.through_infinity import near_part, outlines
 from fixedpipe.pipeline.commands import Draw, TexImage
-from fixedpipe.pipeline.enums import BlendFactor, PrimitiveType, TextureTarget
+from fixedpipe.pipeline.enums import BlendFactor, PolygonMode, PrimitiveType, TextureTarget
 from fixedpipe.pipeline.state import Blending, DepthClamp, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.vertices.arithmetic import transform_single
 from fixedpipe.pipeline.vertices.projection import composite_coordinates
 from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 
 SUITE = "W_param"
-OPEN = "edges of primitives that pass through infinity"
+OPEN = "corners beyond the guard band, and the last bits of the weights' reciprocal"
 
 LEAST, MOST = np.float32(5.421011e-20), np.float32(1.8446744e19)  # about what RCC clamps to
 INFINITE = 2.0**65  # beyond what the chip tells from infinity
@@ -44,6 +45,10 @@ ADDED = Blending(BlendFactor.ONE, BlendFactor.ONE)
 BACKGROUND, SIZE = 0xFE251135, 256
 LEFT, TOP, RIGHT, BOTTOM = 160.0, 70.0, 480.0, 390.0
 HALF = 80.0  # of the fixed functions' square, pixels
+PERSPECTIVE = "_tex_persp"
+STRIP_LEFT, STRIP_TOP, STRIP_RIGHT, STRIP_BOTTOM = 128.0, 80.0, 512.0, 400.0
+STRIP_MIDDLE = 320.0
+EDGE = 1.75  # of a square in the XDK's view
 
 
 def names():
@@ -56,7 +61,11 @@ def names():
             for shape in SHAPES
             for factor in FACTORS
         ),
-        *("w_pos_strip", "w_pos_strip_tex_persp"),
+        *(
+            f"{drawn}{suffix}"
+            for drawn in ("w_gaps", "w_pos_strip", "w_neg_strip", "ff_w_zero__quad", "ff_w_zero__bitri")
+            for suffix in ("", PERSPECTIVE)
+        ),
     ]
 
 
@@ -152,21 +161,92 @@ def _fixed(shape, factor):
     yield _textured(shape, np.stack([x, HEIGHT - y, z, columns[3]], axis=1))
 
 
-def _strip(perspective):
-    """A strip whose w goes from zero and infinity to 10."""
-    left, middle, right, top, bottom = 128.0, 320.0, 512.0, 80.0, 400.0
-    vertices = (
-        (left, bottom, 0.0, (0.75, 0.75, 0.75)), (left, top, INFINITE, (0.0, 1.0, 0.0)),
-        (middle, bottom, 0.1, (1.0, 0.0, 0.0)), (middle, top, 0.5, (0.0, 0.0, 1.0)),
-        (right, bottom, 1.5, (0.0, 0.5, 0.75)), (right, top, 10.5, (0.7, 0.9, 0.2)),
-    )  # fmt: skip
-    mesh = scenes.window_mesh(
-        [(x, y, 0.0, w) for x, y, w, _ in vertices],
-        PrimitiveType.TRIANGLE_STRIP,
-        colors=np.array([(*color, 1.0) for *_, color in vertices]),
-    )
+POSITIVE = (
+    (STRIP_LEFT, STRIP_BOTTOM, 0.0, (0.75, 0.75, 0.75)), (STRIP_LEFT, STRIP_TOP, INFINITE, (0.0, 1.0, 0.0)),
+    (STRIP_MIDDLE, STRIP_BOTTOM, 0.1, (1.0, 0.0, 0.0)), (STRIP_MIDDLE, STRIP_TOP, 0.5, (0.0, 0.0, 1.0)),
+    (STRIP_RIGHT, STRIP_BOTTOM, 1.5, (0.0, 0.5, 0.75)), (STRIP_RIGHT, STRIP_TOP, 10.5, (0.7, 0.9, 0.2)),
+)  # fmt: skip
+NEGATIVE = (
+    (STRIP_LEFT, STRIP_BOTTOM, 1.0, (0.75, 0.75, 0.75)), (STRIP_LEFT, STRIP_TOP, 1.0, (1.0, 1.0, 1.0)),
+    (STRIP_MIDDLE, STRIP_BOTTOM, 1.0, (0.5, 0.5, 0.5)), (STRIP_MIDDLE, STRIP_TOP, 1.0, (0.0, 1.0, 0.0)),
+    (STRIP_MIDDLE, STRIP_TOP, -0.1, (1.0, 0.0, 0.0)), (STRIP_RIGHT, STRIP_BOTTOM, 1.0, (0.0, 0.5, 0.5)),
+)  # fmt: skip
+# Of w_gaps: a visible quad's last colour, and w of the two corners before the next one.
+VISIBLE = ((0, 1, 1), (0.75, 0.75, 0.1), (0, 1, 0), (0, 0, 1), (0, 0.5, 1), (0.5, 0.5, 0.5), (0.3, 1, 0.3))
+GAPS = ((0.0, 0.0), (0.9, 0.0), (10.9, 0.0), (-0.9, 0.0), (-10.9, 10.0), (INFINITE, INFINITE))
+SHIFT = (-6.0, 166.0)  # pixels: of the separate triangles
+
+
+def _gaps():
+    """The vertices of w_gaps' strip: quads of an infinite w, and between them corners of any."""
+    middle, step = STRIP_TOP + (STRIP_BOTTOM - STRIP_TOP) / 2 - 4, np.float32(STRIP_RIGHT - STRIP_LEFT) / 14
+    x, vertices = np.float32(STRIP_LEFT), []
+    for i, color in enumerate(VISIBLE):
+        for grey, last in ((0.75, (1.0, 1.0, 1.0)), (0.5, color)):
+            vertices += [(float(x), middle, INFINITE, (grey,) * 3), (float(x), STRIP_TOP, INFINITE, last)]
+            x = np.float32(x + step) if grey == 0.75 else x
+        if i < len(GAPS):
+            vertices.append((float(x), STRIP_TOP, GAPS[i][0], (1.0, 0.0, 0.0)))
+            x = np.float32(x + step)
+            vertices.append((float(x), middle, GAPS[i][1], (0.5, 0.0, 0.0)))
+    return vertices
+
+
+def _triangles(vertices):
+    """A strip's triangles, apart."""
+    order = [(i, i + 1, i + 2) if i % 2 == 0 else (i + 1, i, i + 2) for i in range(len(vertices) - 2)]
+    return [vertices[i] for triangle in order for i in triangle]
+
+
+def _strip(vertices, perspective, primitive=PrimitiveType.TRIANGLE_STRIP, outlined=False):
+    """A strip, or separate triangles, whose w may be anything; with white outlines where ``outlined``."""
+    state = replace(scenes.DEFAULT, perspective_correction=perspective, polygon=scenes.FRONT_FACES)
+    positions = [(x, y, 0.0, w) for x, y, w, _ in vertices]
+    colors = np.array([(*color, 1.0) for *_, color in vertices])
+    yield Draw(label="filled", mesh=scenes.window_mesh(positions, primitive, colors=colors), state=state)
+    if not outlined:
+        return
+    line = replace(state.polygon, front_mode=PolygonMode.LINE, back_mode=PolygonMode.LINE)
+    mesh = scenes.window_mesh(positions, primitive)
+    yield Draw(label="outlines", mesh=mesh, state=replace(state, polygon=line))
+    corners = [(x, y, w) for x, y, w, _ in vertices]
+    if primitive == PrimitiveType.TRIANGLE_STRIP:
+        corners = _triangles(corners)
+    edges = [(i + a, i + b) for i in range(0, len(corners), 3) for a, b in ((1, 2), (2, 0), (0, 1))]
+    ends = outlines(corners, edges)
+    if ends:
+        mesh = scenes.window_mesh(ends, PrimitiveType.LINES)
+        yield Draw(label="outlines through infinity", mesh=mesh, state=state)
+
+
+def _strips(drawn, perspective):
     yield scenes.clear(0xFF000000)
-    yield Draw(label="strip", mesh=mesh, state=replace(scenes.DEFAULT, perspective_correction=perspective))
+    if drawn != "w_gaps":
+        vertices, negative = (NEGATIVE, True) if drawn == "w_neg_strip" else (POSITIVE, False)
+        yield from _strip(vertices, perspective, outlined=negative)
+        return
+    vertices = _gaps()
+    yield from _strip(vertices, perspective, outlined=True)
+    (right, down), apart = SHIFT, _triangles(vertices)
+    moved = [(float(np.float32(x) + np.float32(right)), y + down, w, color) for x, y, w, color in apart]
+    yield from _strip(moved, perspective, PrimitiveType.TRIANGLES, outlined=True)
+
+
+def _zero(shape, perspective):
+    """A square of the XDK's view of which one corner's w is zero: it lies at infinity."""
+    upper, right = (-EDGE, EDGE, 0.0, 0.0), (EDGE, EDGE, 0.0, 1.0)
+    lower, left = (EDGE, -EDGE, 0.0, 1.0), (-EDGE, -EDGE, 0.0, 1.0)
+    corners = [upper, right, lower, left] if shape == "_quad" else [upper, right, left, lower, left, right]
+    composite = scenes.xdk_vertex().composite
+    columns = transform_single(composite.matrix, scenes.single(corners).T)
+    columns[3] = np.maximum(columns[3], 2.0**-64)
+    x, y, z, _ = composite_coordinates(columns, composite.offset, HEIGHT)
+    w = columns[3] if perspective else np.ones(len(corners))
+    yield scenes.clear(BACKGROUND)
+    yield _texture(0xFF00FFFF, 0xFF000000)
+    drawn = _textured(shape, np.stack([x, HEIGHT - y, z, w], axis=1))
+    polygon = replace(drawn.state, perspective_correction=perspective, polygon=scenes.FRONT_FACES)
+    yield replace(drawn, state=replace(polygon, blending=scenes.BLENDED, depth_clamp=None))
 
 
 def case(name, inputs):
@@ -174,8 +254,11 @@ def case(name, inputs):
     del inputs
     if name.startswith("rcc") and name in names():
         return Case(commands=tuple(_reciprocals(FACTORS[name.rpartition("z")[2]])))
-    if name.startswith("w_pos_strip") and name in names():
-        return Case(commands=tuple(_strip(name.endswith("persp"))))
+    drawn = name.removesuffix(PERSPECTIVE)
+    if drawn.startswith("w_") and name in names():
+        return Case(commands=tuple(_strips(drawn, name != drawn)))
+    if drawn.startswith("ff_w_zero__") and name in names():
+        return Case(commands=tuple(_zero(drawn.removeprefix("ff_w_zero_"), name != drawn)))
     for stage, commands in (("prog", _programmed), ("ff", _fixed)):
         for shape in SHAPES:
             prefix = f"{stage}_w_zero_inf_{shape}_w"

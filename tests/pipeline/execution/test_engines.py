@@ -7,7 +7,9 @@ from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     ColorWeights,
     ComparisonFunction,
+    Face,
     LineRasterization,
+    PolygonMode,
     PrimitiveType,
     TextureFilter,
     TextureShaderOperation,
@@ -21,6 +23,7 @@ from fixedpipe.pipeline.state import (
     DepthTest,
     LineState,
     PassState,
+    PolygonState,
     Sampler,
     TextureShaderStage,
     TextureUnit,
@@ -56,6 +59,27 @@ def test_a_large_triangle_of_which_little_is_on_the_screen(reach):
         mesh = Mesh(positions, colors=random.random((30, 4)))
         state = PassState(vertex=PROGRAMMED, depth_test=DEPTH)
         assert_all_equal([Draw(label="far", mesh=mesh, state=state)], 6, 5)
+
+
+@pytest.mark.parametrize("mode", [PolygonMode.FILL, PolygonMode.LINE])
+@pytest.mark.parametrize("perspective", [True, False])
+def test_triangles_through_infinity(perspective, mode):
+    """Vertices of a negative w: what is drawn, which side is culled, colours, coordinates and depths."""
+    random = np.random.default_rng(7)
+    for face in (None, Face.FRONT, Face.BACK):
+        w = np.exp(random.uniform(-2.0, 2.0, 60)) * np.where(random.random(60) < 0.4, -1.0, 1.0)
+        corners = np.column_stack([random.uniform(-6.0, 14.0, (60, 2)), random.uniform(0.0, 2.0**24, 60), w])
+        mesh = Mesh(corners, colors=random.random((60, 4)), texture_coordinates=(random.random((60, 2)),))
+        state = PassState(
+            vertex=PROGRAMMED,
+            depth_test=DEPTH,
+            polygon=PolygonState(cull_face=face, front_mode=mode, back_mode=mode),
+            texture_units=(TextureUnit("noise", Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)),),
+            perspective_correction=perspective,
+        )
+        image = texture_2d(random.integers(0, 256, (8, 8, 4)).astype(np.uint8))
+        load = TexImage(label="noise", texture="noise", image=image)
+        assert_all_equal([load, Draw(label="through infinity", mesh=mesh, state=state)], 9, 7)
 
 
 @pytest.mark.parametrize("limits", [(2.0**25, None), (0.25, 300.0), (1.0, 2.0**23), (0.0, 2.0**25)])

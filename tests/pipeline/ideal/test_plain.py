@@ -92,7 +92,7 @@ class Fragment:
         c = [(value >= 0.5) + (value >= 0.25) for value in q]
         first = c[0] >= c[1] and c[0] > c[2]
         last = c[2] >= c[0] and (c[2] > c[1] or (c[2] == c[1] and c[0] == c[1]))
-        return (1.0 - q[1]) - q[2] if first else q[0], (1.0 - q[0]) - q[1] if last else q[2]
+        return rest_of(q[1], q[2]) if first else q[0], rest_of(q[0], q[1]) if last else q[2]
 
     def as_machines(self, values):
         """An iterated number by section 6, and the unit of its terms."""
@@ -101,6 +101,11 @@ class Fragment:
         terms = [v1, q0 * (v0 - v1), q2 * (v2 - v1)]
         unit = math.ldexp(1.0, math.frexp(max(*map(abs, terms), 2.0**-100))[1] - 24)
         return sum(math.trunc(term / unit) for term in terms) * unit, unit
+
+
+def rest_of(a, b):
+    """What two weights leave of one."""
+    return cut((2**25 - math.trunc(a * 2**25) - math.trunc(b * 2**25)) / 2**25)
 
 
 def cut(value):

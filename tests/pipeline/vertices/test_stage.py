@@ -422,15 +422,19 @@ def test_program_results_give_the_bits_of_the_specification(mesh, two_side):
         assert colors == [reference.color_bytes(side, False, GEFORCE_256) for side in vertex.colors]
 
 
-def test_of_program_results_only_what_has_no_place_is_dropped():
-    """A triangle far outside the window stays; one with a w below zero is dropped, and counted."""
+def test_program_results_stay_wherever_they_are_and_whatever_w_is():
+    """A triangle far outside the window, or through infinity; 1/w is clamped, and a zero has a sign."""
     state = PassState(vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS))
     corners = np.array([(-900.0, 1.0, 0.5, 1.0), (900.0, 1.0, 0.5, 1.0), (1.0, 900.0, 0.5, 1.0)])
-    kept = process(Mesh(corners), state, GEFORCE_256, WIDTH, HEIGHT)
-    assert (kept.triangles[:, :3].tolist(), kept.dropped) == ([[0, 1, 2]], 0)
-    corners[2, 3] = -1.0
-    lost = process(Mesh(corners), state, GEFORCE_256, WIDTH, HEIGHT)
-    assert (lost.triangles.tolist(), lost.dropped) == ([], 1)
+    for w, inverse in ((1, 1), (-2, -0.5), (0, 2.0**64), (-0.0, -(2.0**64)), (-1e30, -(2.0**-64))):
+        corners[2, 3] = w
+        kept = process(Mesh(corners), state, GEFORCE_256, WIDTH, HEIGHT)
+        assert (kept.triangles[:, :3].tolist(), kept.dropped) == ([[0, 1, 2]], 0)
+        assert kept.inverse_w.tolist() == [1.0, 1.0, inverse]
+        plain = process(
+            Mesh(corners), replace(state, perspective_correction=False), GEFORCE_256, WIDTH, HEIGHT
+        )
+        assert plain.inverse_w.tolist() == [1.0, 1.0, np.sign(inverse)]
 
 
 def test_a_program_s_back_colours_are_taken_with_two_sides_and_are_opaque_black_if_absent():

@@ -140,6 +140,9 @@ def test_a_triangle_without_area_faces_as_a_counter_clockwise_one(front_face):
     flat = [(4.0, 1.0), (4.0, 4.0), (4.0, 7.0)]
     drawn = bool(pixels(flat, PrimitiveType.TRIANGLES, replace(PROGRAMMED, polygon=polygon)))
     assert drawn == (front_face == FrontFace.CCW)
+    through_infinity = [(x, y, 0.0, w) for (x, y), w in zip(flat, (1.0, 1.0, -1.0), strict=True)]
+    turned = bool(pixels(through_infinity, PrimitiveType.TRIANGLES, replace(PROGRAMMED, polygon=polygon)))
+    assert turned != drawn
 
 
 def test_a_line_is_clipped_at_the_near_plane_and_a_point_beyond_it_is_discarded():
