@@ -13,7 +13,7 @@ from fixedpipe.raster.kernel import bits_of, float_of, kernel
 
 EXPONENT = int64(floats.EXPONENT)
 FRACTION = int64(floats.FRACTION)
-KEEP_24, KEEP_29 = int64(floats.kept(24)), int64(floats.kept(29))  # significant bits
+KEEP_24, KEEP_27, KEEP_29 = (int64(floats.kept(bits)) for bits in (24, 27, 29))  # significant bits
 
 
 @kernel
@@ -72,6 +72,17 @@ def reciprocal_29(inverse):
     allow for 1.4 to 4.3 million units; simply truncated, 28 bits lose 32 pixels and 29 bits 34.
     """
     return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 1 << 21)) & KEEP_29)
+
+
+@kernel
+def reciprocal_27(inverse):
+    """1/D to 27 significant bits, from ``inverse``, the float64 nearest to it: a power of two is exact,
+    anything else is reduced by 11 * 2**23 units of the float64 and truncated.
+
+    Measured: 6823 of 6826 depths that lie near enough to a word's edge to tell (WBuf24F captures), which
+    allow for 10.24 to 11.2 times 2**23 units.
+    """
+    return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 11 << 23)) & KEEP_27)
 
 
 @kernel

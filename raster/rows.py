@@ -39,6 +39,7 @@ DEPTH_MAX = _draw()  # fixed: 2**bits - 1
 DEPTH_CULL = _draw()  # 1: a depth outside its limits ends the fragment; 0: it is clamped
 W_BUFFERING = _draw()
 POLYGON_OFFSET = _draw()
+OFFSET_FRACTION = _draw()  # 1: a fixed format's offset keeps its fraction
 NEEDS_COLOR = _draw()  # 0: no colour is written and no alpha test looks at it
 NEEDS_PRIMARY = _draw()
 NEEDS_SECONDARY = _draw()

@@ -190,8 +190,8 @@ class IteratedPrimitives:
         state, limits = self.state, self.state.depth_clamp
         if state.depth_test is None and not (limits is not None and limits.cull):
             return np.zeros(len(triangle), np.int64)
-        w = inverse_w if state.w_buffering else None
-        z = interpolate.iterate_depth(n, w, self.depths[vertices])
+        iterate = interpolate.iterate_w if state.w_buffering else interpolate.iterate_depth
+        z = iterate(n, self.depths[vertices])
         offset, slope = self._offset(triangle, vertices, kinds, x, y, area)
         total = z + (offset + slope * (z * z))
         words = fragment_depths(total, state, self.framebuffer)
@@ -220,6 +220,6 @@ class IteratedPrimitives:
             slope = np.clip(steep, -(2.0**128), 2.0**128)
             return np.where(enabled, float(polygon.offset_units), 0.0), np.where(enabled, slope, 0.0)
         offset = np.clip(polygon.offset_units + steep, -(2.0**128), 2.0**128)
-        if not self.framebuffer.depth_format.is_float:
+        if not (self.framebuffer.depth_format.is_float or self.profile.fragments.offset_fraction):
             offset = np.trunc(np.clip(offset, -(2.0**30), 2.0**30))
         return np.where(enabled, offset, 0.0), 0.0

@@ -69,7 +69,7 @@ def asks_for_depth(state):
     return _tests_depth(state.depth_test) or (limits is not None and bool(limits.cull))
 
 
-def _pack_depth(state, framebuffer, draw, draw_float):
+def _pack_depth(state, profile, framebuffer, draw, draw_float):
     words, test, polygon = DEPTH_WORDS[framebuffer.depth_format], state.depth_test, state.polygon
     draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = words.code, words.largest
     draw_float[R.DEPTH_HIGH] = words.farthest
@@ -88,12 +88,13 @@ def _pack_depth(state, framebuffer, draw, draw_float):
     draw[R.W_BUFFERING] = state.w_buffering
     if polygon.offset_factor or polygon.offset_units:
         draw[R.POLYGON_OFFSET] = polygon.offset_fill
+        draw[R.OFFSET_FRACTION] = profile.fragments.offset_fraction
         draw[R.OFFSET_LINE], draw[R.OFFSET_POINT] = polygon.offset_line, polygon.offset_point
         draw_float[R.OFFSET_FACTOR] = polygon.offset_factor
         draw_float[R.OFFSET_UNITS] = polygon.offset_units
 
 
-def pack_tests(state, framebuffer, draw, draw_float):
+def pack_tests(state, profile, framebuffer, draw, draw_float):
     """The entries of alpha, stencil and depth test."""
     if state.alpha_test is not None and state.alpha_test.function != ComparisonFunction.ALWAYS:
         draw[R.ALPHA_TEST] = 1
@@ -113,7 +114,7 @@ def pack_tests(state, framebuffer, draw, draw_float):
             (R.STENCIL_DEPTH_PASS, stencil.depth_pass),
         ):
             draw[at : at + R.STENCIL_OPERATION_SIZE] = _pack_stencil_operation(operation, reference)
-    _pack_depth(state, framebuffer, draw, draw_float)
+    _pack_depth(state, profile, framebuffer, draw, draw_float)
 
 
 # A blend factor in bytes: masks of S, D, As, Ad and the saturate term, whether it is the constant, one

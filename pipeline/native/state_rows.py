@@ -80,7 +80,7 @@ class StateRows:
         pack_lines(state.line, profile, draw)
         pack_coverage(state, profile, sample, draw)
         pack_holes(state, framebuffer, draw)
-        pack_tests(state, framebuffer, draw, self.draw_float)
+        pack_tests(state, profile, framebuffer, draw, self.draw_float)
         factors = pack_writing(state, framebuffer, draw)
         draw[R.NEEDS_COLOR] = draw[R.COLOR_MASK] != 0 or draw[R.ALPHA_TEST]
         program, final, constants, used = pack_combiners(state, profile, textures, draw)

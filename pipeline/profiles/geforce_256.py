@@ -142,6 +142,7 @@ GEFORCE_256 = Profile(
         fog_registers=known(False, "Source: OpenGL 1.2.1 section 3.10 has no such parameters"),
         depth_clamp=known(False, "Source: NV_depth_clamp, an extension of later chips"),
         w_buffering=known(False, "Assumed: none; no extension of OpenGL reaches it"),
+        offset_fraction=known(False, "Assumed: whole units"),
         max_window_rectangles=known(0, "Assumed: none; a capture would settle it"),
         stencil_operations=known(
             frozenset(StencilOperation), "Source: OpenGL 1.2.1 section 4.1.4; EXT_stencil_wrap"

@@ -176,6 +176,7 @@ GEFORCE_3 = Profile(
         ),
         depth_clamp=known(True, "Inferred: from the NV2A: Depth_Clamp captures"),
         w_buffering=known(True, "Inferred: from the NV2A: Depth_Clamp captures"),
+        offset_fraction=known(False, "Assumed: whole units; the NV2A's captures alone show otherwise"),
         max_window_rectangles=known(
             8, "Inferred: from the NV2A: SET_WINDOW_CLIP_HORIZONTAL and _VERTICAL, eight of each"
         ),

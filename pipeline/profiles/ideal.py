@@ -125,6 +125,7 @@ IDEAL = Profile(
         fog_registers=_given(False),
         depth_clamp=_given(False),
         w_buffering=_given(False),
+        offset_fraction=_given(True),
         max_window_rectangles=_given(0),
         stencil_operations=_given(frozenset(StencilOperation)),
         blend_factors_source=_given(frozenset(BlendFactor)),

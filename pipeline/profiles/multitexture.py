@@ -140,6 +140,7 @@ MULTITEXTURE = Profile(
         fog_registers=known(False, NOT_CORE),
         depth_clamp=known(False, NOT_CORE),
         w_buffering=known(False, NOT_CORE),
+        offset_fraction=known(False, "Assumed: whole units"),
         max_window_rectangles=known(0, NOT_CORE),
         stencil_operations=known(CORE_STENCIL_OPERATIONS, "Source: OpenGL 1.2.1 section 4.1.4"),
         blend_factors_source=known(CORE_SOURCE_FACTORS, "Source: OpenGL 1.2.1 table 4.1"),

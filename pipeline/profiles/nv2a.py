@@ -159,6 +159,9 @@ NV2A = Profile(
         ),
         depth_clamp=known(True, "Measured: Depth_Clamp captures"),
         w_buffering=known(True, "Measured: Depth_Clamp captures"),
+        offset_fraction=known(
+            True, "Measured: 11 depth buffers (W_buffering ZBuf captures), 22320 depths a word more with it"
+        ),
         max_window_rectangles=known(8, "Source: SET_WINDOW_CLIP_HORIZONTAL and _VERTICAL, eight of each"),
         stencil_operations=known(frozenset(StencilOperation), "Measured: Stencil captures"),
         blend_factors_source=known(

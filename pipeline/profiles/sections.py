@@ -127,6 +127,7 @@ class Fragments(Section):
     fog_registers: bool  # FogRegisters, in place of a fog's density, start and end
     depth_clamp: bool  # NV_depth_clamp
     w_buffering: bool  # clip w as depth
+    offset_fraction: bool  # whether a fixed depth format adds a polygon offset's fraction too
     max_window_rectangles: int  # of a WindowClip
     stencil_operations: frozenset[StencilOperation]
     blend_factors_source: frozenset[BlendFactor]

@@ -138,7 +138,12 @@ def rest_of(a, b):
 def iteration_weights(e):
     """q0 and q2 with 24 significant bits; the vertex of the highest class takes what the others leave."""
     reciprocal = cut(1.0 / ((e[0] + e[1]) + e[2]), WEIGHT_BITS)
-    q0, q1, q2 = (cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e)
+    return _largest_rests([cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e])
+
+
+def _largest_rests(q):
+    """q0 and q2, of which the vertex of the highest class takes what the others leave."""
+    q0, q1, q2 = q
     c0, c1, c2 = ((q >= 0.5).astype(np.int64) + (q >= 0.25) for q in (q0, q1, q2))
     first = (c0 >= c1) & (c0 > c2)
     last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
@@ -204,18 +209,50 @@ def cut_sum(*terms):
 # ------------------------------------------------------------------------------------------------- depth
 
 
-def iterate_depth(n, inverse_w, depths):
-    """Depths of fragments before offset and limits, float64 [k] (section 5).
-
-    ``inverse_w``: None, or the vertices' 1/w [k, 3] with W buffering; ``depths`` float64 [k, 3], singles.
-    """
-    e = [cut(n_i.astype(np.float64), WEIGHT_BITS) for n_i in n]
-    if inverse_w is not None:
-        e = [cut(e_i * inverse_w[:, i], WEIGHT_BITS) for i, e_i in enumerate(e)]
-    inverse = 1.0 / ((e[0] + e[1]) + e[2])
+def _low_reciprocal(total, less, dropped):
+    """1/total, exact for powers of two, else ``less`` units of the float64 low and without its last bits."""
+    inverse = 1.0 / total
     patterns = inverse.view(np.int64)
-    low = ((patterns - (1 << 21)) & np.int64(-1 << 24)).view(np.float64)
-    reciprocal = np.where((patterns & FRACTION) == 0, inverse, low)
+    low = ((patterns - less) & np.int64(-1 << dropped)).view(np.float64)
+    return np.where((patterns & FRACTION) == 0, inverse, low)
+
+
+def _depth_difference(a, b):
+    difference = cut(a - b, WEIGHT_BITS)
+    return np.where(np.abs(difference) < LEAST_SINGLE, 0.0, difference)
+
+
+def _depth_sum(middle, products):
+    """A vertex's depth and two products, cut 29 bits below the largest's highest, to 24 bits."""
+    largest = np.maximum(np.abs(middle), np.maximum(np.abs(products[0]), np.abs(products[1])))
+    some = largest > 0.0
+    exponent = np.frexp(np.where(some, largest, 1.0))[1] - 29
+    first, second = (np.ldexp(np.trunc(np.ldexp(p, -exponent)), exponent) for p in products)
+    return cut(np.where(some, (middle + first) + second, 0.0), WEIGHT_BITS)
+
+
+def w_factors(w):
+    """For each vertex's 1/w the product of the others' w, [k, 3]; Assumed: at least 2^-300."""
+    others = np.stack([w[:, 1] * w[:, 2], w[:, 0] * w[:, 2], w[:, 0] * w[:, 1]], axis=1)
+    return np.maximum(cut(others, WEIGHT_BITS), 2.0**-300)
+
+
+def iterate_w(n, w):
+    """Depths of fragments in W buffering, float64 [k]; ``w`` float64 [k, 3], singles (section 5)."""
+    factors = w_factors(w)
+    e = [
+        cut(cut(n_i.astype(np.float64), WEIGHT_BITS) * factors[:, i], WEIGHT_BITS) for i, n_i in enumerate(n)
+    ]
+    reciprocal = _low_reciprocal((e[0] + e[1]) + e[2], 11 << 23, 26)
+    q0, q2 = _largest_rests([cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e])
+    products = q0 * _depth_difference(w[:, 0], w[:, 1]), q2 * _depth_difference(w[:, 2], w[:, 1])
+    return _depth_sum(w[:, 1], products)
+
+
+def iterate_depth(n, depths):
+    """Depths of fragments before offset and limits, float64 [k]; ``depths`` [k, 3], singles (section 5)."""
+    e = [cut(n_i.astype(np.float64), WEIGHT_BITS) for n_i in n]
+    reciprocal = _low_reciprocal((e[0] + e[1]) + e[2], 1 << 21, 24)
     q = np.stack([cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e], axis=1)
     exponents = [np.ascontiguousarray(e_i).view(np.int64) & EXPONENT for e_i in e]
     base = np.where(exponents[0] > exponents[1], 0, 1)
@@ -224,14 +261,8 @@ def iterate_depth(n, inverse_w, depths):
     middle = depths[rows, base]
     products = []
     for other in (np.where(base == 0, 1, 0), np.where(base == 2, 1, 2)):
-        difference = cut(depths[rows, other] - middle, WEIGHT_BITS)
-        difference = np.where(np.abs(difference) < LEAST_SINGLE, 0.0, difference)
-        products.append(q[rows, other] * difference)
-    largest = np.maximum(np.abs(middle), np.maximum(np.abs(products[0]), np.abs(products[1])))
-    some = largest > 0.0
-    exponent = np.frexp(np.where(some, largest, 1.0))[1] - 29
-    first, second = (np.ldexp(np.trunc(np.ldexp(p, -exponent)), exponent) for p in products)
-    return np.where(some, (middle + first) + second, 0.0)
+        products.append(q[rows, other] * _depth_difference(depths[rows, other], middle))
+    return _depth_sum(middle, products)
 
 
 def depth_words(depth, low, high, farthest, form):

@@ -36,6 +36,7 @@ from fixedpipe.raster.portable.interpolate import (
     color_weights,
     depth_words,
     emit_depth,
+    emit_w,
     emit_weights,
     full_weights,
     iterate_color,
@@ -43,6 +44,7 @@ from fixedpipe.raster.portable.interpolate import (
     iterate_fog,
     iterate_fog_table,
     iteration_weights,
+    w_factors,
 )
 from fixedpipe.raster.portable.per_fragment import all_alive, per_fragment
 from fixedpipe.raster.portable.unit import sample_unit, unbound_texture
@@ -380,7 +382,7 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
             if needs_depth and not finished:
                 z0, z1, z2 = z[v0], z[v1], z[v2]
                 if draw[R.W_BUFFERING]:
-                    over_w = inverse_w[v0], inverse_w[v1], inverse_w[v2]
+                    over_w = w_factors(z0, z1, z2)
                 if has_offset and kind == C.PRIMITIVE_TRIANGLE:
                     offset, slope = polygon_offset(state, vertices, v0, v1, v2)
                 elif kind != C.PRIMITIVE_TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
@@ -456,8 +458,10 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                             step = float64(right0), float64(right1), float64(right2)
                         if needs_weights:
                             emit_weights(edges, position, n, here, step, (iw0, iw1, iw2))
-                        if needs_depth:
-                            emit_depth(floats, position, n, here, step, over_w, (z0, z1, z2), offset, slope)
+                        if needs_depth and draw[R.W_BUFFERING]:
+                            emit_w(floats, position, n, here, step, over_w, (z0, z1, z2), offset, slope)
+                        elif needs_depth:
+                            emit_depth(floats, position, n, here, step, (z0, z1, z2), offset)
                         position += n
                         start += n
                     if position == batch or finished:

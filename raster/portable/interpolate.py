@@ -17,6 +17,7 @@ from fixedpipe.raster.fixed import (
     float_depth,
     one_of,
     power_below,
+    reciprocal_27,
     reciprocal_29,
     step_24,
     truncate_24,
@@ -27,6 +28,7 @@ from fixedpipe.raster.portable.arrays import EDGES, FOG_FACTORS
 
 MOST_WEIGHT = 2.0**16  # of colours, outside their triangle: sums of products stay below 2**31
 TINY = 2.0**-256  # far below any depth: where all terms are 0, their unit is not
+LEAST_FACTOR = 2.0**-300  # below any product of two normal singles
 
 
 @kernel(void(EDGES, int64, int64, THREE, THREE, THREE))
@@ -53,28 +55,33 @@ def depth_difference(z, base):
     return difference if abs(difference) >= LEAST_SINGLE else 0.0
 
 
-@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE, THREE, float64, float64))
-def emit_depth(floats, position, count, n, step, inverse_w, z, offset, slope):
+@kernel
+def depth_sum(base, a, b):
+    """A vertex's depth and what the two others add to it at 29 bits from the largest's highest, cut to 24."""
+    unit = power_below(max(max(abs(base), TINY), max(abs(a), abs(b)))) * 2.0**-28
+    scale = 1.0 / unit
+    return truncate_24((base + float64(int32(a * scale)) * unit) + float64(int32(b * scale)) * unit)
+
+
+@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE, float64))
+def emit_depth(floats, position, count, n, step, z, offset):
     """Depths of ``count`` pixels to the right of the one whose edge functions are ``n``, into DEPTH.
 
-    z: the vertices' depths (or clip w), singles; inverse_w: 1, or 1/w where depth is w. ``offset`` is added,
-    and ``slope`` times the depth's square. docs/numbers.md, section 5.
+    z: the vertices' depths, singles; ``offset`` is added. docs/numbers.md, section 5.
     """
     separate_loop()
-    (n0, n1, n2), (step0, step1, step2), (iw0, iw1, iw2), (z0, z1, z2) = n, step, inverse_w, z
+    (n0, n1, n2), (step0, step1, step2), (z0, z1, z2) = n, step, z
     at, row = uint64(position), uint64(R.DEPTH)
     if z0 == z1 and z1 == z2:  # differences of zero: whatever the weights, the sum below is the base
         for i in range(count):
-            floats[row, at + uint64(i)] = z0 + (offset + slope * (z0 * z0))
+            floats[row, at + uint64(i)] = z0 + offset
         return
     d10, d20 = depth_difference(z1, z0), depth_difference(z2, z0)
     d01, d21 = depth_difference(z0, z1), depth_difference(z2, z1)
     d02, d12 = depth_difference(z0, z2), depth_difference(z1, z2)
     for i in range(count):
         k = float64(int32(i))
-        e0 = truncate_24(truncate_24(n0 + k * step0) * iw0)
-        e1 = truncate_24(truncate_24(n1 + k * step1) * iw1)
-        e2 = truncate_24(truncate_24(n2 + k * step2) * iw2)
+        e0, e1, e2 = truncate_24(n0 + k * step0), truncate_24(n1 + k * step1), truncate_24(n2 + k * step2)
         reciprocal = reciprocal_29(1.0 / ((e0 + e1) + e2))
         q0 = truncate_24(e0 * reciprocal)
         q1 = truncate_24(e1 * reciprocal)
@@ -85,9 +92,59 @@ def emit_depth(floats, position, count, n, step, inverse_w, z, offset, slope):
         base = z0 if first else (z2 if last else z1)
         a = (q1 if first else q0) * (d10 if first else (d02 if last else d01))
         b = (q1 if last else q2) * (d20 if first else (d12 if last else d21))
-        unit = power_below(max(max(abs(base), TINY), max(abs(a), abs(b)))) * 2.0**-28
-        scale = 1.0 / unit
-        depth = (base + float64(int32(a * scale)) * unit) + float64(int32(b * scale)) * unit
+        floats[row, at + uint64(i)] = depth_sum(base, a, b) + offset
+
+
+@kernel
+def w_factors(w0, w1, w2):
+    """What edge functions are multiplied with in W buffering: for 1/w the product of the others' w.
+
+    Measured: rows of WBuf24F_FloorQuad and RoofQuad, 980 pixels that change where such a product's exponent
+    does. Assumed: what keeps it above 0.
+    """
+    return (
+        max(truncate_24(w1 * w2), LEAST_FACTOR),
+        max(truncate_24(w0 * w2), LEAST_FACTOR),
+        max(truncate_24(w0 * w1), LEAST_FACTOR),
+    )
+
+
+@kernel
+def rest_of(a, b):
+    """What two weights leave of one, as an adder makes it that keeps two bits below the last of one's 24: of
+    both the bits from 2**-26 on are lost, and what is left is cut to 24.
+
+    Measured: 66 of 77 captures of Shade_model are exact, with 24 bits 60, with 26 or more 61; of W_param's
+    prog_w_zero_inf__bitri_w-2.00 3 pixels are wrong, with 24 bits 154, with 26 131; of Swath_width's
+    SwathWidth00 9, without the last cut 69.
+    """
+    return truncate_24((1.0 - np.trunc(a * REST_STEPS) * REST_STEP) - np.trunc(b * REST_STEPS) * REST_STEP)
+
+
+@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE, THREE, float64, float64))
+def emit_w(floats, position, count, n, step, factors, w, offset, slope):
+    """``emit_depth`` with W buffering: ``factors`` are ``w_factors`` of ``w``, the vertices' singles; and
+    ``slope`` times the depth's square is added.
+    """
+    separate_loop()
+    (n0, n1, n2), (step0, step1, step2), (f0, f1, f2), (w0, w1, w2) = n, step, factors, w
+    at, row = uint64(position), uint64(R.DEPTH)
+    d01, d21 = depth_difference(w0, w1), depth_difference(w2, w1)
+    for i in range(count):
+        k = float64(int32(i))
+        e0 = truncate_24(truncate_24(n0 + k * step0) * f0)
+        e1 = truncate_24(truncate_24(n1 + k * step1) * f1)
+        e2 = truncate_24(truncate_24(n2 + k * step2) * f2)
+        reciprocal = reciprocal_27(1.0 / ((e0 + e1) + e2))
+        q0 = truncate_24(e0 * reciprocal)
+        q1 = truncate_24(e1 * reciprocal)
+        q2 = truncate_24(e2 * reciprocal)
+        c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
+        first = (c0 >= c1) & (c0 > c2)
+        last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
+        a = (rest_of(q1, q2) if first else q0) * d01
+        b = (rest_of(q0, q1) if last else q2) * d21
+        depth = depth_sum(w1, a, b)
         floats[row, at + uint64(i)] = depth + (offset + slope * (depth * depth))
 
 
@@ -133,18 +190,6 @@ def full_weights(edges, count, floats):
 def weight_class(q):
     """(q >= 1/2) + (q >= 1/4), as a float: comparisons stay in the lanes of q."""
     return 2.0 if q >= 0.5 else (1.0 if q >= 0.25 else 0.0)
-
-
-@kernel
-def rest_of(a, b):
-    """What two weights leave of one, as an adder makes it that keeps two bits below the last of one's 24: of
-    both the bits from 2**-26 on are lost, and what is left is cut to 24.
-
-    Measured: 66 of 77 captures of Shade_model are exact, with 24 bits 60, with 26 or more 61; of W_param's
-    prog_w_zero_inf__bitri_w-2.00 3 pixels are wrong, with 24 bits 154, with 26 131; of Swath_width's
-    SwathWidth00 9, without the last cut 69.
-    """
-    return truncate_24((1.0 - np.trunc(a * REST_STEPS) * REST_STEP) - np.trunc(b * REST_STEPS) * REST_STEP)
 
 
 @kernel(void(EDGES, int64, float64[:, ::1]))

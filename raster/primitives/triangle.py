@@ -84,7 +84,7 @@ def row_span(n0, n1, n2, step0, step1, step2, first, last):
 def polygon_offset(state, vertices, v0, v1, v2):
     """(what a polygon adds to its depths, what times their squares); one without an area has no slope.
 
-    Measured: whole numbers in fixed formats, for axis-aligned slopes (W_buffering captures).
+    A whole number in a fixed format, unless the machine keeps its fraction.
     """
     draw, draw_float = state.draw, state.draw_float
     x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
@@ -100,6 +100,6 @@ def polygon_offset(state, vertices, v0, v1, v2):
     if draw[R.W_BUFFERING]:
         return draw_float[R.OFFSET_UNITS], min(max(steep, -(2.0**128)), 2.0**128)
     offset = min(max(draw_float[R.OFFSET_UNITS] + steep, -(2.0**128)), 2.0**128)
-    if draw[R.DEPTH_FORMAT] == C.DEPTH_FIXED:
+    if draw[R.DEPTH_FORMAT] == C.DEPTH_FIXED and not draw[R.OFFSET_FRACTION]:
         offset = float64(int64(min(max(offset, -(2.0**30)), 2.0**30)))
     return offset, 0.0

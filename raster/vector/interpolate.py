@@ -201,8 +201,8 @@ def depth_of(e0, e1, e2, reciprocal, z0, z1, z2, z10, z20, z21):
 
 @kernel
 def fixed_depth(z, offset, low, high):
-    """A fixed depth buffer's word: limited, then its floor."""
-    return to_int32(minimum(maximum(z + offset, low), high))
+    """A fixed depth buffer's word: 24 bits and the offset, limited, then the floor."""
+    return to_int32(minimum(maximum(keep_24(z) + offset, low), high))
 
 
 @kernel

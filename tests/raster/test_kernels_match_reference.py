@@ -71,7 +71,8 @@ from fixedpipe.pipeline.vertices.fog import folds, table, vertex_value
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import rows
 from fixedpipe.raster.arrays import Segments
-from fixedpipe.raster.fixed import divide, reciprocal_29, truncate_24
+from fixedpipe.raster.columns import interpolate as columns_interpolate
+from fixedpipe.raster.fixed import divide, reciprocal_27, reciprocal_29, truncate_24
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.arrays import Edges
 from fixedpipe.raster.portable.combine import final_combiner, general_combiner
@@ -79,6 +80,7 @@ from fixedpipe.raster.portable.interpolate import (
     color_weights,
     depth_words,
     emit_depth,
+    emit_w,
     iterate_exact_color,
     iteration_weights,
 )
@@ -143,6 +145,7 @@ def test_mantissas_are_cut_alike(value):
     assert truncate_24(value) == fixed.keep_significant_bits(value, 24)
     power = math.ldexp(1.0, math.frexp(value)[1])
     assert reciprocal_29(value) == fixed.low_reciprocal(value)
+    assert reciprocal_27(value) == fixed.w_reciprocal(value)
     assert reciprocal_29(power) == fixed.low_reciprocal(power) == power
 
 
@@ -897,13 +900,12 @@ NO_PRIMITIVES = WindowPrimitives(
 )
 
 
-def kernel_depths(n, inverse_w, z, offset, slope):
+def kernel_depths(kernel, n, *given):
     """Depths that the kernel gives a row of one pixel for each row of edge values n."""
     floats = np.zeros((rows.FLOAT_COLUMNS, 4))
     values = []
     for edges in n.tolist():
-        triples = tuple(map(float, edges)), (0.0, 0.0, 0.0), tuple(inverse_w), tuple(z)
-        emit_depth(floats, 1, 1, *triples, offset, slope)
+        kernel(floats, 1, 1, tuple(map(float, edges)), (0.0, 0.0, 0.0), *given)
         values.append(floats[rows.DEPTH, 1])
     return values
 
@@ -914,11 +916,27 @@ def test_depths_equal_the_specification(scale, seed):
     random = np.random.default_rng(seed)
     n = random.integers(0, 2 ** random.integers(1, 38), (40, 3))
     n[:, 0] += 1
-    inverse_w = [1.0] * 3 if seed % 2 else np.exp(random.uniform(-3.0, 3.0, 3)).tolist()
     z = [depth.single(v) for v in (scale * random.choice([0.0, 0.5, 1.0, -1.0, random.random()], 3)).tolist()]
-    expected = [depth.iterate(row, inverse_w, z) for row in n.tolist()]
-    assert kernel_depths(n, inverse_w, z, 0.0, 0.0) == expected
-    assert kernel_depths(n, inverse_w, z, 3.0, 0.5) == [v + (3.0 + 0.5 * (v * v)) for v in expected]
+    expected = [depth.kept(depth.iterate(row, z)) for row in n.tolist()]
+    assert kernel_depths(emit_depth, n, tuple(z), 0.0) == expected
+    assert kernel_depths(emit_depth, n, tuple(z), 3.0) == [v + 3.0 for v in expected]
+
+
+@pytest.mark.parametrize("scale", [2.0**-130, 2.0**-60, 1.0, 2.0**24, 2.0**120])
+@given(seed=seeds)
+def test_depths_of_w_buffering_equal_the_specification(scale, seed):
+    random = np.random.default_rng(seed)
+    n = random.integers(0, 2 ** random.integers(1, 38), (40, 3))
+    n[:, 0] += 1
+    w = [depth.single(v) for v in (scale * np.exp(random.uniform(-3.0, 3.0, 3))).tolist()]
+    if seed % 3 == 0:
+        w[2] = w[seed % 2]
+    expected = [depth.kept(depth.iterate_w(row, w)) for row in n.tolist()]
+    corners = np.tile(w, (len(n), 1))
+    assert columns_interpolate.iterate_w(list(n.T), corners).tolist() == expected
+    given = depth.w_factors(w), tuple(w)
+    assert kernel_depths(emit_w, n, *given, 0.0, 0.0) == expected
+    assert kernel_depths(emit_w, n, *given, 3.0, 0.5) == [v + (3.0 + 0.5 * (v * v)) for v in expected]
 
 
 @given(seed=seeds)

@@ -215,11 +215,11 @@ ONES = (1.0, 1.0, 1.0)
 
 
 def test_depth_is_iterated_from_the_vertex_of_the_largest_exponent():
-    assert depth.iterate((2, 1, 1), ONES, (0.0, 32767.5, 65535.0)) == 24575.625
-    assert depth.iterate((1, 1, 1), ONES, (7.0, 7.0, 7.0)) == 7.0
+    assert depth.iterate((2, 1, 1), (0.0, 32767.5, 65535.0)) == 24575.625
+    assert depth.iterate((1, 1, 1), (7.0, 7.0, 7.0)) == 7.0
     # A third is low by less than 2^-24 of itself: the base vertex takes what the others lack.
-    assert depth.iterate((1, 1, 1), ONES, (3.0, 0.0, 0.0)) < 1.0
-    assert depth.iterate((1, 1, 1), ONES, (0.0, 3.0, 0.0)) > 1.0
+    assert depth.iterate((1, 1, 1), (3.0, 0.0, 0.0)) < 1.0
+    assert depth.iterate((1, 1, 1), (0.0, 3.0, 0.0)) > 1.0
     assert [depth.base_vertex(e) for e in ((1, 1, 1), (2, 3, 2), (3, 1, 2), (1.9, 1, 2), (0, 0, 1))] == [
         1,
         1,
@@ -232,15 +232,15 @@ def test_depth_is_iterated_from_the_vertex_of_the_largest_exponent():
 def test_a_product_keeps_the_bits_that_a_sum_of_29_bits_has_room_for():
     # 2^23 + 1/4 * (2^-4 + 2^-6): of the product's 2^-6 + 2^-8 a sum of 2^23 keeps the bits down to 2^-5.
     near, far = 2.0**23, 2.0**23 + 1.0
-    assert depth.iterate((3, 0, 1), ONES, (near, 0.0, far)) == 2.0**23 + 0.25
-    assert depth.iterate((63, 0, 1), ONES, (near, 0.0, far)) == near  # 2^-6 is gone
-    assert depth.iterate((31, 0, 1), ONES, (near, 0.0, far)) == near + 2.0**-5
+    assert depth.iterate((3, 0, 1), (near, 0.0, far)) == 2.0**23 + 0.25
+    assert depth.iterate((63, 0, 1), (near, 0.0, far)) == near  # 2^-6 is gone
+    assert depth.iterate((31, 0, 1), (near, 0.0, far)) == near + 2.0**-5
 
 
 def test_differences_below_the_smallest_normal_single_are_none():
     small, step = 2.0**-125, 2.0**-127
-    assert depth.iterate((3, 0, 1), ONES, (small, 0.0, small + step)) == small
-    assert depth.iterate((3, 0, 1), ONES, (small, 0.0, small + 2 * step)) == small + step / 2
+    assert depth.iterate((3, 0, 1), (small, 0.0, small + step)) == small
+    assert depth.iterate((3, 0, 1), (small, 0.0, small + 2 * step)) == small + step / 2
 
 
 def test_words_of_every_depth_format():
@@ -263,14 +263,16 @@ def test_polygon_offset_takes_the_steeper_axis_and_truncates_in_fixed_formats():
     triangle = coverage.make_triangle((0, 0), (160, 0), (0, 160))
     state = PassState(polygon=PolygonState(offset_fill=True, offset_factor=2.0, offset_units=3.5))
 
-    def offset(z, depth_format=DepthFormat.FIXED_16, **polygon):
+    def offset(z, depth_format=DepthFormat.FIXED_16, fraction=False, **polygon):
         changed = replace(state, polygon=replace(state.polygon, **polygon))
-        return depth.primitive_offset(triangle, z, ONES, changed, depth_format)
+        return depth.primitive_offset(triangle, z, ONES, changed, depth_format, fraction)
 
     assert offset((0.0, 32767.5, 0.0)) == (6557.0, 0.0)
     assert offset((0.0, 16383.75, -32767.5), offset_factor=1.0, offset_units=0.0) == (3276.0, 0.0)
     assert offset((0.0, 32767.5, 0.0), offset_factor=-1.0, offset_units=0.0) == (-3276.0, 0.0)
     assert offset((0.0, 32767.5, 0.0), offset_factor=1e20) == (2.0**30, 0.0)
+    assert offset((0.0, 32767.5, 0.0), fraction=True) == (6557.0, 0.0)
+    assert offset((0.0, 1.0, 0.0), fraction=True) == (3.7, 0.0)
     assert offset((0.0, 1.0, 0.0), DepthFormat.FLOAT_16) == (3.7, 0.0)
     assert offset((0.0, 1.0, 0.0), offset_fill=False) == (0.0, 0.0)
 

@@ -3,7 +3,7 @@
 import math
 
 from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat
-from tests.reference import fixed
+from tests.reference import fixed, interpolate
 
 OFFSET_LIMIT = 2**30  # Assumed: far above any depth unit
 LARGEST_SINGLE = (2 - 2**-23) * 2.0**127  # Source: IEEE 754
@@ -74,11 +74,12 @@ def polygon_offset(vertices, area, values, factor):
     return factor * max(abs(along_x), abs(along_y))
 
 
-def primitive_offset(triangle, depths, inverse_w, state, depth_format):
-    """(what is added to every depth, what is added times the depth's square).
+def primitive_offset(triangle, depths, inverse_w, state, depth_format, fraction):
+    """(what is added to every depth, what is added times the depth's square). ``fraction``: whether a fixed
+    format's keeps its own.
 
-    Measured: whole numbers in fixed formats (ZBuf24D captures); Assumed: exact in the others, and with
-    W buffering, where the slope of w is its square times that of 1/w.
+    Measured: that the NV2A's does (11 ZBuf captures); Assumed: with W buffering the slope of w is its square
+    times that of 1/w.
     """
     polygon = state.polygon
     if not polygon.offset_fill:
@@ -89,7 +90,7 @@ def primitive_offset(triangle, depths, inverse_w, state, depth_format):
         return polygon.offset_units, fixed.clamp(steep, -limit, limit)
     steep = polygon_offset(triangle.vertices, triangle.area, depths, polygon.offset_factor)
     offset = fixed.clamp(polygon.offset_units + steep, -limit, limit)
-    if depth_format > 0:
+    if depth_format > 0 and not fraction:
         offset = float(math.trunc(fixed.clamp(offset, -OFFSET_LIMIT, OFFSET_LIMIT)))
     return offset, 0.0
 
@@ -103,10 +104,18 @@ def base_vertex(e):
     return max((1, 0, 2), key=lambda i: exponents[i])
 
 
-def edge_terms(n, inverse_w):
-    """Edge values times the vertices' 1/w, or ones, as depths take them. Measured: as ``iterate``."""
+def w_factors(w):
+    """For each vertex's 1/w the product of the others' w. Measured: WBuf24F_FloorQuad, RoofQuad captures;
+    Assumed: what keeps it above 0.
+    """
+    products = w[1] * w[2], w[0] * w[2], w[0] * w[1]
+    return tuple(max(fixed.keep_significant_bits(p, WEIGHT_BITS), 2.0**-300) for p in products)
+
+
+def edge_terms(n, factors):
+    """Edge values times the vertices' factors, or ones, as depths take them. Measured: as ``iterate``."""
     edges = [fixed.keep_significant_bits(float(n_i), WEIGHT_BITS) for n_i in n]
-    return [fixed.keep_significant_bits(a * w, WEIGHT_BITS) for a, w in zip(edges, inverse_w, strict=True)]
+    return [fixed.keep_significant_bits(a * f, WEIGHT_BITS) for a, f in zip(edges, factors, strict=True)]
 
 
 def matters(state):
@@ -116,27 +125,56 @@ def matters(state):
     return tests or (limits is not None and limits.cull)
 
 
-def iterate(n, inverse_w, depths):
+def difference(a, b):
+    """Of two depths. Measured: as ``flushed``."""
+    return flushed(fixed.keep_significant_bits(a - b, WEIGHT_BITS))
+
+
+def sum_of(base, products):
+    """A depth and two products, cut 29 bits below the largest's highest bit. Measured: DepthFmt captures."""
+    largest = max(abs(term) for term in (base, *products))
+    if largest == 0.0:
+        return 0.0
+    unit = 2.0 ** (math.frexp(largest)[1] - SUM_BITS)
+    first, second = (math.trunc(product / unit) * unit for product in products)
+    return (base + first) + second
+
+
+def kept(depth):
+    """What an offset is added to. Measured: ZBuf captures with a slope, which lose 1470 of 307200 without."""
+    return fixed.keep_significant_bits(depth, WEIGHT_BITS)
+
+
+def iterate_w(n, w):
+    """A fragment's depth in W buffering: vertex 1's w, plus the others' weighted differences.
+
+    Measured: WBuf24D_LargeZ 307200 of 307200 depths, WBuf24F_FloorQuad and others all but some 100.
+    """
+    e = edge_terms(n, w_factors(w))
+    inverse = fixed.w_reciprocal(1.0 / ((e[0] + e[1]) + e[2]))
+    q0, q1, q2 = (fixed.keep_significant_bits(e_i * inverse, WEIGHT_BITS) for e_i in e)
+    largest = interpolate.residual_vertex((q0, q1, q2))
+    if largest == 0:
+        q0 = interpolate.rest_of(q1, q2)
+    elif largest == 2:
+        q2 = interpolate.rest_of(q0, q1)
+    return sum_of(w[1], [q0 * difference(w[0], w[1]), q2 * difference(w[2], w[1])])
+
+
+def iterate(n, depths):
     """A fragment's depth from its edge values: the base vertex's, plus the others' weighted differences.
 
-    ``inverse_w``: three ones, or the vertices' 1/w with W buffering. Measured: 90676 of 90676 and 887880 of
-    887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures).
+    Measured: 90676 of 90676 and 887880 of 887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures).
     """
-    e = edge_terms(n, inverse_w)
+    e = edge_terms(n, (1.0, 1.0, 1.0))
     inverse = fixed.low_reciprocal(1.0 / ((e[0] + e[1]) + e[2]))
     base = base_vertex(e)
     products = []
     for i in range(3):
         if i != base:
-            difference = flushed(fixed.keep_significant_bits(depths[i] - depths[base], WEIGHT_BITS))
-            products.append(fixed.keep_significant_bits(e[i] * inverse, WEIGHT_BITS) * difference)
-    terms = [depths[base], *products]
-    largest = max(abs(term) for term in terms)
-    if largest == 0.0:
-        return 0.0
-    unit = 2.0 ** (math.frexp(largest)[1] - SUM_BITS)
-    first, second = (math.trunc(product / unit) * unit for product in products)
-    return (depths[base] + first) + second
+            weight = fixed.keep_significant_bits(e[i] * inverse, WEIGHT_BITS)
+            products.append(weight * difference(depths[i], depths[base]))
+    return sum_of(depths[base], products)
 
 
 def word(depth, depth_format, limits):

@@ -157,7 +157,7 @@ def triangle_of(primitives, vertices):
     return coverage.make_triangle(*((primitives.x[v], primitives.y[v]) for v in vertices), behind)
 
 
-def offset_of(primitives, vertices, state, depth_format, enabled):
+def offset_of(primitives, vertices, state, depth_format, enabled, fraction):
     """The depth offset of the polygon that a row is, or came from. Source: OpenGL 1.2.1 section 3.5.5."""
     if not enabled:
         return 0.0, 0.0
@@ -166,7 +166,7 @@ def offset_of(primitives, vertices, state, depth_format, enabled):
     depths = depth.vertex_depths(primitives, vertices, state, depth_format, in_units)
     inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
     triangle = triangle_of(primitives, vertices)
-    return depth.primitive_offset(triangle, depths, inverse_w, state, depth_format)
+    return depth.primitive_offset(triangle, depths, inverse_w, state, depth_format, fraction)
 
 
 def shape_of(primitives, vertices, kind, state, profile):
@@ -203,10 +203,10 @@ def moved_by(primitives, x, y):
     return SimpleNamespace(**moved, inverse_w=primitives.inverse_w)
 
 
-def has_weights(n, inverse_w, depth_w):
+def has_weights(n, inverse_w, depth_factors):
     """Whether a pixel's weights have sums that can be divided by. Assumed: others are left out."""
     e = interpolate.perspective_terms(n, inverse_w)
-    return interpolate.denominator(e) > 0 and interpolate.denominator(depth.edge_terms(n, depth_w)) > 0
+    return interpolate.denominator(e) > 0 and interpolate.denominator(depth.edge_terms(n, depth_factors)) > 0
 
 
 def draw_primitive(target, primitives, corners, stroke, state, textures, profile, place=None):
@@ -240,8 +240,11 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     ]
     in_units = state.vertex.depth_units
     depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, in_units)
-    depth_w = inverse_w if state.w_buffering and depth.matters(state) else (1.0, 1.0, 1.0)
-    offset, slope = offset_of(primitives, source, state, target.depth_bits, enabled and source[0] >= 0)
+    by_w = state.w_buffering and depth.matters(state)
+    depth_factors = depth.w_factors(depths) if by_w else (1.0, 1.0, 1.0)
+    enabled = enabled and source[0] >= 0
+    fraction = profile.fragments.offset_fraction
+    offset, slope = offset_of(primitives, source, state, target.depth_bits, enabled, fraction)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
     places = places_of(kind, state, profile, place)
     if kind == TRIANGLE and places is None:
@@ -264,7 +267,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         n = coverage.edge_values(shape, *(shape.pixel_of(px, py) if kind == LINE else (px, py)))
         if kind == LINE and strokes.stippled_line(state.line.stipple, shape, counter, px, py):
             continue
-        if places is not None and not has_weights(n, inverse_w, depth_w):
+        if places is not None and not has_weights(n, inverse_w, depth_factors):
             continue
         weights = interpolate.weights(n, inverse_w)
         color = [
@@ -273,7 +276,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             else interpolate.iterate_color_channel(weights.color, [c[k] for c in colors])
             for k in range(8)
         ]
-        z = depth.iterate(n, depth_w, depths)
+        z = depth.kept(depth.iterate_w(n, depths) if by_w else depth.iterate(n, depths))
         z = depth.word(z + (offset + slope * (z * z)), target.depth_bits, state.depth_clamp)
         access = Access(state, units, (px, py), weights, textures, profile)
         alive = True

@@ -170,7 +170,7 @@ def draw(target, primitives, state, textures, profile, widths):
             shaded = combined(state.register_combiners, registers, machine, bits, clamps)
             one = 2**widths.buffer - 1
             source = [wide.converted(c, machine.one, one) for c in shaded]
-            z = depth.word(depth.iterate(n, (1.0, 1.0, 1.0), depths), target.depth_bits, None)
+            z = depth.word(depth.kept(depth.iterate(n, depths)), target.depth_bits, None)
             write(target, px, py, source, z, state, widths.buffer, Clamp.BLENDING in clamps)
 
 

@@ -120,7 +120,7 @@ def test_depths_of_a_run_are_those_of_the_portable_engine(first, right, depths):
     words = np.zeros(count + R.SLACK, np.int32)
     run_depth(words, 0, count, n, right, depths, 0.0, 0.0, 2.0**24 - 1)
     floats, expected = np.zeros((R.DEPTH + 1, count + R.SLACK)), np.zeros(count + R.SLACK, np.int32)
-    emit_depth(floats, 0, count, n, right, (1.0, 1.0, 1.0), depths, 0.0, 0.0)
+    emit_depth(floats, 0, count, n, right, depths, 0.0)
     draw, draw_float = np.zeros(R.DRAW_SIZE, np.int64), np.zeros(R.DRAW_FLOAT_SIZE)
     draw[R.DEPTH_FORMAT], draw[R.DEPTH_MAX] = C.DEPTH_FIXED, 2**24 - 1
     draw_float[R.DEPTH_HIGH] = 2.0**24 - 1
