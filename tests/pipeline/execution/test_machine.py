@@ -1304,3 +1304,16 @@ def test_random_extremes_give_what_the_specification_gives(
         image = texture_cube_map(np.arange(6 * 16 * 4, dtype=np.uint8).reshape(6, 4, 4, 4), mipmaps=True)
     store = TexImage(label="t", texture="t", image=image)
     assert_like_the_reference((store, draw), 8, 6, depth_bits, batch=16)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("profile", "word"), [(NV2A, 101), (GEFORCE_256, 100)])
+def test_an_offsets_fraction_counts_where_the_machine_keeps_it(profile, word, engine):
+    # A depth of 100.75 to 100.77 units, so that the offset's half reaches the next word.
+    z = np.array([100.75, 100.77, 100.75]) * 2 / 65535 - 1
+    mesh = Mesh(np.column_stack([CORNERS, z]))
+    polygon = PolygonState(offset_fill=True, offset_units=0.5)
+    state = PassState(depth_test=DepthTest(ComparisonFunction.ALWAYS), polygon=polygon)
+    draw = Draw(label="offset", mesh=mesh, state=state)
+    result = execute((draw,), profile, 4, 4, depth_bits=16, engine=engine)
+    assert (result.framebuffer.depth == word).all()
