@@ -87,6 +87,35 @@ def total(terms, significant_bits, guard_bits=SUM_GUARD_BITS):
     return np.where(np.isfinite(largest), _in_range(finite, significant_bits), np.abs(sum(terms)))
 
 
+def _sum_cut_at(unit, a, b, c, significant_bits):
+    """a b + c: the exact product and c are cut, toward zero, to multiples of ``unit``, and their exact sum to
+    ``significant_bits``. With an infinity or NaN it is a product and then a sum.
+    """
+    finite = np.isfinite(a) & np.isfinite(b) & np.isfinite(c)
+    unit = np.where(finite, unit, ONE)
+    result = truncated(sum(np.trunc(x / unit) for x in (a * b, c)) * unit, significant_bits)
+    plain = total((product(a, b, significant_bits), c), significant_bits, 0)
+    return np.where(finite, _in_range(result, significant_bits), plain)
+
+
+def multiply_add(a, b, c, significant_bits):
+    """a b + c, its terms cut at the last bit that the result has."""
+    a, b, c = (np.asarray(x, np.float64) for x in (a, b, c))
+    _, exponent = np.frexp(a * b + c)
+    return _sum_cut_at(np.ldexp(ONE, exponent - significant_bits), a, b, c, significant_bits)
+
+
+def guarded_multiply_add(a, b, c, significant_bits):
+    """a b + c, its terms cut one bit below ``significant_bits`` of the larger bound, where a product of
+    numbers below 2^i and 2^j counts as below 2^(i + j).
+    """
+    a, b, c = (np.asarray(x, np.float64) for x in (a, b, c))
+    bound, of_product = np.frexp(c)[1], np.frexp(a)[1] + np.frexp(b)[1]
+    larger = np.maximum(of_product, np.where(c == 0, of_product, bound))
+    bound = np.where(a * b == 0, bound, larger)
+    return _sum_cut_at(np.ldexp(ONE, bound - significant_bits - 1), a, b, c, significant_bits)
+
+
 def _mantissa(column, bits):
     """Of finite |column| = m 2^e with m in [1, 2): m as an integer of ``bits`` bits, uint64, and e."""
     fraction, exponent = np.frexp(np.where(np.isfinite(column) & (column != 0), np.abs(column), ONE))

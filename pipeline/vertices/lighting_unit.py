@@ -15,7 +15,9 @@ from fixedpipe.pipeline.vertices.arithmetic import ONE, ZERO, Column, normalize,
 from fixedpipe.pipeline.vertices.chip_floats import (
     LIGHTING_BITS,
     TRANSFORM_BITS,
+    guarded_multiply_add,
     lighting_reciprocal,
+    multiply_add,
     product,
     single,
     to_lighting,
@@ -49,6 +51,10 @@ def _plus(*terms):
 def _plus_scalar(a, b):
     """The sum of the unit's scalar half, which keeps no guard bits."""
     return total((a, b), LIGHTING_BITS, 0)
+
+
+def _multiply_add(a, b, c):
+    return multiply_add(a, b, c, LIGHTING_BITS)
 
 
 def _dot(a, b):
@@ -138,23 +144,29 @@ def _strengths(light, material, lighting, geometry, normal):
     facing = _dot(normal, direction)
     dark = dark | (facing < 0)
     diffuse = _times(strength, np.where(dark, ZERO, facing))
-    highlight, unlit = _highlight(light, material, lighting, geometry, normal, direction)
-    specular = _times(strength, np.where(dark | unlit, ZERO, highlight))
+    above, reciprocal, unlit = _highlight(light, material, lighting, geometry, normal, direction)
+    unlit = dark | unlit
+    specular = _times(strength, np.where(unlit, ZERO, above))
+    if reciprocal is not None:
+        specular = _times(specular, np.where(unlit, ONE, reciprocal))
     return _Strengths(strength, diffuse, specular)
 
 
 def _spot(spot, vector, strength):
-    """Attenuation times the cone's factor, and where the factor is not positive."""
+    """Attenuation times the cone's factor, and where that is not positive.
+
+    Measured: its reciprocal comes last (Lighting_spotlight captures).
+    """
     x = transform_dot((*vector, ONE), [single(np.float64(c)) for c in spot.axis])
     x = np.minimum(to_lighting(x), ONE)
     a, b, c = _register(spot.coefficients)
     above = _plus_scalar(x, a)
-    factor = _times(above, lighting_reciprocal(_plus_scalar(_times(x, b), c)))
-    return _times(strength, factor), above <= 0
+    below = _multiply_add(x, b, c)
+    return _times(_times(strength, above), lighting_reciprocal(below)), above <= 0
 
 
 def _highlight(light, material, lighting, geometry, normal, direction):
-    """The specular factor, and where it is zero."""
+    """The specular factor, above its denominator's reciprocal (or None), and where it is zero."""
     coefficients = material.specular_coefficients
     if light.position[3] == 0 and not lighting.local_viewer:
         half = light.half_vector
@@ -164,20 +176,20 @@ def _highlight(light, material, lighting, geometry, normal, direction):
             half = normalize([c + e for c, e in zip(towards, viewer, strict=True)])
         x = _dot(normal, _register(half))
         if coefficients is None:
-            return to_lighting(single(power(positive(x), material.shininess))), x < 0
+            return to_lighting(single(power(positive(x), material.shininess))), None, x < 0
         a, b, c = _register(coefficients[:3])
         above = _plus_scalar(x, a)
-        return _times(above, lighting_reciprocal(_plus_scalar(_times(x, b), c))), above < 0
+        return above, lighting_reciprocal(_multiply_add(x, b, c)), above < 0
     half = [_plus(e, d) for e, d in zip(geometry.viewer, direction, strict=True)]
     square, x = _dot(half, half), _dot(normal, half)
     xx = _times(x, x)
     if coefficients is None:
         cosine = positive(x) / np.sqrt(np.where(square == 0, ONE, square))
-        return to_lighting(single(power(cosine, material.shininess))), x < 0
+        return to_lighting(single(power(cosine, material.shininess))), None, x < 0
     a, b, c = _register(coefficients[3:])
-    above = _plus_scalar(xx, _times(square, a))
-    below = _plus_scalar(_plus_scalar(_times(xx, b), ZERO), _times(square, c))
-    return _times(above, lighting_reciprocal(below)), (x < 0) | (above < 0)
+    above = _multiply_add(square, a, xx)
+    below = guarded_multiply_add(square, c, _times(xx, b), LIGHTING_BITS)
+    return above, lighting_reciprocal(below), (x < 0) | (above < 0)
 
 
 # ------------------------------------------------------------------------------------------------ colours

@@ -99,6 +99,28 @@ def total(terms, bits, guard=5):
     return cut(sum(multiple(x, unit) for x in terms), bits)
 
 
+def sum_cut_at(unit, a, b, c, bits):
+    """Measured: a product is not cut before its sum (Specular, Lighting_control, Lighting_spotlight)."""
+    return cut(multiple(a * b, unit) + multiple(c, unit), bits)
+
+
+def multiply_add(a, b, c, bits):
+    """Inferred: terms are cut at the last bit of the result (Specular, Lighting_spotlight captures)."""
+    if any(special(x) for x in (a, b, c)):
+        return total((product(a, b, bits), c), bits, 0)
+    exact = a * b + c
+    return exact if exact == 0 else sum_cut_at(Fraction(2) ** (exponent(exact) - bits + 1), a, b, c, bits)
+
+
+def guarded_multiply_add(a, b, c, bits):
+    """Measured: terms are cut a bit below the larger bound's (Lighting_control, Lighting_accumulation)."""
+    if any(special(x) for x in (a, b, c)):
+        return total((product(a, b, bits), c), bits, 0)
+    tops = [exponent(a) + exponent(b) + 1] if a * b != 0 else []
+    tops += [exponent(c)] if c != 0 else []
+    return sum_cut_at(Fraction(2) ** (max(tops) - bits), a, b, c, bits) if tops else Fraction(0)
+
+
 def limits(x, value):
     """1/0, 1/infinity and 1/NaN, else ``value`` with x's sign. Source: envytools (xf_rcp, lt_rcp)."""
     if special(x):
@@ -230,19 +252,16 @@ def normalized(v):
     return v if size == 0 else [c / size for c in v]
 
 
-def rational(x, a, b, c):
-    """(x + a)/(b x + c), and x + a. Source: envytools (pgraph_celsius_lt_full)."""
-    above = plus_scalar(x, a)
-    return times(above, lighting_reciprocal(plus_scalar(times(x, b), c))), above
-
-
 def below_zero(x):
     """A NaN is not. Source: the sign bit decides, and a NaN's is clear."""
     return x < 0
 
 
 def highlight(light, material, lighting, normal, viewer, direction, power):
-    """The specular factor, 0 where there is none. Source: envytools (pgraph_celsius_lt_full)."""
+    """The specular factor, a number or a numerator and a reciprocal, 0 where there is none.
+
+    Source: envytools (pgraph_celsius_lt_full); Measured: the sums (Specular, Lighting_control captures).
+    """
     coefficients = material.specular_coefficients
     if light.position[3] == 0 and not lighting.local_viewer:
         half = light.half_vector
@@ -253,8 +272,10 @@ def highlight(light, material, lighting, normal, viewer, direction, power):
         if coefficients is None:
             shine = to_lighting(single(power(float(x) if x > 0 else 0.0, material.shininess)))
             return Fraction(0) if below_zero(x) else shine
-        shine, above = rational(x, *register(coefficients[:3]))
-        return Fraction(0) if below_zero(above) else shine
+        a, b, c = register(coefficients[:3])
+        above = plus_scalar(x, a)
+        under = multiply_add(x, b, c, LIGHTING)
+        return Fraction(0) if below_zero(above) else (above, lighting_reciprocal(under))
     half = [plus(e, d) for e, d in zip(viewer, direction, strict=True)]
     square, x = dot(half, half), dot(normal, half)
     if coefficients is None:
@@ -264,11 +285,9 @@ def highlight(light, material, lighting, normal, viewer, direction, power):
         return Fraction(0) if below_zero(x) else shine
     a, b, c = register(coefficients[3:])
     xx = times(x, x)
-    above = plus_scalar(xx, times(square, a))
-    under = plus_scalar(plus_scalar(times(xx, b), Fraction(0)), times(square, c))
-    if below_zero(x) or below_zero(above):
-        return Fraction(0)
-    return times(above, lighting_reciprocal(under))
+    above = multiply_add(square, a, xx, LIGHTING)
+    under = guarded_multiply_add(square, c, times(xx, b), LIGHTING)
+    return Fraction(0) if below_zero(x) or below_zero(above) else (above, lighting_reciprocal(under))
 
 
 def strengths(light, material, lighting, normal, viewer, point, power):
@@ -293,15 +312,19 @@ def strengths(light, material, lighting, normal, viewer, point, power):
             x = transform_dot([*vector, Fraction(1)], [single(c) for c in light.spot.axis])
             x = to_lighting(x)
             x = x if special(x) and math.isnan(x) else min(x, Fraction(1))
-            factor, above = rational(x, *register(light.spot.coefficients))
-            strength = times(strength, factor)
+            a, b, c = register(light.spot.coefficients)
+            above, under = plus_scalar(x, a), multiply_add(x, b, c, LIGHTING)
+            strength = times(times(strength, above), lighting_reciprocal(under))
             dark = dark or above <= 0
         strength = Fraction(0) if dark else strength
     facing = dot(normal, direction)
     dark = dark or below_zero(facing)
     diffuse = times(strength, Fraction(0) if dark else facing)
     shine = Fraction(0) if dark else highlight(light, material, lighting, normal, viewer, direction, power)
-    return {"ambient": strength, "diffuse": diffuse, "specular": times(strength, shine)}
+    specular = strength
+    for factor in shine if isinstance(shine, tuple) else (shine,):
+        specular = times(specular, factor)
+    return {"ambient": strength, "diffuse": diffuse, "specular": specular}
 
 
 # ----------------------------------------------------------------------------------------------- colours

@@ -44,6 +44,25 @@ def test_sums_and_products_are_cut_as_specified(a, b, c, bits, guard):
 
 
 @settings(max_examples=300)
+@given(singles, singles, singles)
+def test_a_product_and_a_sum_at_once_are_cut_as_specified(a, b, c):
+    with np.errstate(all="ignore"):
+        a, b, c = (chip_floats.to_lighting(chip_floats.single(v))[()] for v in (a, b, c))
+        x, y, z = (exact(float(v)) for v in (a, b, c))
+        for name in ("multiply_add", "guarded_multiply_add"):
+            got, wanted = (getattr(module, name) for module in (chip_floats, reference))
+            assert same(got(a, b, c, 14), wanted(x, y, z, 14))
+
+
+def test_a_product_beside_a_sum_keeps_bits_more():
+    """Source: docs/numbers.md, section 2: of 2.499695 bits to 2^-14 or 2^-13 count; alone to 2^-12."""
+    x, b, c = 1 - 2.0**-13, -2.5, 3.0
+    assert float(chip_floats.multiply_add(x, b, c, 14)) == 0.5 + 5 * 2.0**-14
+    assert float(chip_floats.guarded_multiply_add(x, b, c, 14)) == 0.5 + 3 * 2.0**-13
+    assert float(chip_floats.total((chip_floats.product(x, b, 14), c), 14, 0)) == 0.5 + 2.0**-11
+
+
+@settings(max_examples=300)
 @given(singles)
 def test_reciprocals_follow_their_tables(value):
     with np.errstate(all="ignore"):
