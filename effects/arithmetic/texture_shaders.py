@@ -107,10 +107,11 @@ RULES = (
         stage=STAGE,
         numbers="N12.4",
         formula=(
-            "[(st[0] + matrix[0] * (signed(texel[2]) / 128)) + matrix[2] * (signed(texel[1]) / 128), "
-            "(st[1] + matrix[1] * (signed(texel[2]) / 128)) + matrix[3] * (signed(texel[1]) / 128)]"
+            "s + a1 ds + a3 dt and t + a2 ds + a4 dt of the signed blue and green texel over 128 and matrix "
+            "(a1, a2, a3, a4), each term cut to the last of 24 bits of the largest"
         ),
-        evidence="Measured: BumpEnvMap, BumpEnvMapLuminance, Bump_map, Bump_env_lum; in how many bits, open",
+        in_words=True,
+        evidence="Measured: BumpMap_G8B8_B_R90, of which 780 pixels tell; BumpEnvMap, Bump_map, Bump_env_lum",
         captures=("Pixel_shader/BumpEnvMap", "Bump_map", "Bump_env_lum"),
         inputs={"st": "single[2]", "texel": "int[4]", "matrix": "single[4]"},
         output="double[2]",
