@@ -220,6 +220,6 @@ class IteratedPrimitives:
             slope = np.clip(steep, -(2.0**128), 2.0**128)
             return np.where(enabled, float(polygon.offset_units), 0.0), np.where(enabled, slope, 0.0)
         offset = np.clip(polygon.offset_units + steep, -(2.0**128), 2.0**128)
-        if not (self.framebuffer.depth_format.is_float or self.profile.fragments.offset_fraction):
+        if not (self.framebuffer.depth_format.is_float or self.profile.arithmetic.offset_fraction):
             offset = np.trunc(np.clip(offset, -(2.0**30), 2.0**30))
         return np.where(enabled, offset, 0.0), 0.0

@@ -88,7 +88,7 @@ def _pack_depth(state, profile, framebuffer, draw, draw_float):
     draw[R.W_BUFFERING] = state.w_buffering
     if polygon.offset_factor or polygon.offset_units:
         draw[R.POLYGON_OFFSET] = polygon.offset_fill
-        draw[R.OFFSET_FRACTION] = profile.fragments.offset_fraction
+        draw[R.OFFSET_FRACTION] = profile.arithmetic.offset_fraction
         draw[R.OFFSET_LINE], draw[R.OFFSET_POINT] = polygon.offset_line, polygon.offset_point
         draw_float[R.OFFSET_FACTOR] = polygon.offset_factor
         draw_float[R.OFFSET_UNITS] = polygon.offset_units

@@ -155,7 +155,6 @@ G400 = Profile(
         fog_registers=known(False, NOT_CORE),
         depth_clamp=known(False, NOT_CORE),
         w_buffering=known(False, NOT_CORE),
-        offset_fraction=known(False, "Assumed: whole units"),
         max_window_rectangles=known(0, NOT_CORE),
         stencil_operations=known(CORE_STENCIL_OPERATIONS, "Source: OpenGL 1.2.1 section 4.1.4"),
         blend_factors_source=known(CORE_SOURCE_FACTORS, "Source: OpenGL 1.2.1 table 4.1"),
@@ -216,6 +215,7 @@ G400 = Profile(
         ),
         combiner_range=known(1.0, _NO_COMBINERS),
         clamp_low=known(-256, _NO_COMBINERS),
+        offset_fraction=known(False, "Assumed: whole units; a slope drawn on a G400 would settle it"),
         expand_half=known(
             128, "Assumed: as on the NV2A, 128; ADD_SIGNED takes it, and a picture of a G400 would settle it"
         ),

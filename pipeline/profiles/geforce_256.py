@@ -142,7 +142,6 @@ GEFORCE_256 = Profile(
         fog_registers=known(False, "Source: OpenGL 1.2.1 section 3.10 has no such parameters"),
         depth_clamp=known(False, "Source: NV_depth_clamp, an extension of later chips"),
         w_buffering=known(False, "Assumed: none; no extension of OpenGL reaches it"),
-        offset_fraction=known(False, "Assumed: whole units"),
         max_window_rectangles=known(0, "Assumed: none; a capture would settle it"),
         stencil_operations=known(
             frozenset(StencilOperation), "Source: OpenGL 1.2.1 section 4.1.4; EXT_stencil_wrap"
@@ -225,6 +224,7 @@ GEFORCE_256 = Profile(
         ),
         combiner_range=known(1.0, "Source: NV_register_combiners (registers hold -1 to 1)"),
         clamp_low=known(-256, "Assumed: -256, the lowest 9-bit value, as on the NV2A"),
+        offset_fraction=known(False, "Assumed: whole units; a slope drawn on a GeForce 256 would settle it"),
         expand_half=known(
             128, "Inferred: from the NV2A's output half of 128, where normal maps of the time put zero"
         ),

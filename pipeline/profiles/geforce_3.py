@@ -176,7 +176,6 @@ GEFORCE_3 = Profile(
         ),
         depth_clamp=known(True, "Inferred: from the NV2A: Depth_Clamp captures"),
         w_buffering=known(True, "Inferred: from the NV2A: Depth_Clamp captures"),
-        offset_fraction=known(False, "Assumed: whole units; the NV2A's captures alone show otherwise"),
         max_window_rectangles=known(
             8, "Inferred: from the NV2A: SET_WINDOW_CLIP_HORIZONTAL and _VERTICAL, eight of each"
         ),
@@ -265,6 +264,7 @@ GEFORCE_3 = Profile(
         combiner_bits=known(8, "Inferred: from the NV2A: 8-bit combiner registers (Combiner captures)"),
         combiner_range=known(1.0, "Source: NV_register_combiners (registers hold -1 to 1)"),
         clamp_low=known(-256, "Assumed: -256, as on the NV2A; a picture of a negative sum would settle it"),
+        offset_fraction=known(False, "Assumed: whole units; a slope drawn on a GeForce 3 would settle it"),
         expand_half=known(128, "Inferred: from the NV2A: the output half is 128 (CombinerOps capture)"),
         product_rounding=known(
             ProductRounding.JOINT,

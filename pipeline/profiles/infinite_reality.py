@@ -143,7 +143,6 @@ INFINITE_REALITY = Profile(
         fog_registers=known(False, NOT_CORE),
         depth_clamp=known(False, NOT_CORE),
         w_buffering=known(False, NOT_CORE),
-        offset_fraction=known(False, "Assumed: whole units"),
         max_window_rectangles=known(0, NOT_CORE),
         stencil_operations=known(CORE_STENCIL_OPERATIONS, "Source: OpenGL 1.2.1 section 4.1.4"),
         blend_factors_source=known(CORE_SOURCE_FACTORS | CONSTANT_FACTORS, OF_SUBSET),
@@ -205,6 +204,9 @@ INFINITE_REALITY = Profile(
         ),
         combiner_range=known(1.0, _NO_COMBINERS),
         clamp_low=known(-256, _NO_COMBINERS),
+        offset_fraction=known(
+            False, "Assumed: whole units; a slope drawn on an InfiniteReality would settle it"
+        ),
         expand_half=known(128, "Assumed: as on the plain board, 128; no stage of an InfiniteReality expands"),
         product_rounding=known(ProductRounding.JOINT, _PICTURE),
         round_before_scale=known(True, _PICTURE),

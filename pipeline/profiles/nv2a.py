@@ -159,9 +159,6 @@ NV2A = Profile(
         ),
         depth_clamp=known(True, "Measured: Depth_Clamp captures"),
         w_buffering=known(True, "Measured: Depth_Clamp captures"),
-        offset_fraction=known(
-            True, "Measured: 11 depth buffers (W_buffering ZBuf captures), 22320 depths a word more with it"
-        ),
         max_window_rectangles=known(8, "Source: SET_WINDOW_CLIP_HORIZONTAL and _VERTICAL, eight of each"),
         stencil_operations=known(frozenset(StencilOperation), "Measured: Stencil captures"),
         blend_factors_source=known(
@@ -236,6 +233,9 @@ NV2A = Profile(
         combiner_range=known(1.0, "Source: NV_register_combiners (registers hold -1 to 1)"),
         clamp_low=known(
             -256, "Assumed: -256, the lowest 9-bit value; a capture of a negative sum would settle it"
+        ),
+        offset_fraction=known(
+            True, "Measured: 11 depth buffers (W_buffering ZBuf captures), 22320 depths a word more with it"
         ),
         expand_half=known(
             128, "Inferred: the output half is 128 (CombinerOps capture); no capture uses EXPAND"

@@ -125,7 +125,6 @@ OPENGL_1_2 = Profile(
         fog_registers=known(False, NOT_CORE),
         depth_clamp=known(False, NOT_CORE),
         w_buffering=known(False, NOT_CORE),
-        offset_fraction=known(False, "Assumed: whole units"),
         max_window_rectangles=known(0, NOT_CORE),
         stencil_operations=known(CORE_STENCIL_OPERATIONS, "Source: OpenGL 1.2.1 section 4.1.4"),
         blend_factors_source=known(CORE_SOURCE_FACTORS, "Source: OpenGL 1.2.1 table 4.1"),
@@ -195,6 +194,7 @@ OPENGL_1_2 = Profile(
         combiner_bits=known(8, "Assumed: environments are as wide as the colour buffer"),
         combiner_range=known(1.0, _NO_COMBINERS),
         clamp_low=known(-256, _NO_COMBINERS),
+        offset_fraction=known(False, "Assumed: whole units; OpenGL 1.2.1 section 3.5.5 does not say"),
         expand_half=known(
             128, "Assumed: 128, where normal maps of the time put zero; no stage of OpenGL 1.2.1 expands"
         ),

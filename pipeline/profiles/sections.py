@@ -127,7 +127,6 @@ class Fragments(Section):
     fog_registers: bool  # FogRegisters, in place of a fog's density, start and end
     depth_clamp: bool  # NV_depth_clamp
     w_buffering: bool  # clip w as depth
-    offset_fraction: bool  # whether a fixed depth format adds a polygon offset's fraction too
     max_window_rectangles: int  # of a WindowClip
     stencil_operations: frozenset[StencilOperation]
     blend_factors_source: frozenset[BlendFactor]
@@ -197,6 +196,7 @@ class Arithmetic(Section):
     combiner_bits: int  # of a combiner's value of one
     combiner_range: float  # registers hold values below this, of either sign
     clamp_low: int  # the least value of a general combiner's sum: -256 or -255
+    offset_fraction: bool  # whether a fixed depth format adds a polygon offset's fraction too
     expand_half: float  # what an 8-bit EXPAND mapping takes as one half: 128 or 127.5
     product_rounding: ProductRounding
     round_before_scale: bool  # a general combiner's sum

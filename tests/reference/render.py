@@ -243,7 +243,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     by_w = state.w_buffering and depth.matters(state)
     depth_factors = depth.w_factors(depths) if by_w else (1.0, 1.0, 1.0)
     enabled = enabled and source[0] >= 0
-    fraction = profile.fragments.offset_fraction
+    fraction = profile.arithmetic.offset_fraction
     offset, slope = offset_of(primitives, source, state, target.depth_bits, enabled, fraction)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
     places = places_of(kind, state, profile, place)

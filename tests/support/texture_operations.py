@@ -5,7 +5,7 @@ dots the dot products of the group's stages, qs their q; a1 to a4, scale, bias a
 """
 
 from dataclasses import dataclass
-from math import floor
+from math import floor, frexp, trunc
 from typing import Any
 
 
@@ -22,7 +22,7 @@ class Operation:
 
 
 MATRIX, SCALE, BIAS, EYE = (0.5, -0.25, 0.75, 0.125), 0.5, 0.25, (0.25, -0.5, 1.0)
-_OFFSET = "(s + a1*signed(B)/128) + a3*signed(G)/128, (t + a2*signed(B)/128) + a4*signed(G)/128"
+_OFFSET = "sum(s, a1*signed(B)/128, a3*signed(G)/128), sum(t, a2*signed(B)/128, a4*signed(G)/128)"
 _SCALED = "texel", "[byte(C/255*(R/255*scale + bias)) for C in looked_up]"
 _REFLECTED = "[n*(2*dot(dots, {0})) - e*dot(dots, dots) for n, e in zip(dots, {0})]"
 _MATRIX = ", ".join(map(str, MATRIX))
@@ -109,6 +109,12 @@ def _saturated(v):
     return min(max(v, 0.0), 1.0)
 
 
+def _sum_of_cut(*terms: float) -> float:
+    """Of terms that are each cut to the last of 24 bits of the largest."""
+    unit = 2.0 ** (frexp(max(map(abs, terms)))[1] - 24)
+    return sum(trunc(term / unit) for term in terms) * unit
+
+
 def words(exact: bool) -> dict[str, Any]:
     """What the words of a formula stand for."""
     known: dict[str, Any] = {
@@ -117,6 +123,7 @@ def words(exact: bool) -> dict[str, Any]:
         "signed": lambda v: v - 256 if v > 127 else v,
         "dot": lambda p, q: (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2],
         "zip": zip,
+        "sum": (lambda *terms: sum(terms)) if exact else _sum_of_cut,
         "min": min,
         "scale": SCALE,
         "bias": BIAS,
