@@ -86,7 +86,7 @@ ITERATED = (
         numbers="N4.4",
         formula=(
             "q = e T24(1/D), cut to 24 bits, e = n/w (n where the three 1/w are equal); the largest of the "
-            "three is one minus the others; q of vertices 0 and 2"
+            "three is T24(1 - c(a) - c(b)) of the others, c cutting to 2^-25 (N4.8); q of vertices 0 and 2"
         ),
         in_words=True,
         evidence="Measured: 64522 of 64522 pixels; in perspective at most 3 pixels in 200,120 are open",
