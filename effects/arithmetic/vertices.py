@@ -288,6 +288,20 @@ UNITS = (
         edges=tuple((x,) for x in _SHORT if x or math.copysign(1.0, x) > 0),
         draw=lambda chance: (_short(chance),),
     ),
+    Rule(
+        id="lighting-inverse-square-root",
+        stage="Vertices",
+        numbers="N11.12",
+        formula="s / 2^7, s of 7 bits from the table, with no Newton step",
+        in_words=True,
+        evidence="Measured: points' sizes, 3051882 of 3051882 pixels (Point_params)",
+        captures=("Point_params/Detailed_FF", "Point_params/PointParamsOn_SmoothOn_128_FF"),
+        inputs={"x": "single"},
+        output="single",
+        compute=_quiet(chip_floats.lighting_inverse_root),
+        edges=tuple((x,) for x in _SHORT if x or math.copysign(1.0, x) > 0),
+        draw=lambda chance: (_short(chance),),
+    ),
 )
 
 # ------------------------------------------------------------------------------------- window coordinates

@@ -22,6 +22,10 @@ LIGHTING_RECIPROCALS = np.array([16384 // (129 + 2 * k) for k in range(64)], np.
 TRANSFORM_RECIPROCALS = np.array([(32768 // (129 + 2 * k) + 1) // 2 for k in range(64)], np.uint64)
 _ROOTS = [(isqrt((65536 * scale) // (129 + 2 * k)) + 1) // 2 for scale in (128, 64) for k in range(64)]
 TRANSFORM_ROOTS = np.minimum(np.array(_ROOTS, np.uint64), np.uint64(127))
+# Measured: truncated as the lighting unit's reciprocals are (Point_params Detailed_FF).
+LIGHTING_ROOTS = np.array(
+    [isqrt((16384 * scale) // (129 + 2 * k)) for scale in (128, 64) for k in range(64)], np.uint64
+)
 
 
 _SMALLEST, _LIMIT = np.float64(LEAST_SINGLE), np.float64(2.0**128)
@@ -157,6 +161,14 @@ def transform_inverse_root(column):
     best = ((np.uint64(3 << 49) - better * better * x) * better) >> np.uint64(39)
     root = np.ldexp(best.astype(np.float64), -24 - (exponent >> 1))
     return _with_limits(root, np.abs(column))
+
+
+def lighting_inverse_root(column):
+    """1 / sqrt(|column|) as point sizes take it, from the lighting unit's table alone: 7 bits."""
+    m, exponent = _mantissa(column, LIGHTING_BITS)
+    odd = (exponent & 1).astype(np.uint64)
+    seed = LIGHTING_ROOTS[((m >> np.uint64(7)) & np.uint64(63)) + odd * np.uint64(64)]
+    return _with_limits(np.ldexp(seed.astype(np.float64), -7 - (exponent >> 1)), np.abs(column))
 
 
 def transform_dot(a, b):

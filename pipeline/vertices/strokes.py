@@ -18,12 +18,12 @@ from fixedpipe.pipeline.vertices.arithmetic import (
     weighted_sum,
 )
 from fixedpipe.pipeline.vertices.assembly import boundary_edges, stipple_groups
+from fixedpipe.pipeline.vertices.chip_floats import lighting_inverse_root
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.floats import keep_significant_bits
+from fixedpipe.raster.primitives.strokes import POINT_REACH
 from fixedpipe.raster.rows import COUNTER, END_STEP, FIRST_STEP, KIND
 
 _EDGES = ((1, 2), (2, 0), (0, 1))  # in the order in which a triangle's outline is drawn
-_SIZE_BITS = 7  # significant bits of what a point size's inverse square root reads
 
 _NO_SOURCE = (0, -1, -1, -1, 0, 0, 0)
 
@@ -37,8 +37,8 @@ def draws_points(mesh, polygon):
 def point_sizes(mesh, state, profile, eye):
     """The size of every vertex's point in pixels: a column.
 
-    Measured: Point_params Scale_0_0_1_FF, 192 of 192 points; the inverse square root reads 7 significant bits
-    (6 to 9 give the same points).
+    Measured: Point_params Scale_0_0_1_FF, 192 of 192 points; Detailed_FF: the inverse square root of 4 makes
+    a point smaller than one half does, as the lighting unit's table without a Newton step has it.
     """
     point = state.point
     if state.vertex.stage == VertexStage.PROGRAM_RESULTS:
@@ -50,8 +50,8 @@ def point_sizes(mesh, state, profile, eye):
     else:
         given, d = point.parameters, length(eye[:3])
         under = weighted_sum(given.attenuation, (ONE, d, d * d))
-        under = keep_significant_bits(np.asarray(positive(under)), _SIZE_BITS)
-        factor = np.fmin(positive(ONE / np.sqrt(under) + np.float64(given.bias)), ONE)
+        root = lighting_inverse_root(np.asarray(positive(under)))
+        factor = np.fmin(positive(root + np.float64(given.bias)), ONE)
         size = factor * np.float64(given.range) + np.float64(given.minimum)
     return np.fmin(np.fmax(size, ZERO), np.float64(profile.primitives.max_point_size))
 
@@ -157,21 +157,21 @@ def with_steps(primitives, groups, line, profile):
 
 
 def with_squares(primitives, sizes, units, profile):
-    """The same primitives, in which a point's row names three corners of its square.
+    """The same primitives, in which a point's row says its square (``raster.primitives.strokes``).
 
     sizes: a column, pixels; a machine with ``diamond_exit_lines`` rounds them, and moves the point to the
     middle of a pixel or to a corner (Source: OpenGL 1.2.1 section 3.3). units: the texture units whose
-    coordinates sprites replace: s runs from left to right and t from top to bottom. Measured: Point_sprite
-    AlphaTest, 305506 of 305506 pixels; which corners these are shows on exact texel boundaries (section 6's
-    rule of ties), 189 of the pixels.
+    coordinates sprites replace: s runs from left to right and t from top to bottom, each from its 1/2 in the
+    middle. Measured: Point_sprite AlphaTest, 305506 of 305506 pixels; Point_params Detailed_FF, in which
+    texels' exact boundaries right of and below the middle, not those before it, are off by the last bit.
     """
     points = np.flatnonzero(primitives.strokes[:, KIND] == C.PRIMITIVE_POINT)
-    at = primitives.triangles[points, 0].repeat(3)  # lower left, lower right, upper right
+    at = primitives.triangles[points, 0].repeat(3)  # a place to the right, the middle, one below
     sizes = np.broadcast_to(sizes, len(primitives.x))[at]
     half = (8 * whole_size(sizes) if profile.arithmetic.diamond_exit_lines else np.trunc(sizes * 8.0)).astype(
         np.int32
     )
-    right, low = np.tile([False, True, True], len(points)), np.tile([True, True, False], len(points))
+    across, down = np.tile([1, 0, 0], len(points)), np.tile([0, 0, 1], len(points))
     grown = {
         name: np.concatenate([getattr(primitives, name), getattr(primitives, name)[at]])
         for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")
@@ -184,12 +184,14 @@ def with_squares(primitives, sizes, units, profile):
     # Below an eighth of a pixel a point is the pixel that it lies in. Measured: size 0, through a program
     # and the fixed functions (Point_size PointSmoothOff_01_VS, SmallestPointSize_FF).
     nothing = half == 0
-    for name, upper in (("x", right), ("y", low)):
-        at_corner = grown[name][first:]
-        pixel = (at_corner & -16) + np.where(upper, 16, 0)
-        grown[name][first:] = np.where(nothing, pixel, at_corner + np.where(upper, half, -half))
+    half = np.where(nothing, np.int32(8), half)
+    for name, steps in (("x", across), ("y", down)):
+        middle = grown[name][first:]
+        middle = np.where(nothing, (middle & -16) + 8, middle)
+        grown[name][first:] = middle + POINT_REACH * half * steps
     for i in units:
-        grown["coordinates"][first:, i] = np.stack([right, low, right & False, right | True], axis=1)
+        s, t = (0.5 + 0.5 * POINT_REACH * steps for steps in (across, down))
+        grown["coordinates"][first:, i] = np.stack([s, t, np.zeros(len(at)), np.ones(len(at))], axis=1)
     triangles = primitives.triangles.copy()
     triangles[points, :3] = (first + np.arange(3 * len(points))).reshape(-1, 3)
     return replace(primitives, triangles=triangles, **grown)

@@ -55,7 +55,7 @@ from fixedpipe.raster.primitives.strokes import (
     open_run,
     sample_reach,
     stroke_bounds,
-    stroke_margin,
+    stroke_box,
 )
 from fixedpipe.raster.primitives.triangle import (
     corners_of,
@@ -64,6 +64,7 @@ from fixedpipe.raster.primitives.triangle import (
     reaches_infinity,
     row_span,
     side_of,
+    triangle_box,
 )
 
 
@@ -332,16 +333,20 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
             v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
             corners = corners_of(vertices, v0, v1, v2)
             x0, y0, x1, y1, x2, y2 = corners
-            kind, margin = int64(C.PRIMITIVE_TRIANGLE), int64(0)
+            kind = int64(C.PRIMITIVE_TRIANGLE)
+            x_low, y_low, x_high, y_high = triangle_box(corners)
             if has_strokes and not finished:
                 kind = int64(strokes[t, 0])
-                margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
+                if kind != C.PRIMITIVE_TRIANGLE:
+                    x_low, y_low, x_high, y_high = stroke_box(draw, corners, kind)
             by_samples = samples > 0 and (draw[R.COVERAGE] >> kind) & 1 != 0
-            margin += sample_reach(draw)
-            first_row = max((min(y0, min(y1, y2)) - margin + 7) >> 4, top)
-            last_row = min((max(y0, max(y1, y2)) + margin - 8) >> 4, bottom - 1)
-            left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
-            right = min((max(x0, max(x1, x2)) + margin - 8) >> 4, draw[R.X1] - 1)
+            reach = sample_reach(draw)
+            first_row, last_row = (
+                max((y_low - reach + 7) >> 4, top),
+                min((y_high + reach - 8) >> 4, bottom - 1),
+            )
+            left = max((x_low - reach + 7) >> 4, draw[R.X0])
+            right = min((x_high + reach - 8) >> 4, draw[R.X1] - 1)
             if kind == C.PRIMITIVE_TRIANGLE and reaches_infinity(inverse_w, v0, v1, v2):
                 first_row, last_row, left, right = top, bottom - 1, draw[R.X0], draw[R.X1] - 1
             if finished:

@@ -5,8 +5,8 @@ from numba import int32, int64, uint32, uint64
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
-from fixedpipe.raster.primitives.strokes import sample_reach, stroke_margin
-from fixedpipe.raster.primitives.triangle import reaches_infinity, side_of
+from fixedpipe.raster.primitives.strokes import sample_reach, stroke_box
+from fixedpipe.raster.primitives.triangle import Corners, reaches_infinity, side_of, triangle_box
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 BAND_SHIFT = 5
@@ -34,14 +34,15 @@ def sane(triangles, t, vertices, inverse_w, kind):
 def band_range(triangles, strokes, t, x, y, inverse_w, kind, draw):
     """First and last band that a primitive's samples can touch; first > last: none."""
     v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-    y0, y1, y2 = int64(y[v0]), int64(y[v1]), int64(y[v2])
-    margin = stroke_margin(draw, kind) if kind != C.PRIMITIVE_TRIANGLE else int64(0)
-    margin += sample_reach(draw)
-    top = max((min(y0, min(y1, y2)) - margin + 7) >> 4, draw[R.Y0])
-    bottom = min((max(y0, max(y1, y2)) + margin - 8) >> 4, draw[R.Y1] - 1)
     x0, x1, x2 = int64(x[v0]), int64(x[v1]), int64(x[v2])
-    left = max((min(x0, min(x1, x2)) - margin + 7) >> 4, draw[R.X0])
-    right = min((max(x0, max(x1, x2)) + margin - 8) >> 4, draw[R.X1] - 1)
+    y0, y1, y2 = int64(y[v0]), int64(y[v1]), int64(y[v2])
+    corners = Corners(x0, y0, x1, y1, x2, y2)
+    left, top, right, bottom = triangle_box(corners)
+    if kind != C.PRIMITIVE_TRIANGLE:
+        left, top, right, bottom = stroke_box(draw, corners, kind)
+    reach = sample_reach(draw)
+    top, bottom = max((top - reach + 7) >> 4, draw[R.Y0]), min((bottom + reach - 8) >> 4, draw[R.Y1] - 1)
+    left, right = max((left - reach + 7) >> 4, draw[R.X0]), min((right + reach - 8) >> 4, draw[R.X1] - 1)
     if kind == C.PRIMITIVE_TRIANGLE and reaches_infinity(inverse_w, v0, v1, v2):
         top, bottom, left, right = draw[R.Y0], draw[R.Y1] - 1, draw[R.X0], draw[R.X1] - 1
     if top > bottom or left > right:

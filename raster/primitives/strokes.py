@@ -2,7 +2,8 @@
 
 Integers only, in 1/16 pixel. A line's row of ``triangles`` is its second vertex, then its first, twice: with
 n0 how far along a pixel lies, n1 = 0 and n2 the rest, everything is iterated as in a triangle. A point's row
-is the lower left, lower right and upper right corner of its square, whose edge functions serve the same way.
+is a place POINT_REACH half sides to the right of its middle, the middle, and a place as far below: iterated
+like a triangle's, the middle's weight is the largest all over the square, so no other takes the rest.
 """
 
 from numba import int64
@@ -10,6 +11,8 @@ from numba import int64
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel, separate_function
+
+POINT_REACH = 8  # half sides of its square that the outer two of a point's row lie away
 
 
 @kernel
@@ -164,6 +167,29 @@ def power_of_two(n):
 
 
 @kernel
+def point_square(corners):
+    """(left, top, right, bottom) of a point's square."""
+    x0, _y0, x1, y1, _x2, _y2 = corners
+    half = (x0 - x1) // POINT_REACH
+    return x1 - half, y1 - half, x1 + half, y1 + half
+
+
+@kernel
+def stroke_box(draw, corners, kind):
+    """(left, top, right, bottom) outside which a line or a point draws no sample.
+
+    16 times half a line's width is at most 1.12 times its width in eighths; a step's pixel may begin before
+    the line does, and a diamond line's is up to its width and half a pixel away.
+    """
+    if kind == C.PRIMITIVE_POINT:
+        left, top, right, bottom = point_square(corners)
+        return left - 1, top - 1, right + 1, bottom + 1
+    x0, y0, x1, y1, _x2, _y2 = corners
+    margin = 2 * draw[R.LINE_WIDTH] + 16
+    return min(x0, x1) - margin, min(y0, y1) - margin, max(x0, x1) + margin, max(y0, y1) + margin
+
+
+@kernel
 def point_bounds(corners, sx, sy):
     """Four values that are all >= 0 where the point draws the sample.
 
@@ -171,10 +197,9 @@ def point_bounds(corners, sx, sy):
     the point a sample lies comes from a reciprocal that is exact only there.
     Measured: Point_size PointSmoothOff_01_FF, 208 of 208 points.
     """
-    x0, _y0, x1, y1, _x2, y2 = corners
-    right = int64(-1) if power_of_two(x1 - x0) else int64(0)
-    bottom = int64(-1) if power_of_two(y1 - y2) else int64(0)
-    return sx - x0, x1 - sx + right, sy - y2, y1 - sy + bottom
+    left, top, right, bottom = point_square(corners)
+    tie = int64(-1) if power_of_two(right - left) else int64(0)
+    return sx - left, right - sx + tie, sy - top, bottom - sy + tie
 
 
 @kernel
@@ -189,15 +214,6 @@ def stroke_bounds(draw, stroke, corners, sx, sy):
 def sample_reach(draw):
     """How far, in 1/16 pixel, the samples that cover a pixel may lie from its middle."""
     return int64(8) if draw[R.COVER_SAMPLES] else int64(0)
-
-
-@kernel
-def stroke_margin(draw, kind):
-    """How far, in 1/16 pixel, a stroke's samples may lie outside the box of its row's vertices: 16 times the
-    half width is at most 1.12 times the width in eighths; a step's pixel may begin before the line does, and
-    a diamond line's is up to its width and half a pixel away.
-    """
-    return 2 * draw[R.LINE_WIDTH] + 16 if kind == C.PRIMITIVE_LINE else int64(1)
 
 
 @kernel

@@ -268,6 +268,7 @@ ONE_BY_ONE = {
     "lighting-product": of_unit(lighting_unit.times),
     "lighting-sum": of_unit(lighting_unit.plus),
     "lighting-reciprocal": of_unit(lighting_unit.lighting_reciprocal),
+    "lighting-inverse-square-root": of_unit(lighting_unit.lighting_inverse_root),
     "window-coordinate": window,
     "snapped-coordinate": lambda x, extent: vertex.snap(x, extent, NV2A),
     "color-to-byte": lambda v: vertex.color_bytes([v], False, NV2A)[0],

@@ -170,6 +170,15 @@ def transform_inverse_root(x):
     return limits(abs(x), Fraction(best) / 2**24 / Fraction(2) ** ((e - odd) // 2))
 
 
+def lighting_inverse_root(x):
+    """Measured: sizes of points (Point_params Detailed_FF), whose root is the table's, rounded down."""
+    m, e = mantissa(x, LIGHTING)
+    place, odd = (m >> 7) % 64, e % 2
+    middle = (1 + (place + Fraction(1, 2)) / 64) * 2**odd
+    seed = max(s for s in range(129) if s * s * middle <= 2**14)
+    return limits(abs(x), Fraction(seed) / 2**7 / Fraction(2) ** ((e - odd) // 2))
+
+
 def times(a, b):
     """Source: envytools (pgraph_celsius_lt_mul)."""
     return product(a, b, LIGHTING)

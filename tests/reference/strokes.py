@@ -216,12 +216,15 @@ def point_center(x, y, size):
     return (x + pixel // 2) // pixel * pixel, -((pixel // 2 - y) // pixel * pixel)
 
 
-def point_covers(corners, px, py):
-    """Whether a point draws the pixel; ``corners``: lower left, lower right, upper right.
+def point_covers(row, px, py):
+    """Whether a point draws the pixel; ``row``: eight half sides to the right of its middle, the middle, and
+    as far below.
 
     Measured: Point_size, 208 of 208 points.
     """
-    (left, bottom), (right, _), (_, top) = corners
+    (far, _), (middle_x, middle_y), _ = row
+    half = (far - middle_x) // 8
+    left, right, top, bottom = middle_x - half, middle_x + half, middle_y - half, middle_y + half
     x, y = coverage.sample_point(px, py)
 
     def inside(low, here, high):

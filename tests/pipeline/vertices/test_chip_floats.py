@@ -72,6 +72,9 @@ def test_reciprocals_follow_their_tables(value):
             chip_floats.lighting_reciprocal(short), reference.lighting_reciprocal(exact(float(short)))
         )
         assert same(
+            chip_floats.lighting_inverse_root(short), reference.lighting_inverse_root(exact(float(short)))
+        )
+        assert same(
             chip_floats.transform_reciprocal(value), reference.transform_reciprocal(exact(float(value)))
         )
         assert same(

@@ -240,10 +240,9 @@ def test_points_move_to_middles_and_corners_as_specified(x, y, size):
     x_y = {"x": np.full(4, x, np.int32), "y": np.full(4, y, np.int32)}
     alone = replace(primitives, triangles=np.zeros((1, 4), np.int32), **x_y)
     square = with_squares(alone, np.float64(size), [], OPENGL_1_2)
-    left, right, _ = square.x[4:]
-    bottom, _, top = square.y[4:]
-    assert (right - left, bottom - top) == (16 * size, 16 * size)
-    assert ((left + right) // 2, (top + bottom) // 2) == strokes.point_center(x, y, size)
+    (right, middle, _), (_, _, below) = square.x[4:], square.y[4:]
+    assert (right - middle, below - square.y[5]) == (8 * 8 * size, 8 * 8 * size)
+    assert (middle, square.y[5]) == strokes.point_center(x, y, size)
 
 
 DASHES = PassState(line=LineState(stipple=(1, 0b1011_0001_1101_0010)))
