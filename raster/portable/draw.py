@@ -53,9 +53,9 @@ from fixedpipe.raster.primitives.strokes import (
     along_line,
     line_run,
     open_run,
-    sample_reach,
     stroke_bounds,
     stroke_box,
+    triangle_box,
 )
 from fixedpipe.raster.primitives.triangle import (
     corners_of,
@@ -64,7 +64,6 @@ from fixedpipe.raster.primitives.triangle import (
     reaches_infinity,
     row_span,
     side_of,
-    triangle_box,
 )
 
 
@@ -334,19 +333,14 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
             corners = corners_of(vertices, v0, v1, v2)
             x0, y0, x1, y1, x2, y2 = corners
             kind = int64(C.PRIMITIVE_TRIANGLE)
-            x_low, y_low, x_high, y_high = triangle_box(corners)
+            x_low, y_low, x_high, y_high = triangle_box(draw, corners)
             if has_strokes and not finished:
                 kind = int64(strokes[t, 0])
                 if kind != C.PRIMITIVE_TRIANGLE:
                     x_low, y_low, x_high, y_high = stroke_box(draw, corners, kind)
             by_samples = samples > 0 and (draw[R.COVERAGE] >> kind) & 1 != 0
-            reach = sample_reach(draw)
-            first_row, last_row = (
-                max((y_low - reach + 7) >> 4, top),
-                min((y_high + reach - 8) >> 4, bottom - 1),
-            )
-            left = max((x_low - reach + 7) >> 4, draw[R.X0])
-            right = min((x_high + reach - 8) >> 4, draw[R.X1] - 1)
+            first_row, last_row = max((y_low + 7) >> 4, top), min((y_high - 8) >> 4, bottom - 1)
+            left, right = max((x_low + 7) >> 4, draw[R.X0]), min((x_high - 8) >> 4, draw[R.X1] - 1)
             if kind == C.PRIMITIVE_TRIANGLE and reaches_infinity(inverse_w, v0, v1, v2):
                 first_row, last_row, left, right = top, bottom - 1, draw[R.X0], draw[R.X1] - 1
             if finished:

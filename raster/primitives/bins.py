@@ -5,8 +5,8 @@ from numba import int32, int64, uint32, uint64
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
-from fixedpipe.raster.primitives.strokes import sample_reach, stroke_box
-from fixedpipe.raster.primitives.triangle import Corners, reaches_infinity, side_of, triangle_box
+from fixedpipe.raster.primitives.strokes import stroke_box, triangle_box
+from fixedpipe.raster.primitives.triangle import Corners, reaches_infinity, side_of
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 BAND_SHIFT = 5
@@ -37,12 +37,12 @@ def band_range(triangles, strokes, t, x, y, inverse_w, kind, draw):
     x0, x1, x2 = int64(x[v0]), int64(x[v1]), int64(x[v2])
     y0, y1, y2 = int64(y[v0]), int64(y[v1]), int64(y[v2])
     corners = Corners(x0, y0, x1, y1, x2, y2)
-    left, top, right, bottom = triangle_box(corners)
-    if kind != C.PRIMITIVE_TRIANGLE:
+    if kind == C.PRIMITIVE_TRIANGLE:
+        left, top, right, bottom = triangle_box(draw, corners)
+    else:
         left, top, right, bottom = stroke_box(draw, corners, kind)
-    reach = sample_reach(draw)
-    top, bottom = max((top - reach + 7) >> 4, draw[R.Y0]), min((bottom + reach - 8) >> 4, draw[R.Y1] - 1)
-    left, right = max((left - reach + 7) >> 4, draw[R.X0]), min((right + reach - 8) >> 4, draw[R.X1] - 1)
+    top, bottom = max((top + 7) >> 4, draw[R.Y0]), min((bottom - 8) >> 4, draw[R.Y1] - 1)
+    left, right = max((left + 7) >> 4, draw[R.X0]), min((right - 8) >> 4, draw[R.X1] - 1)
     if kind == C.PRIMITIVE_TRIANGLE and reaches_infinity(inverse_w, v0, v1, v2):
         top, bottom, left, right = draw[R.Y0], draw[R.Y1] - 1, draw[R.X0], draw[R.X1] - 1
     if top > bottom or left > right:

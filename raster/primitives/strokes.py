@@ -1,4 +1,5 @@
-"""Lines and points: which pixels they draw, and how far along a line they lie (docs/numbers.md, section 11).
+"""Lines and points: which pixels they draw, and how far along a line they lie (docs/numbers.md, section 11);
+and the boxes around all primitives.
 
 Integers only, in 1/16 pixel. A line's row of ``triangles`` is its second vertex, then its first, twice: with
 n0 how far along a pixel lies, n1 = 0 and n2 the rest, everything is iterated as in a triangle. A point's row
@@ -175,18 +176,40 @@ def point_square(corners):
 
 
 @kernel
-def stroke_box(draw, corners, kind):
-    """(left, top, right, bottom) outside which a line or a point draws no sample.
+def sample_reach(draw):
+    """How far, in 1/16 pixel, the samples that cover a pixel may lie from its middle."""
+    return int64(8) if draw[R.COVER_SAMPLES] else int64(0)
 
-    16 times half a line's width is at most 1.12 times its width in eighths; a step's pixel may begin before
-    the line does, and a diamond line's is up to its width and half a pixel away.
+
+@kernel
+def triangle_box(draw, corners):
+    """(left, top, right, bottom) around the middles of all pixels that a triangle may draw."""
+    x0, y0, x1, y1, x2, y2 = corners
+    reach = sample_reach(draw)
+    left, top = min(x0, min(x1, x2)) - reach, min(y0, min(y1, y2)) - reach
+    return left, top, max(x0, max(x1, x2)) + reach, max(y0, max(y1, y2)) + reach
+
+
+@kernel
+def stroke_box(draw, corners, kind):
+    """(left, top, right, bottom) around the middles of all pixels that a line or a point may draw.
+
+    A rectangle ends at the pixels as far from its ends' as half its width, in whole pixels rounded up.
+    Measured: Line_width, 35 of 35 captures, in which corners beyond are missing. 16 times half a line's width
+    is at most 1.12 times its width in eighths; a step's pixel may begin before the line does, and a diamond
+    line's is up to its width and half a pixel away.
     """
+    x0, y0, x1, y1, _x2, _y2 = corners
+    if kind == C.PRIMITIVE_LINE and draw[R.LINE_STEPS] == C.LINE_AS_RECTANGLE:
+        half = (draw[R.LINE_WIDTH] + 15) & -16
+        left, top, right, bottom = min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)
+        return (left & -16) - half, (top & -16) - half, (right | 15) + half, (bottom | 15) + half
+    reach = sample_reach(draw) + 1
     if kind == C.PRIMITIVE_POINT:
         left, top, right, bottom = point_square(corners)
-        return left - 1, top - 1, right + 1, bottom + 1
-    x0, y0, x1, y1, _x2, _y2 = corners
-    margin = 2 * draw[R.LINE_WIDTH] + 16
-    return min(x0, x1) - margin, min(y0, y1) - margin, max(x0, x1) + margin, max(y0, y1) + margin
+        return left - reach, top - reach, right + reach, bottom + reach
+    reach += 2 * draw[R.LINE_WIDTH] + 16
+    return min(x0, x1) - reach, min(y0, y1) - reach, max(x0, x1) + reach, max(y0, y1) + reach
 
 
 @kernel
@@ -208,12 +231,6 @@ def stroke_bounds(draw, stroke, corners, sx, sy):
     if stroke[R.KIND] == C.PRIMITIVE_LINE:
         return line_bounds(draw, stroke, corners, sx, sy)
     return point_bounds(corners, sx, sy)
-
-
-@kernel
-def sample_reach(draw):
-    """How far, in 1/16 pixel, the samples that cover a pixel may lie from its middle."""
-    return int64(8) if draw[R.COVER_SAMPLES] else int64(0)
 
 
 @kernel

@@ -30,13 +30,6 @@ def corners_of(vertices, v0, v1, v2):
 
 
 @kernel
-def triangle_box(corners):
-    """(left, top, right, bottom) of a row's three vertices."""
-    x0, y0, x1, y1, x2, y2 = corners
-    return min(x0, min(x1, x2)), min(y0, min(y1, y2)), max(x0, max(x1, x2)), max(y0, max(y1, y2))
-
-
-@kernel
 def reaches_infinity(inverse_w, v0, v1, v2):
     """Whether a vertex has a negative w: the triangle goes through infinity, and may be anywhere."""
     return (inverse_w[v0] < 0.0) | (inverse_w[v1] < 0.0) | (inverse_w[v2] < 0.0)

@@ -256,6 +256,8 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         }
     for px, py in product(columns, rows):
         covered = 1
+        if kind == LINE and not shape.reaches(px, py):
+            continue
         if places is None:
             covered = covers(px, py)
         else:

@@ -80,6 +80,17 @@ class Line(Segment):
         edges += [(half - across, (-dy, dx)), (half + across, (dy, -dx))]
         return all(n > 0 or (n == 0 and draws_its_edge(normal)) for n, normal in edges)
 
+    def reaches(self, px, py):
+        """Whether a pixel is as near to the ends' as half the width of a rectangle, rounded up to pixels.
+
+        Measured: Line_width, 35 captures of 35.
+        """
+        if self.rasterization == LineRasterization.STEPS:
+            return True
+        half = -(-self.width // 16)
+        ends = [[end[k] // coverage.SUBPIXELS for end in (self.a, self.b)] for k in (0, 1)]
+        return all(min(e) - half <= p <= max(e) + half for e, p in zip(ends, (px, py), strict=True))
+
     def step_of(self, end):
         """The pixel along the longer axis that an end lies in; on a boundary between rows the upper one.
 
@@ -115,6 +126,11 @@ class DiamondLine(Segment):
         beside = coverage.SUBPIXELS * (self.width - 1) // 2
         by = (0, beside) if self.axis == 0 else (-beside, 0)
         return tuple((x + by[0], y + by[1]) for x, y in (self.a, self.b))
+
+    def reaches(self, px, py):
+        """Whether the line may draw a pixel. Source: OpenGL 1.2.1 section 3.4.2, which has no such limit."""
+        del px, py
+        return True
 
     def exits(self, px, py):
         """Whether the line of width 1 produces the pixel: it meets its diamond and does not end in it.

@@ -12,7 +12,6 @@ from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import PolygonMode
 
 SUITE = "Line_width"
-OPEN = "corner pixels at one end of lines wider than some 24 pixels"
 
 ONE, HIGHEST, MINUS_ONE = 8, 0x1FF, 0xFFFFFFFF
 WIDTHS = sorted(
