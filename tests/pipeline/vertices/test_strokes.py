@@ -18,7 +18,7 @@ from fixedpipe.pipeline.enums import (
     VertexStage,
 )
 from fixedpipe.pipeline.execution.machine import execute
-from fixedpipe.pipeline.profiles import GEFORCE_256, OPENGL_1_2
+from fixedpipe.pipeline.profiles import GEFORCE_256, NV2A, OPENGL_1_2
 from fixedpipe.pipeline.state import (
     LineState,
     PassState,
@@ -76,6 +76,16 @@ def test_a_wide_slanted_line_takes_the_larger_and_half_the_smaller_step_for_its_
     (exact, wider) = (line((2.5, 1.5), (5.5, 5.5), width, RECTANGLE) for width in (1.0, 1.2))
     assert exact < wider
     assert line((2, 2), (10, 2.0625), 0.0, RECTANGLE) == set()
+
+
+@pytest.mark.parametrize(("width", "half"), [(63.875, 32), (63.125, 32), (62.0, 31)])
+def test_a_wide_line_ends_at_the_box_around_its_ends_pixels(width, half):
+    """Measured: Line_width, a line of its loop, whose rectangle has a corner at x = 387.6."""
+    positions = np.array([(354.0, 480 - 67.0), (342.0, 480 - 145.0)])
+    state = replace(PROGRAMMED, line=LineState(width, RECTANGLE))
+    draw = Draw(label="d", mesh=Mesh(positions, PrimitiveType.LINES), state=state)
+    (found,) = execute((draw,), NV2A, 640, 480, record=True).records
+    assert found.x.max() == 354 + half
 
 
 def test_a_stepped_line_draws_one_pixel_a_step_without_the_last():
