@@ -80,7 +80,7 @@ class _Geometry:
     point: list
 
 
-def _unit_vector(v):
+def unit_vector(v):
     """A vector of 24-bit columns made a unit vector; its length; its length's square."""
     square = transform_dot(v, v)
     root = transform_inverse_root(square)
@@ -102,12 +102,12 @@ def _geometry(lighting, vertex, inverse, position, normal):
         square = transform_dot(third, third)
         normal = [product(c, transform_inverse_root(square), TRANSFORM_BITS) for c in normal]
     if vertex.normalize:
-        normal, _, _ = _unit_vector(normal)
+        normal, _, _ = unit_vector(normal)
     reciprocal = transform_reciprocal(eye[3])
     point = [product(c, reciprocal, TRANSFORM_BITS) for c in eye[:3]]
     viewer = _register(lighting.viewer_direction)
     if lighting.local_viewer:
-        viewer = [to_lighting(c) for c in _unit_vector(_difference((ZERO, ZERO, ZERO), point))[0]]
+        viewer = [to_lighting(c) for c in unit_vector(_difference((ZERO, ZERO, ZERO), point))[0]]
     return _Geometry([to_lighting(c) for c in normal], viewer, point)
 
 
@@ -130,7 +130,7 @@ def _strengths(light, material, lighting, geometry, normal):
         direction = _register(normalize(vector) if light.half_vector is None else vector)
     else:
         position = [single(np.float64(c) / np.float64(light.position[3])) for c in light.position[:3]]
-        vector, distance, square = _unit_vector(_difference(position, geometry.point))
+        vector, distance, square = unit_vector(_difference(position, geometry.point))
         direction = [to_lighting(c) for c in vector]
         distance, square = to_lighting(distance), to_lighting(square)
         factors = (light.constant_attenuation, light.linear_attenuation, light.quadratic_attenuation)

@@ -132,7 +132,7 @@ def _planned(mesh, columns, plan, state, profile, bits):
         if state.fog is not None:
             fog = filled(count, iterated_fog(mesh, state, eye, profile))
         if "projective" not in known:
-            coordinates = stacked_units(count, unit_coordinates(mesh, state, position, eye, normal))
+            coordinates = stacked_units(count, unit_coordinates(mesh, state, position, eye, normal, profile))
     if not lit:
         colors, known["constant_color"] = given_colors(mesh, columns, state.vertex, profile, bits)
     primitives = WindowPrimitives(
@@ -246,7 +246,7 @@ def _vertex_columns(mesh, state, profile, position):
         *front,
         *(back if two_side else ()),
         iterated_fog(mesh, state, eye, profile),
-        *unit_coordinates(mesh, state, position, eye, normal),
+        *unit_coordinates(mesh, state, position, eye, normal, profile),
         point_sizes(mesh, state, profile, eye) if draws_points(mesh, state.polygon) else ONE,
     ]
     return columns, two_side

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fixedpipe.pipeline.enums import TexGenMode
+from fixedpipe.pipeline.enums import LightingArithmetic, TexGenMode
 from fixedpipe.pipeline.state import texgen_modes
 from fixedpipe.pipeline.vertices.arithmetic import (
     ONE,
@@ -14,15 +14,27 @@ from fixedpipe.pipeline.vertices.arithmetic import (
     transform,
     weighted_sum,
 )
+from fixedpipe.pipeline.vertices.chip_floats import (
+    TRANSFORM_BITS,
+    product,
+    single,
+    total,
+    transform_dot,
+    transform_inverse_root,
+)
+from fixedpipe.pipeline.vertices.lighting_unit import unit_vector
 
 _REFLECTION_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.REFLECTION_MAP})
 
 
-def unit_coordinates(mesh, state, position, eye, normal):
+def unit_coordinates(mesh, state, position, eye, normal, profile):
     """s, t, r, q of unit 0, then of unit 1, ...; a disabled unit has (0, 0, 0, 1)."""
     modes = texgen_modes(state)
-    reflection = _reflection(eye, normal) if not _REFLECTION_MODES.isdisjoint(modes) else None
-    sphere = _sphere_map(reflection) if TexGenMode.SPHERE_MAP in modes else None
+    reflection = sphere = None
+    if not _REFLECTION_MODES.isdisjoint(modes):
+        in_unit = profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT
+        reflection = _transform_unit_reflection(eye, normal) if in_unit else _reflection(eye, normal)
+        sphere = _transform_unit_sphere_map(reflection) if in_unit else _sphere_map(reflection)
     result = []
     for unit in state.texture_units:
         if unit is None:
@@ -58,3 +70,26 @@ def _sphere_map(reflection):
     m = length([reflection[0], reflection[1], reflection[2] + ONE]) * np.float64(2.0)
     divisor = np.where(m == 0, ONE, m)
     return [reflection[axis] / divisor + np.float64(0.5) for axis in range(2)]
+
+
+def _transform_unit_reflection(eye, normal):
+    """The reflection vector in 24 significant bits.
+
+    Measured: Texgen_with_texture_matrix ReflectionMap_RotateX, in which exact roots lose a pixel.
+    """
+    u, _, _ = unit_vector([single(component) for component in eye[:3]])
+    normal = [single(component) for component in normal]
+    twice = transform_dot(normal, u) * np.float64(2.0)
+    return [
+        total((u[axis], -product(normal[axis], twice, TRANSFORM_BITS)), TRANSFORM_BITS) for axis in range(3)
+    ]
+
+
+def _transform_unit_sphere_map(reflection):
+    """s and t of a sphere map likewise. Measured: Texgen_with_texture_matrix SphereMap_Double."""
+    half = [reflection[0], reflection[1], total((reflection[2], ONE), TRANSFORM_BITS)]
+    root = transform_inverse_root(transform_dot(half, half)) * np.float64(0.5)
+    return [
+        total((product(reflection[axis], root, TRANSFORM_BITS), np.float64(0.5)), TRANSFORM_BITS)
+        for axis in range(2)
+    ]

@@ -343,14 +343,38 @@ def sphere_map(r):
     return [(component / m if m != 0 else component) + 0.5 for component in r[:2]]
 
 
-def generate(gen, axis, given, position, eye, normal):
-    """One texture coordinate. Source: OpenGL 1.2.1 section 2.10.4; NV_texgen_reflection."""
+def transform_unit_reflection(eye, normal):
+    """Measured: Texgen_with_texture_matrix ReflectionMap_RotateX, as OpenGL has it, in 24 bits."""
+    u, _, _ = lighting_unit.unit_vector([lighting_unit.single(component) for component in eye[:3]])
+    n = [lighting_unit.single(component) for component in normal]
+    twice = lighting_unit.transform_dot(n, u) * 2
+    shares = [lighting_unit.product(component, twice, lighting_unit.TRANSFORM) for component in n]
+    return lighting_unit.difference(u, shares)
+
+
+def transform_unit_sphere_map(r):
+    """Measured: Texgen_with_texture_matrix SphereMap_Double, as OpenGL has it, in 24 bits."""
+    h = [*r[:2], lighting_unit.total((r[2], Fraction(1)), lighting_unit.TRANSFORM)]
+    root = lighting_unit.transform_inverse_root(lighting_unit.transform_dot(h, h)) / 2
+    shares = [lighting_unit.product(component, root, lighting_unit.TRANSFORM) for component in r[:2]]
+    return [lighting_unit.total((share, Fraction(1, 2)), lighting_unit.TRANSFORM) for share in shares]
+
+
+def generate(gen, axis, given, position, eye, normal, in_unit):
+    """One texture coordinate; ``in_unit``: by a transform unit.
+
+    Source: OpenGL 1.2.1 section 2.10.4; NV_texgen_reflection.
+    """
     if gen.mode == TexGenMode.OBJECT_LINEAR:
         return weighted_sum(gen.plane, position)
     if gen.mode == TexGenMode.EYE_LINEAR:
         return weighted_sum(gen.plane, eye)
     if gen.mode == TexGenMode.NORMAL_MAP:
         return normal[axis]
+    if gen.mode in (TexGenMode.REFLECTION_MAP, TexGenMode.SPHERE_MAP) and in_unit:
+        r = transform_unit_reflection(eye, normal)
+        made = r if gen.mode == TexGenMode.REFLECTION_MAP else transform_unit_sphere_map(r)
+        return float(made[axis])
     if gen.mode == TexGenMode.REFLECTION_MAP:
         return reflection(eye, normal)[axis]
     if gen.mode == TexGenMode.SPHERE_MAP:
@@ -358,13 +382,15 @@ def generate(gen, axis, given, position, eye, normal):
     return given
 
 
-def unit_coordinates(unit, sets, position, eye, normal):
+def unit_coordinates(unit, sets, position, eye, normal, in_unit):
     """s, t, r, q of one unit. Source: OpenGL 1.2.1 sections 2.10.2 (texture matrix), 2.10.4."""
     if unit is None:
         return [0.0, 0.0, 0.0, 1.0]
     given = sets[unit.coordinates] if unit.coordinates < len(sets) else []
     given = padded(given, (0.0, 0.0, 0.0, 1.0))
-    generated = [generate(unit.gen[axis], axis, given[axis], position, eye, normal) for axis in range(4)]
+    generated = [
+        generate(unit.gen[axis], axis, given[axis], position, eye, normal, in_unit) for axis in range(4)
+    ]
     return transform(unit.matrix, generated)
 
 
@@ -573,11 +599,12 @@ def process_vertex(mesh, i, state, profile):
     given = given_color(mesh.colors, i, white) + given_color(mesh.secondary_colors, i, clear)
     back = given_color(mesh.back_colors, i, black) + given_color(mesh.back_secondary_colors, i, black)
     sets = [texture_set[i].tolist() for texture_set in mesh.texture_coordinates]
+    in_unit = profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT
     return Vertex(
         clip_coordinates(vertex_state, position, eye),
         eye,
         vertex_colors(vertex_state, profile, position, eye, normal, given_normal, given, back),
-        [unit_coordinates(unit, sets, position, eye, normal) for unit in state.texture_units],
+        [unit_coordinates(unit, sets, position, eye, normal, in_unit) for unit in state.texture_units],
         fog_of_vertex(mesh, i, state, eye, profile),
     )
 

@@ -84,9 +84,10 @@ def commands(top, mode, matrix=IDENTITY, passed_through=False):
         normals=np.zeros((6, 3)),
         texture_coordinates=(np.array(texture)[order],),
     )
-    # The sphere map gives s and t alone.
-    axes = 2 if mode == TexGenMode.SPHERE_MAP else 3
-    planes = [TexGen(mode, row) for row in IDENTITY[:axes]] + [TexGen()] * (4 - axes)
+    # OpenGL's sphere map gives s and t alone. Measured: the chip's r is the reflection vector's
+    # (Texgen_with_texture_matrix SphereMap_Arbitrary, whose matrix makes it q).
+    modes = [mode, mode, TexGenMode.REFLECTION_MAP if mode == TexGenMode.SPHERE_MAP else mode]
+    planes = [*(TexGen(m, row) for m, row in zip(modes, IDENTITY, strict=False)), TexGen()]
     state = replace(
         scenes.DEFAULT,
         vertex=scenes.xdk_vertex(),
