@@ -8,7 +8,7 @@ from fixedpipe.effects.conformance.case import Case
 from fixedpipe.effects.conformance.suites import texgen, texture_matrix
 
 SUITE = "Texgen_with_texture_matrix"
-OPEN = "what a matrix makes of SPHERE_MAP, whose r the chip generates too; single ties of texels"
+OPEN = "single ties of texels"
 
 
 PASS_THROUGH = "PassThrough_"

@@ -911,6 +911,26 @@ def test_a_sphere_map_shows_each_direction_at_the_normal_that_mirrors_it():
     assert straight_back[0, :2].tolist() == [0.5, 0.5]
 
 
+@given(arrays(ordinary, 3, 3), arrays(ordinary, 3, 3), st.booleans())
+def test_a_transform_unit_generates_maps_as_specified(positions, normals, sphere):
+    mode = TexGenMode.SPHERE_MAP if sphere else TexGenMode.REFLECTION_MAP
+    third = TexGen() if sphere else TexGen(mode)
+    state = PassState(texture_units=(TextureUnit("any", gen=(TexGen(mode), TexGen(mode), third, TexGen())),))
+    mesh = Mesh(positions, normals=normals)
+    got = process(mesh, state, UNIT, WIDTH, HEIGHT).coordinates[:3, 0]
+    expected = [reference.process_vertex(mesh, i, state, UNIT).coordinates[0] for i in range(3)]
+    assert got.tolist() == expected
+
+
+def test_a_transform_unit_reflects_in_24_bits():
+    """Measured: Texgen_with_texture_matrix ReflectionMap_RotateX, SphereMap_Double; here a 3:4:5 triangle."""
+    gen = (*[TexGen(TexGenMode.REFLECTION_MAP)] * 3, TexGen())
+    state = PassState(texture_units=(TextureUnit("any", gen=gen),))
+    mesh = Mesh([[3.0, 0.0, -4.0]] * 3, normals=np.zeros((3, 3)))
+    x, y, z, _ = process(mesh, state, UNIT, WIDTH, HEIGHT).coordinates[0, 0]
+    assert (x, y, z) == (np.float32(0.6) - 2.0**-23 * 0.5, 0.0, -np.float32(0.8) + 2.0**-24)
+
+
 def test_the_texture_matrix_follows_generation():
     matrix = ((0.0, 2.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.5), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 4.0))
     unit_state = TextureUnit(
