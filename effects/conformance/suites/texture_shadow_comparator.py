@@ -29,7 +29,6 @@ from fixedpipe.pipeline.state import CombinerInput, DepthTest, GeneralCombiner, 
 from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_shadow_comparator"
-OPEN = "the last bits of a float reference of 24 bits that equals a texel nearly"
 
 FUNCTIONS = {
     "N": ComparisonFunction.NEVER,
@@ -173,7 +172,10 @@ def _projected(z, largest):
 
 
 def _programmed(z, largest):
-    """Depth units of z as the vertex program computes them."""
+    """Depth units of z as the vertex program, and its class on the host, compute them.
+
+    Measured: the depth to be compared, which captures print, is 0xF35760 (3P24_10.00-20.00_11.4500).
+    """
     return float(vertex_programs.perspective([(0.0, 0.0, z)], depth_maximum=largest)[0, 2])
 
 
@@ -210,7 +212,7 @@ def _drawn(how, stage, function, depth, low, high, reference):
             internal_format=texture,
             origin=WindowOrigin.UPPER_LEFT,
         ),
-        _compared(shown, _unit(stage, function), _projected(reference, largest)),
+        _compared(shown, _unit(stage, function), depth_of(reference, largest)),
         _markers(nudge),
     )
 
