@@ -146,8 +146,11 @@ def _programmed(shape, factor):
 
 
 def _fixed(shape, factor):
-    """The same through the fixed functions, whose viewport moves the origin to the screen's middle."""
-    first, last = (np.clip(w, -INFINITE, INFINITE) for w in _ends(factor))
+    """The same through the fixed functions, whose viewport moves the origin to the screen's middle.
+
+    Measured: their sums leave no zero its sign (ff_w_zero_inf__quad_w-inf, whose first corner has w = -0).
+    """
+    first, last = (np.clip(w, -INFINITE, INFINITE) if w != 0 else 0.0 for w in _ends(factor))
     near, far = float(LEAST), float(MOST)
     upper = (-HALF * near, -HALF * near, 0.0, first)
     lower = (HALF * far, HALF * far, 0.0, last)
