@@ -58,6 +58,16 @@ def truncate_24(value):
 
 
 @kernel
+def floor_24(value):
+    """The greatest number of 24 significant bits that is not above a float64.
+
+    Measured: slopes of WBuf24F_TriH, whose blocks have negative weights.
+    """
+    bits = bits_of(value)
+    return float_of((bits + ((bits >> 63) & ~KEEP_24)) & KEEP_24)
+
+
+@kernel
 def power_below(value):
     """The largest power of two that is not above a float64 (0 for 0): its exponent alone."""
     return float_of(bits_of(value) & EXPONENT)
@@ -83,6 +93,16 @@ def reciprocal_27(inverse):
     allow for 10.24 to 11.2 times 2**23 units.
     """
     return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 11 << 23)) & KEEP_27)
+
+
+@kernel
+def reciprocal_24(inverse):
+    """1/D to 24 significant bits, from ``inverse``, the float64 nearest to it: reduced as ``reciprocal_27``
+    has it, then to nearest; a power of two stays.
+
+    Measured: slopes of 15 of 16 triangles (W_buffering captures); truncated, 11.
+    """
+    return float_of((bits_of(inverse) - int64(11 << 23) + int64(1 << 28)) & KEEP_24)
 
 
 @kernel

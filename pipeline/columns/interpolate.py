@@ -13,6 +13,7 @@ from fixedpipe.pipeline.enums import (
     LineRasterization,
     ShadeModel,
 )
+from fixedpipe.pipeline.framebuffers.boxes import scissor_box
 from fixedpipe.pipeline.framebuffers.depths import depth_units
 from fixedpipe.pipeline.programs.texture_shader_rules import shader_stages
 from fixedpipe.pipeline.vertices.colors import COLOR_REACH, fragment_colors
@@ -20,6 +21,7 @@ from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows
 from fixedpipe.raster.columns import future, interpolate, numbers
+from fixedpipe.raster.columns.w_slope import w_slope
 from fixedpipe.raster.witness import nobody
 
 
@@ -192,14 +194,14 @@ class IteratedPrimitives:
             return np.zeros(len(triangle), np.int64)
         iterate = interpolate.iterate_w if state.w_buffering else interpolate.iterate_depth
         z = iterate(n, self.depths[vertices])
-        offset, slope = self._offset(triangle, vertices, kinds, x, y, area)
-        total = z + (offset + slope * (z * z))
+        offset = self._offset(triangle, vertices, kinds, x, y, area)
+        total = z + offset
         words = fragment_depths(total, state, self.framebuffer)
         self._saw("depth", iterated=z, offset=offset, total=total, words=words)
         return words
 
     def _offset(self, triangle, vertices, kinds, x, y, area):
-        """What is added to every depth, and what times its square: of the polygon that a fragment is of."""
+        """What is added to every depth: of the polygon that a fragment is of."""
         polygon, p = self.state.polygon, self.primitives
         enabled = np.full(len(triangle), polygon.offset_fill)
         if kinds is not None:
@@ -211,15 +213,30 @@ class IteratedPrimitives:
             x, y = p.x[vertices].astype(np.int64), p.y[vertices].astype(np.int64)
             area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
         if not enabled.any() or not (polygon.offset_factor or polygon.offset_units):
-            return 0.0, 0.0
-        values = p.inverse_w[vertices] if self.state.w_buffering else self.depths[vertices]
-        steep = interpolate.depth_slope(
-            x, y, area, values, polygon.offset_factor, self.profile.arithmetic.subpixel_bits
-        )
+            return 0.0
         if self.state.w_buffering:
-            slope = np.clip(steep, -(2.0**128), 2.0**128)
-            return np.where(enabled, float(polygon.offset_units), 0.0), np.where(enabled, slope, 0.0)
+            steep = polygon.offset_factor * self._w_slopes(vertices, enabled)
+        else:
+            subpixel_bits = self.profile.arithmetic.subpixel_bits
+            depths = self.depths[vertices]
+            steep = interpolate.depth_slope(x, y, area, depths, polygon.offset_factor, subpixel_bits)
         offset = np.clip(polygon.offset_units + steep, -(2.0**128), 2.0**128)
-        if not (self.framebuffer.depth_format.is_float or self.profile.arithmetic.offset_fraction):
+        fraction = self.framebuffer.depth_format.is_float or self.profile.arithmetic.offset_fraction
+        if not (fraction or self.state.w_buffering):
             offset = np.trunc(np.clip(offset, -(2.0**30), 2.0**30))
-        return np.where(enabled, offset, 0.0), 0.0
+        return np.where(enabled, offset, 0.0)
+
+    def _w_slopes(self, vertices, enabled):
+        """The slope of w of each fragment's polygon; 0 where it has no offset."""
+        p, box = self.primitives, scissor_box(self.state, self.framebuffer)
+        slopes = np.zeros(len(vertices))
+        if not self.state.polygon.offset_factor:
+            return slopes
+        polygons, polygon_of = np.unique(vertices[enabled], axis=0, return_inverse=True)
+        of_polygons = [
+            w_slope(p.x[v].astype(np.int64), p.y[v].astype(np.int64), self.depths[v], box,
+                    self.profile.arithmetic.subpixel_bits)
+            for v in polygons
+        ]  # fmt: skip
+        slopes[enabled] = np.array(of_polygons)[polygon_of.ravel()]
+        return slopes

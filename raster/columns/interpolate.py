@@ -217,7 +217,8 @@ def _low_reciprocal(total, less, dropped):
     return np.where((patterns & FRACTION) == 0, inverse, low)
 
 
-def _depth_difference(a, b):
+def depth_difference(a, b):
+    """a - b of depths to 24 significant bits; 0 below a single's smallest normal number."""
     difference = cut(a - b, WEIGHT_BITS)
     return np.where(np.abs(difference) < LEAST_SINGLE, 0.0, difference)
 
@@ -237,15 +238,20 @@ def w_factors(w):
     return np.maximum(cut(others, WEIGHT_BITS), 2.0**-300)
 
 
-def iterate_w(n, w):
-    """Depths of fragments in W buffering, float64 [k]; ``w`` float64 [k, 3], singles (section 5)."""
+def w_edge_terms(n, w):
+    """What edge functions are in W buffering, three float64 [k]."""
     factors = w_factors(w)
-    e = [
+    return [
         cut(cut(n_i.astype(np.float64), WEIGHT_BITS) * factors[:, i], WEIGHT_BITS) for i, n_i in enumerate(n)
     ]
+
+
+def iterate_w(n, w):
+    """Depths of fragments in W buffering, float64 [k]; ``w`` float64 [k, 3], singles (section 5)."""
+    e = w_edge_terms(n, w)
     reciprocal = _low_reciprocal((e[0] + e[1]) + e[2], 11 << 23, 26)
     q0, q2 = _largest_rests([cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e])
-    products = q0 * _depth_difference(w[:, 0], w[:, 1]), q2 * _depth_difference(w[:, 2], w[:, 1])
+    products = q0 * depth_difference(w[:, 0], w[:, 1]), q2 * depth_difference(w[:, 2], w[:, 1])
     return _depth_sum(w[:, 1], products)
 
 
@@ -261,7 +267,7 @@ def iterate_depth(n, depths):
     middle = depths[rows, base]
     products = []
     for other in (np.where(base == 0, 1, 0), np.where(base == 2, 1, 2)):
-        products.append(q[rows, other] * _depth_difference(depths[rows, other], middle))
+        products.append(q[rows, other] * depth_difference(depths[rows, other], middle))
     return _depth_sum(middle, products)
 
 
@@ -281,7 +287,7 @@ def depth_words(depth, low, high, farthest, form):
 def depth_slope(x, y, area, values, factor, subpixel_bits):
     """The polygon offset's ``factor * max(|dv/dx|, |dv/dy|)``, float64 [k]; 0 where the area is.
 
-    x, y int64 [k, 3] subpixels; values float64 [k, 3]: depths, or 1/w with W buffering.
+    x, y int64 [k, 3] subpixels; values float64 [k, 3]: depths.
     """
     d1, d2 = values[:, 1] - values[:, 0], values[:, 2] - values[:, 0]
     x1, x2, y1, y2 = ((c[:, i] - c[:, 0]).astype(np.float64) for c in (x, y) for i in (1, 2))

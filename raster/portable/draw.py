@@ -48,6 +48,7 @@ from fixedpipe.raster.portable.interpolate import (
 )
 from fixedpipe.raster.portable.per_fragment import all_alive, per_fragment
 from fixedpipe.raster.portable.unit import sample_unit, unbound_texture
+from fixedpipe.raster.portable.w_slope import w_slope
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from fixedpipe.raster.primitives.strokes import (
     along_line,
@@ -60,6 +61,7 @@ from fixedpipe.raster.primitives.strokes import (
 from fixedpipe.raster.primitives.triangle import (
     corners_of,
     edge_tie,
+    limited_offset,
     polygon_offset,
     reaches_infinity,
     row_span,
@@ -169,6 +171,18 @@ def keep_share(results, covered, count, samples):
 def stroke_offset(draw, kind):
     """Whether polygons drawn as such strokes are offset in depth."""
     return draw[R.OFFSET_LINE] if kind == C.PRIMITIVE_LINE else draw[R.OFFSET_POINT]
+
+
+@kernel
+def offset_of(state, vertices, v0, v1, v2):
+    """What a polygon adds to its depths."""
+    draw, draw_float = state.draw, state.draw_float
+    if not draw[R.W_BUFFERING]:
+        return polygon_offset(state, vertices, v0, v1, v2)
+    factor, steep = draw_float[R.OFFSET_FACTOR], 0.0
+    if factor != 0.0:
+        steep = factor * w_slope(draw, vertices, v0, v1, v2)
+    return limited_offset(draw_float[R.OFFSET_UNITS] + steep)
 
 
 @kernel
@@ -376,17 +390,17 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
             back = int32(1) if draw[R.BACK_SIGN] == sign * side0 * side1 * side2 else int32(0)
             if kind != C.PRIMITIVE_TRIANGLE:
                 back = strokes[t, 1]
-            z0, z1, z2, offset, slope = 0.0, 0.0, 0.0, 0.0, 0.0
+            z0, z1, z2, offset = 0.0, 0.0, 0.0, 0.0
             over_w = 1.0, 1.0, 1.0  # what edge functions are multiplied with for depths
             if needs_depth and not finished:
                 z0, z1, z2 = z[v0], z[v1], z[v2]
                 if draw[R.W_BUFFERING]:
                     over_w = w_factors(z0, z1, z2)
                 if has_offset and kind == C.PRIMITIVE_TRIANGLE:
-                    offset, slope = polygon_offset(state, vertices, v0, v1, v2)
+                    offset = offset_of(state, vertices, v0, v1, v2)
                 elif kind != C.PRIMITIVE_TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
                     a0, a1, a2 = strokes[t, 2], strokes[t, 3], strokes[t, 4]
-                    offset, slope = polygon_offset(state, vertices, a0, a1, a2)
+                    offset = offset_of(state, vertices, a0, a1, a2)
             for row in range(first_row, last_row + 1):
                 start, end = left, left
                 if by_samples and not finished:
@@ -458,7 +472,7 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                         if needs_weights:
                             emit_weights(edges, position, n, here, step, (iw0, iw1, iw2))
                         if needs_depth and draw[R.W_BUFFERING]:
-                            emit_w(floats, position, n, here, step, over_w, (z0, z1, z2), offset, slope)
+                            emit_w(floats, position, n, here, step, over_w, (z0, z1, z2), offset)
                         elif needs_depth:
                             emit_depth(floats, position, n, here, step, (z0, z1, z2), offset)
                         position += n

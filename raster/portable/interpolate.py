@@ -121,11 +121,9 @@ def rest_of(a, b):
     return truncate_24((1.0 - np.trunc(a * REST_STEPS) * REST_STEP) - np.trunc(b * REST_STEPS) * REST_STEP)
 
 
-@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE, THREE, float64, float64))
-def emit_w(floats, position, count, n, step, factors, w, offset, slope):
-    """``emit_depth`` with W buffering: ``factors`` are ``w_factors`` of ``w``, the vertices' singles; and
-    ``slope`` times the depth's square is added.
-    """
+@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE, THREE, float64))
+def emit_w(floats, position, count, n, step, factors, w, offset):
+    """``emit_depth`` with W buffering: ``factors`` are ``w_factors`` of ``w``, the vertices' singles."""
     separate_loop()
     (n0, n1, n2), (step0, step1, step2), (f0, f1, f2), (w0, w1, w2) = n, step, factors, w
     at, row = uint64(position), uint64(R.DEPTH)
@@ -144,8 +142,7 @@ def emit_w(floats, position, count, n, step, factors, w, offset, slope):
         last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
         a = (rest_of(q1, q2) if first else q0) * d01
         b = (rest_of(q0, q1) if last else q2) * d21
-        depth = depth_sum(w1, a, b)
-        floats[row, at + uint64(i)] = depth + (offset + slope * (depth * depth))
+        floats[row, at + uint64(i)] = depth_sum(w1, a, b) + offset
 
 
 @kernel("void(f8[:,::1],i8,i8[::1],f8[::1],i4[::1])")

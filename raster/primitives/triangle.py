@@ -82,24 +82,26 @@ def row_span(n0, n1, n2, step0, step1, step2, first, last):
 
 @kernel
 def polygon_offset(state, vertices, v0, v1, v2):
-    """(what a polygon adds to its depths, what times their squares); one without an area has no slope.
+    """What a polygon adds to its depths, of their slope; one without an area has none.
 
     A whole number in a fixed format, unless the machine keeps its fraction.
     """
-    draw, draw_float = state.draw, state.draw_float
+    draw, draw_float, z = state.draw, state.draw_float, vertices.z
     x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
     area = float64((x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0))
-    # Depth, or 1 over it: what is linear on the screen.
-    linear = vertices.inverse_w if draw[R.W_BUFFERING] else vertices.z
     steep = 0.0
     if area != 0.0:
-        d1, d2 = linear[v1] - linear[v0], linear[v2] - linear[v0]
+        d1, d2 = z[v1] - z[v0], z[v2] - z[v0]
         dx = (d1 * float64(y2 - y0) - d2 * float64(y1 - y0)) * 16.0 / area
         dy = (d2 * float64(x1 - x0) - d1 * float64(x2 - x0)) * 16.0 / area
         steep = draw_float[R.OFFSET_FACTOR] * max(abs(dx), abs(dy))
-    if draw[R.W_BUFFERING]:
-        return draw_float[R.OFFSET_UNITS], min(max(steep, -(2.0**128)), 2.0**128)
-    offset = min(max(draw_float[R.OFFSET_UNITS] + steep, -(2.0**128)), 2.0**128)
+    offset = limited_offset(draw_float[R.OFFSET_UNITS] + steep)
     if draw[R.DEPTH_FORMAT] == C.DEPTH_FIXED and not draw[R.OFFSET_FRACTION]:
         offset = float64(int64(min(max(offset, -(2.0**30)), 2.0**30)))
-    return offset, 0.0
+    return offset
+
+
+@kernel
+def limited_offset(offset):
+    """Assumed: the limit, far beyond every depth."""
+    return min(max(offset, -(2.0**128)), 2.0**128)

@@ -314,7 +314,7 @@ def draw_band(job, members, band, batch, buffers, scratch):
         if needs_depth:
             z0, z1, z2 = z[v0], z[v1], z[v2]
             if has_offset:
-                offset, _ = polygon_offset(p.state, vertices, v0, v1, v2)
+                offset = polygon_offset(p.state, vertices, v0, v1, v2)
         plain = solid_state and z0 == z1 and z1 == z2
         word = int32(min(max(z0 + offset, low), high)) if plain else int32(0)
         small = mixes and not (finished or plain) and right - left < SMALL

@@ -170,7 +170,7 @@ def set_up(job, members, first, top, bottom, scratch):
             numbers[z, lane], numbers[z + 1, lane] = vertices.z[v0], vertices.z[v1]
             numbers[z + 2, lane] = vertices.z[v2]
             if draw[R.POLYGON_OFFSET]:
-                offset, _ = polygon_offset(p.state, vertices, v0, v1, v2)
+                offset = polygon_offset(p.state, vertices, v0, v1, v2)
                 numbers[R.Z_OFFSET - R.INVERSE_W0, lane] = offset
         for u in range(draw[R.UNITS]):
             for component in range(4):

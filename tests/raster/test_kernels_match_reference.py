@@ -935,8 +935,8 @@ def test_depths_of_w_buffering_equal_the_specification(scale, seed):
     corners = np.tile(w, (len(n), 1))
     assert columns_interpolate.iterate_w(list(n.T), corners).tolist() == expected
     given = depth.w_factors(w), tuple(w)
-    assert kernel_depths(emit_w, n, *given, 0.0, 0.0) == expected
-    assert kernel_depths(emit_w, n, *given, 3.0, 0.5) == [v + (3.0 + 0.5 * (v * v)) for v in expected]
+    assert kernel_depths(emit_w, n, *given, 0.0) == expected
+    assert kernel_depths(emit_w, n, *given, 3.0) == [v + 3.0 for v in expected]
 
 
 @given(seed=seeds)

@@ -60,7 +60,7 @@ def vertex_depths(primitives, vertices, state, depth_format, programmed):
 
 
 def polygon_offset(vertices, area, values, factor):
-    """The factor's part of the offset, from what is linear on the screen: depth, or 1/w with W buffering.
+    """The factor's part of the offset, from depths, which are linear on the screen.
 
     Measured: for slopes along an axis; Inferred: the maximum norm of others, one of the two that
     OpenGL 1.2.1 allows (equation 3.6).
@@ -74,25 +74,21 @@ def polygon_offset(vertices, area, values, factor):
     return factor * max(abs(along_x), abs(along_y))
 
 
-def primitive_offset(triangle, depths, inverse_w, state, depth_format, fraction):
-    """(what is added to every depth, what is added times the depth's square). ``fraction``: whether a fixed
-    format's keeps its own.
+def limited_offset(offset):
+    """Assumed: the limit, far beyond every depth."""
+    return fixed.clamp(offset, -(2.0**128), 2.0**128)
 
-    Measured: that the NV2A's does (11 ZBuf captures); Assumed: with W buffering the slope of w is its square
-    times that of 1/w.
+
+def primitive_offset(triangle, depths, polygon, depth_format, fraction):
+    """What is added to every depth of a polygon. ``fraction``: whether a fixed format's keeps its own.
+
+    Measured: that the NV2A's does (11 ZBuf captures).
     """
-    polygon = state.polygon
-    if not polygon.offset_fill:
-        return 0.0, 0.0
-    limit = 2.0**128
-    if state.w_buffering:
-        steep = polygon_offset(triangle.vertices, triangle.area, inverse_w, polygon.offset_factor)
-        return polygon.offset_units, fixed.clamp(steep, -limit, limit)
     steep = polygon_offset(triangle.vertices, triangle.area, depths, polygon.offset_factor)
-    offset = fixed.clamp(polygon.offset_units + steep, -limit, limit)
+    offset = limited_offset(polygon.offset_units + steep)
     if depth_format > 0 and not fraction:
         offset = float(math.trunc(fixed.clamp(offset, -OFFSET_LIMIT, OFFSET_LIMIT)))
-    return offset, 0.0
+    return offset
 
 
 def base_vertex(e):

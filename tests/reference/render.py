@@ -30,6 +30,7 @@ from tests.reference import (
     strokes,
     texture_environment,
     texture_shader,
+    w_slope,
 )
 from tests.reference.strokes import LINE, POINT, TRIANGLE
 
@@ -157,16 +158,20 @@ def triangle_of(primitives, vertices):
     return coverage.make_triangle(*((primitives.x[v], primitives.y[v]) for v in vertices), behind)
 
 
-def offset_of(primitives, vertices, state, depth_format, enabled, fraction):
-    """The depth offset of the polygon that a row is, or came from. Source: OpenGL 1.2.1 section 3.5.5."""
-    if not enabled:
-        return 0.0, 0.0
-    state = replace(state, polygon=replace(state.polygon, offset_fill=True))
-    in_units = state.vertex.depth_units
-    depths = depth.vertex_depths(primitives, vertices, state, depth_format, in_units)
-    inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
+def offset_of(primitives, vertices, state, target, fraction):
+    """The depth offset of the polygon that a row is, or came from. Source: OpenGL 1.2.1 section 3.5.5; with W
+    buffering docs/numbers.md N5.9.
+    """
+    polygon = state.polygon
+    depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, state.vertex.depth_units)
     triangle = triangle_of(primitives, vertices)
-    return depth.primitive_offset(triangle, depths, inverse_w, state, depth_format, fraction)
+    if state.w_buffering:
+        if not polygon.offset_factor:
+            return depth.limited_offset(polygon.offset_units)
+        columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
+        steep = polygon.offset_factor * w_slope.slope(triangle, depths, columns, rows)
+        return depth.limited_offset(polygon.offset_units + steep)
+    return depth.primitive_offset(triangle, depths, polygon, target.depth_bits, fraction)
 
 
 def shape_of(primitives, vertices, kind, state, profile):
@@ -242,9 +247,9 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, in_units)
     by_w = state.w_buffering and depth.matters(state)
     depth_factors = depth.w_factors(depths) if by_w else (1.0, 1.0, 1.0)
-    enabled = enabled and source[0] >= 0
-    fraction = profile.arithmetic.offset_fraction
-    offset, slope = offset_of(primitives, source, state, target.depth_bits, enabled, fraction)
+    offset = 0.0
+    if enabled and source[0] >= 0:
+        offset = offset_of(primitives, source, state, target, profile.arithmetic.offset_fraction)
     columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
     places = places_of(kind, state, profile, place)
     if kind == TRIANGLE and places is None:
@@ -279,7 +284,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             for k in range(8)
         ]
         z = depth.kept(depth.iterate_w(n, depths) if by_w else depth.iterate(n, depths))
-        z = depth.word(z + (offset + slope * (z * z)), target.depth_bits, state.depth_clamp)
+        z = depth.word(z + offset, target.depth_bits, state.depth_clamp)
         access = Access(state, units, (px, py), weights, textures, profile)
         alive = True
         if state.texture_shader is None:

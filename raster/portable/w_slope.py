@@ -1,0 +1,144 @@
+"""The slope of w that W buffering's polygon offset takes: one number of a triangle, from one 2x2 block
+(docs/numbers.md, N5.9).
+"""
+
+from numba import float64, int64
+
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.fixed import floor_24, reciprocal_24, truncate_24
+from fixedpipe.raster.kernel import kernel
+from fixedpipe.raster.portable.interpolate import depth_difference, w_factors
+from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, reaches_infinity, side_of
+
+TILE = 4  # pixels
+NONE = -1.0  # the slope of a block with a pixel whose sum of edge terms is not above 0
+
+
+@kernel
+def _pixel_weights(n0, n1, n2, factors):
+    """(q0, q2) of a pixel, and whether it has them."""
+    e0 = truncate_24(truncate_24(float64(n0)) * factors[0])
+    e1 = truncate_24(truncate_24(float64(n1)) * factors[1])
+    e2 = truncate_24(truncate_24(float64(n2)) * factors[2])
+    total = (e0 + e1) + e2
+    if not total > 0.0:
+        return 0.0, 0.0, False
+    reciprocal = reciprocal_24(1.0 / total)
+    return floor_24(e0 * reciprocal), floor_24(e2 * reciprocal), True
+
+
+@kernel
+def _lesser(a, b):
+    """The one of the lesser magnitude, of equal ones ``a``."""
+    return b if abs(b) < abs(a) else a
+
+
+@kernel
+def _block_slope(n, right, down, factors, d0, d2):
+    """A block's larger slope along x and y, or NONE; ``n``: the edge functions of its upper left pixel."""
+    a0, a2, a = _pixel_weights(n[0], n[1], n[2], factors)
+    b0, b2, b = _pixel_weights(n[0] + right[0], n[1] + right[1], n[2] + right[2], factors)
+    below = n[0] + down[0], n[1] + down[1], n[2] + down[2]
+    c0, c2, c = _pixel_weights(below[0], below[1], below[2], factors)
+    e0, e2, e = _pixel_weights(below[0] + right[0], below[1] + right[1], below[2] + right[2], factors)
+    if not (a and b and c and e):
+        return NONE
+    along_x = abs(_lesser(b0 - a0, e0 - c0) * d0 + _lesser(b2 - a2, e2 - c2) * d2)
+    along_y = abs(_lesser(c0 - a0, e0 - b0) * d0 + _lesser(c2 - a2, e2 - b2) * d2)
+    return truncate_24(max(along_x, along_y))
+
+
+@kernel
+def _covered(draw, n, right, down, sides, ties, x, y):
+    """Which of a tile's 16 pixels are drawn, bits, row by row; ``n``: edge functions of its upper left one."""
+    found = int64(0)
+    for j in range(TILE):
+        for i in range(TILE):
+            inside = draw[R.X0] <= x + i and x + i < draw[R.X1] and draw[R.Y0] <= y + j and y + j < draw[R.Y1]
+            n0 = sides[0] * (n[0] + i * right[0] + j * down[0]) + ties[0]
+            n1 = sides[1] * (n[1] + i * right[1] + j * down[1]) + ties[1]
+            n2 = sides[2] * (n[2] + i * right[2] + j * down[2]) + ties[2]
+            if inside and (n0 | n1 | n2) >= 0:
+                found |= int64(1) << (TILE * j + i)
+    return found
+
+
+@kernel
+def w_slope(draw, vertices, v0, v1, v2):
+    """The slope in w a pixel; 0 of a triangle that draws nothing between X0, Y0, X1 and Y1 of ``draw``."""
+    x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
+    area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+    if area == 0 or draw[R.X0] >= draw[R.X1] or draw[R.Y0] >= draw[R.Y1]:
+        return 0.0
+    sign = int64(-1) if area < 0 else int64(1)
+    right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
+    right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
+    right, down = (-(right1 + right2), right1, right2), (-(down1 + down2), down1, down2)
+    inverse_w = vertices.inverse_w
+    sides = side_of(inverse_w[v0]), side_of(inverse_w[v1]), side_of(inverse_w[v2])
+    ties = (
+        edge_tie(sides[0] * right[0], sides[0] * down[0]),
+        edge_tie(sides[1] * right[1], sides[1] * down[1]),
+        edge_tie(sides[2] * right[2], sides[2] * down[2]),
+    )
+    # Where the search begins: the topmost vertex, moved into the box.
+    x_top, y_top = x0, y0
+    if y1 < y_top:
+        x_top, y_top = x1, y1
+    if y2 < y_top:
+        x_top, y_top = x2, y2
+    left, last_column = draw[R.X0], draw[R.X1] - 1
+    top, last_row = draw[R.Y0], draw[R.Y1] - 1
+    start = min(max(x_top >> 4, int64(left)), int64(last_column)) // TILE
+    if not reaches_infinity(inverse_w, v0, v1, v2):
+        top = min(max(y_top >> 4, int64(top)), int64(last_row))
+        last_row = min(int64(last_row), (max(y0, max(y1, y2)) - 8) >> 4)
+        left = max(int64(left), (min(x0, min(x1, x2)) + 7) >> 4)
+        last_column = min(int64(last_column), (max(x0, max(x1, x2)) - 8) >> 4)
+    for row in range(top // TILE, last_row // TILE + 1):
+        drawn, column, distance = int64(0), int64(0), int64(1) << 40
+        for k in range(left // TILE, last_column // TILE + 1):
+            away = k - start if k >= start else start - k
+            if away < distance:
+                n = _edges(x0, y0, x1, y1, x2, y2, area, sign, TILE * k, TILE * row)
+                covered = _covered(draw, n, right, down, sides, ties, TILE * k, TILE * row)
+                if covered != 0:
+                    drawn, column, distance = covered, k, away
+        if drawn != 0:
+            n = _edges(x0, y0, x1, y1, x2, y2, area, sign, TILE * column, TILE * row)
+            return _least_slope(vertices.z, v0, v1, v2, n, right, down, drawn, row == 0 and y_top < 0)
+    return 0.0
+
+
+@kernel
+def _edges(x0, y0, x1, y1, x2, y2, area, sign, x, y):
+    """A pixel's edge functions."""
+    sx, sy = x * 16 + 8, y * 16 + 8
+    n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
+    n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
+    return area * sign - n1 - n2, n1, n2
+
+
+@kernel
+def _least_slope(z, v0, v1, v2, n, right, down, drawn, upper):
+    """The least slope of a tile's blocks with a drawn pixel; ``upper``: of the upper two alone, if there is
+    one.
+    """
+    factors = w_factors(z[v0], z[v1], z[v2])
+    d0, d2 = depth_difference(z[v0], z[v1]), depth_difference(z[v2], z[v1])
+    found, least = False, float64(NONE)
+    for j in range(2):
+        if j == 1 and found and upper:
+            break
+        for i in range(2):
+            if drawn & (int64(0x33) << (8 * j + 2 * i)):
+                found = True
+                at = (
+                    n[0] + 2 * (i * right[0] + j * down[0]),
+                    n[1] + 2 * (i * right[1] + j * down[1]),
+                    n[2] + 2 * (i * right[2] + j * down[2]),
+                )
+                slope = _block_slope(at, right, down, factors, d0, d2)
+                if slope >= 0.0 and (least < 0.0 or slope < least):
+                    least = slope
+    return max(least, 0.0)

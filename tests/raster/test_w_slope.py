@@ -1,0 +1,74 @@
+"""The slope of W buffering's polygon offset: the kernel and the columns against the specification."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import Vertices
+from fixedpipe.raster.columns.w_slope import w_slope as columns_w_slope
+from fixedpipe.raster.portable.w_slope import w_slope as kernel_w_slope
+from tests.reference import coverage, depth
+from tests.reference.w_slope import slope
+
+BOX = (3, 2, 41, 33)  # the scissor's, device pixels
+
+
+def slopes(points, w, box=BOX):
+    """(the kernel's, the columns', the specification's) of one triangle; points: 1/16 pixel."""
+    x, y = np.array(points, np.int32).T
+    singles = [depth.single(v) for v in w]
+    inverse_w = 1.0 / np.array(singles)
+    draw = np.zeros(R.DRAW_SIZE, np.int64)
+    draw[[R.X0, R.Y0, R.X1, R.Y1]] = box
+    colors, coordinates = np.zeros((3, 2, 8), np.uint8), np.zeros((3, 0, 4))
+    vertices = Vertices(x.copy(), y.copy(), np.array(singles), inverse_w, colors, coordinates)
+    triangle = coverage.make_triangle(*points, tuple(v < 0 for v in w))
+    return (
+        kernel_w_slope(draw, vertices, 0, 1, 2),
+        columns_w_slope(x.astype(np.int64), y.astype(np.int64), np.array(singles), box, 4),
+        slope(triangle, singles, range(box[0], box[2]), range(box[1], box[3])),
+    )
+
+
+places = st.tuples(st.integers(-300, 900), st.integers(-300, 900))
+grid = st.tuples(st.integers(-4, 44).map(lambda k: 16 * k + 8), st.integers(-4, 40).map(lambda k: 16 * k + 8))
+
+
+@given(
+    points=st.lists(places, min_size=3, max_size=3) | st.lists(grid, min_size=3, max_size=3),
+    logarithms=st.lists(st.floats(-3.0, 12.0), min_size=3, max_size=3),
+    alike=st.booleans(),
+    behind=st.sampled_from([(), (), (), (0,), (1, 2), (0, 1, 2)]),
+    box=st.sampled_from([BOX, (0, 0, 40, 32), (0, 0, 3, 3), (5, 5, 5, 9)]),
+)
+def test_slopes_of_w_equal_the_specification(points, logarithms, alike, behind, box):
+    w = [2.0**k for k in logarithms]
+    if alike:
+        w[2] = w[0]
+    for i in behind:
+        w[i] = -w[i]
+    kernel, columns, expected = slopes(points, w, box)
+    assert kernel == expected
+    assert columns == expected
+
+
+FAR, NEAR = 325.8057861328125, 58.379993440  # W_buffering's floor
+
+
+@pytest.mark.parametrize(
+    ("points", "w", "box", "low", "high"),
+    [  # what all depths of a triangle leave for the offset, over its factor 65536 (WBuf24D captures)
+        ([(851, -549), (9388, -549), (28939, 7248)], (FAR, FAR, NEAR), (150, 0), 113137.28661, 113137.29906),
+        ([(851, -549), (28939, 7248), (-18699, 7248)], (FAR, NEAR, NEAR), (150, 0), 113136.77203, 113136.77448),
+        ([(851, -549), (9388, -549), (28939, 7248)], (FAR, FAR, NEAR), (150, 32), 75289.2175, 75289.23508),
+        ([(851, -549), (28939, 7248), (-18699, 7248)], (FAR, NEAR, NEAR), (150, 32), 73585.95741, 73585.96188),
+        ([(10197, -429), (10197, 8108), (2400, 27659)], (FAR, FAR, NEAR), (150, 0), 199541.0145, 199541.02771),
+        ([(10197, -429), (2400, 27659), (2400, -19979)], (FAR, NEAR, NEAR), (261, 0), 9748.96189, 9748.96637),
+    ],
+    ids=["floor 0", "floor 1", "clipped floor 0", "clipped floor 1", "wall 0", "clipped wall 1"],
+)
+def test_slopes_of_w_lie_where_the_captures_leave_room(points, w, box, low, high):
+    for found in slopes(points, w, (*box, 640, 480)):
+        assert low < 65536.0 * found < high
