@@ -76,7 +76,7 @@ What has no function of its own inputs alone, or nothing behind it that a vector
 - the level of detail of a 2x2 block, mipmaps' levels, layers, anisotropic footprints (N7.6 to N7.12);
 - lighting as a whole (N2.15 to N2.18), generated texture coordinates, point parameters: its numbers are here;
 - matrices times vectors (N2.1, N2.6), and what a triangle through w = 0 becomes;
-- the polygon offset of W buffering, and what a fixed format takes of an offset: open in silicon.md;
+- what a fixed format takes of a polygon offset (N5.4);
 - BRDF lookups, shadow comparisons, colour keys, HILO filters (N12.10, N12.13 to N12.17);
 - dithering: the chip has none in its colour buffer (N10.6). That of DXT1 is in the rule `dxt1`;
 - the 2D engine, clears, and what surfaces share in memory;

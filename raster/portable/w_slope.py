@@ -11,7 +11,6 @@ from fixedpipe.raster.portable.interpolate import depth_difference, w_factors
 from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, reaches_infinity, side_of
 
 TILE = 4  # pixels
-NONE = -1.0  # the slope of a block with a pixel whose sum of edge terms is not above 0
 
 
 @kernel
@@ -35,14 +34,16 @@ def _lesser(a, b):
 
 @kernel
 def _block_slope(n, right, down, factors, d0, d2):
-    """A block's larger slope along x and y, or NONE; ``n``: the edge functions of its upper left pixel."""
+    """A block's larger slope along x and y, or -1.0 where a pixel has no weights; ``n``: the edge functions of
+    its upper left pixel.
+    """
     a0, a2, a = _pixel_weights(n[0], n[1], n[2], factors)
     b0, b2, b = _pixel_weights(n[0] + right[0], n[1] + right[1], n[2] + right[2], factors)
     below = n[0] + down[0], n[1] + down[1], n[2] + down[2]
     c0, c2, c = _pixel_weights(below[0], below[1], below[2], factors)
     e0, e2, e = _pixel_weights(below[0] + right[0], below[1] + right[1], below[2] + right[2], factors)
     if not (a and b and c and e):
-        return NONE
+        return -1.0
     along_x = abs(_lesser(b0 - a0, e0 - c0) * d0 + _lesser(b2 - a2, e2 - c2) * d2)
     along_y = abs(_lesser(c0 - a0, e0 - b0) * d0 + _lesser(c2 - a2, e2 - b2) * d2)
     return truncate_24(max(along_x, along_y))
@@ -126,7 +127,7 @@ def _least_slope(z, v0, v1, v2, n, right, down, drawn, upper):
     """
     factors = w_factors(z[v0], z[v1], z[v2])
     d0, d2 = depth_difference(z[v0], z[v1]), depth_difference(z[v2], z[v1])
-    found, least = False, float64(NONE)
+    found, least = False, -1.0
     for j in range(2):
         if j == 1 and found and upper:
             break

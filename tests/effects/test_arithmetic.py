@@ -59,6 +59,7 @@ from tests.reference import (
     texture_shader,
     vertex,
     vertex_programs,
+    w_slope,
 )
 from tests.support.arithmetic import decoded, same, words
 
@@ -149,6 +150,11 @@ def slope(x, y, v, factor):
     corners = tuple(zip(x, y, strict=True))
     area = coverage.edge_function(*corners)
     return depth.polygon_offset(corners, area, v, factor)
+
+
+def slope_of_w(x, y, w, box):
+    triangle = coverage.make_triangle(*zip(x, y, strict=True))
+    return w_slope.slope(triangle, w, range(box[0], box[2]), range(box[1], box[3]))
 
 
 def replaced(a, b):
@@ -244,6 +250,7 @@ ONE_BY_ONE = {
     "depth": lambda n, z: depth.kept(depth.iterate(n, z)),
     "depth-of-w": lambda n, w: depth.kept(depth.iterate_w(n, w)),
     "polygon-offset-slope": slope,
+    "slope-of-w": slope_of_w,
     "signed-texel": signed_texel,
     "ycbcr": lambda y, cb, cr: texel_words.texel_of_ycbcr(y, cb, cr)[:3],
     "nearest-texel": nearest,

@@ -261,20 +261,18 @@ def test_limits_clamp_or_end_a_fragment():
 
 def test_polygon_offset_takes_the_steeper_axis_and_truncates_in_fixed_formats():
     triangle = coverage.make_triangle((0, 0), (160, 0), (0, 160))
-    state = PassState(polygon=PolygonState(offset_fill=True, offset_factor=2.0, offset_units=3.5))
+    polygon = PolygonState(offset_fill=True, offset_factor=2.0, offset_units=3.5)
 
-    def offset(z, depth_format=DepthFormat.FIXED_16, fraction=False, **polygon):
-        changed = replace(state, polygon=replace(state.polygon, **polygon))
-        return depth.primitive_offset(triangle, z, ONES, changed, depth_format, fraction)
+    def offset(z, depth_format=DepthFormat.FIXED_16, fraction=False, **changed):
+        return depth.primitive_offset(triangle, z, replace(polygon, **changed), depth_format, fraction)
 
-    assert offset((0.0, 32767.5, 0.0)) == (6557.0, 0.0)
-    assert offset((0.0, 16383.75, -32767.5), offset_factor=1.0, offset_units=0.0) == (3276.0, 0.0)
-    assert offset((0.0, 32767.5, 0.0), offset_factor=-1.0, offset_units=0.0) == (-3276.0, 0.0)
-    assert offset((0.0, 32767.5, 0.0), offset_factor=1e20) == (2.0**30, 0.0)
-    assert offset((0.0, 32767.5, 0.0), fraction=True) == (6557.0, 0.0)
-    assert offset((0.0, 1.0, 0.0), fraction=True) == (3.7, 0.0)
-    assert offset((0.0, 1.0, 0.0), DepthFormat.FLOAT_16) == (3.7, 0.0)
-    assert offset((0.0, 1.0, 0.0), offset_fill=False) == (0.0, 0.0)
+    assert offset((0.0, 32767.5, 0.0)) == 6557.0
+    assert offset((0.0, 16383.75, -32767.5), offset_factor=1.0, offset_units=0.0) == 3276.0
+    assert offset((0.0, 32767.5, 0.0), offset_factor=-1.0, offset_units=0.0) == -3276.0
+    assert offset((0.0, 32767.5, 0.0), offset_factor=1e20) == 2.0**30
+    assert offset((0.0, 32767.5, 0.0), fraction=True) == 6557.0
+    assert offset((0.0, 1.0, 0.0), fraction=True) == 3.7
+    assert offset((0.0, 1.0, 0.0), DepthFormat.FLOAT_16) == 3.7
 
 
 def test_clear_depths_are_rounded_to_nearest():
