@@ -227,22 +227,32 @@ DEPTHS = (
         id="slope-of-w",
         stage="Depth",
         numbers="N5.9",
-        formula="with W buffering, of a 2x2 block where the triangle begins in a box of pixels (left, top, right, "
-        "bottom): max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q = floor24(e r) of "
+        formula="with W buffering, of a 2x2 block where the triangle begins in a box (left, top, right, bottom): "
+        "max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q = floor24(e r) of "
         "depth-of-w's e, r = 1/D low, then to the nearest of 24 bits; dq the lesser of two rows or columns",
         in_words=True,
         evidence="Measured: every depth of 16 of 24 buffers with a slope of w; Inferred: which block; open: "
         "triangles of which both differences count (TriV)",
-        captures=("W_buffering/WBuf24D_FloorQuad_V1_ZB0_ZS1_ZB", "W_buffering/WBuf24D_ClipF-150-032_V1_ZB0_ZS1_ZB"),
+        captures=(
+            "W_buffering/WBuf24D_FloorQuad_V1_ZB0_ZS1_ZB",
+            "W_buffering/WBuf24D_ClipF-150-032_V1_ZB0_ZS1_ZB",
+        ),
         inputs={"x": "int[3]", "y": "int[3]", "w": "single[3]", "box": "int[4]"},
         output="double",
         compute=_slope_of_w,
-        edges=tuple(
-            ([8 + 16 * k, 168 + 16 * k, 8 + 16 * k], [8, 8, 648], [325.0, 325.0, 58.0], [left, top, 40, 40])
-            for k in range(4)
-            for left, top in ((0, 0), (3, 6))
-        )
-        + (([-99, 501, 7], [-40, -40, 600], [3.0, 3.0, 1.0], [0, 0, 40, 40]),),
+        edges=(
+            *(
+                (
+                    [8 + 16 * k, 168 + 16 * k, 8 + 16 * k],
+                    [8, 8, 648],
+                    [325.0, 325.0, 58.0],
+                    [left, top, 40, 40],
+                )
+                for k in range(4)
+                for left, top in ((0, 0), (3, 6))
+            ),
+            ([-99, 501, 7], [-40, -40, 600], [3.0, 3.0, 1.0], [0, 0, 40, 40]),
+        ),
         draw=lambda chance: (
             *([chance.below(961) - 160 for _ in range(3)] for _ in "xy"),
             _inverse_w(chance),

@@ -2,7 +2,12 @@
 
 import numpy as np
 
-from fixedpipe.raster.columns.interpolate import covered_pixels, depth_difference, edge_functions, w_edge_terms
+from fixedpipe.raster.columns.interpolate import (
+    covered_pixels,
+    depth_difference,
+    edge_functions,
+    w_edge_terms,
+)
 from fixedpipe.raster.floats import SINGLE_BITS, kept
 from fixedpipe.raster.floats import keep_significant_bits as cut
 

@@ -34,8 +34,8 @@ def _lesser(a, b):
 
 @kernel
 def _block_slope(n, right, down, factors, d0, d2):
-    """A block's larger slope along x and y, or -1.0 where a pixel has no weights; ``n``: the edge functions of
-    its upper left pixel.
+    """A block's larger slope along x and y, or -1.0 where a pixel has no weights; ``n``: edge functions of its
+    upper left pixel.
     """
     a0, a2, a = _pixel_weights(n[0], n[1], n[2], factors)
     b0, b2, b = _pixel_weights(n[0] + right[0], n[1] + right[1], n[2] + right[2], factors)
@@ -51,11 +51,12 @@ def _block_slope(n, right, down, factors, d0, d2):
 
 @kernel
 def _covered(draw, n, right, down, sides, ties, x, y):
-    """Which of a tile's 16 pixels are drawn, bits, row by row; ``n``: edge functions of its upper left one."""
+    """Which of a tile's 16 pixels are drawn: bits, row by row; ``n``: edge functions of the first."""
     found = int64(0)
     for j in range(TILE):
         for i in range(TILE):
-            inside = draw[R.X0] <= x + i and x + i < draw[R.X1] and draw[R.Y0] <= y + j and y + j < draw[R.Y1]
+            across = draw[R.X0] <= x + i and x + i < draw[R.X1]
+            inside = across and draw[R.Y0] <= y + j and y + j < draw[R.Y1]
             n0 = sides[0] * (n[0] + i * right[0] + j * down[0]) + ties[0]
             n1 = sides[1] * (n[1] + i * right[1] + j * down[1]) + ties[1]
             n2 = sides[2] * (n[2] + i * right[2] + j * down[2]) + ties[2]

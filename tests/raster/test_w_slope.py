@@ -54,21 +54,25 @@ def test_slopes_of_w_equal_the_specification(points, logarithms, alike, behind, 
     assert columns == expected
 
 
-FAR, NEAR = 325.8057861328125, 58.379993440  # W_buffering's floor
+FAR, NEAR = 325.8057861328125, 58.379993440  # w of W_buffering's floor and wall
+FLOOR = [(851, -549), (9388, -549), (28939, 7248)], (FAR, FAR, NEAR)
+FLOOR_1 = [(851, -549), (28939, 7248), (-18699, 7248)], (FAR, NEAR, NEAR)
+WALL = [(10197, -429), (10197, 8108), (2400, 27659)], (FAR, FAR, NEAR)
+WALL_1 = [(10197, -429), (2400, 27659), (2400, -19979)], (FAR, NEAR, NEAR)
 
 
 @pytest.mark.parametrize(
-    ("points", "w", "box", "low", "high"),
-    [  # what all depths of a triangle leave for the offset, over its factor 65536 (WBuf24D captures)
-        ([(851, -549), (9388, -549), (28939, 7248)], (FAR, FAR, NEAR), (150, 0), 113137.28661, 113137.29906),
-        ([(851, -549), (28939, 7248), (-18699, 7248)], (FAR, NEAR, NEAR), (150, 0), 113136.77203, 113136.77448),
-        ([(851, -549), (9388, -549), (28939, 7248)], (FAR, FAR, NEAR), (150, 32), 75289.2175, 75289.23508),
-        ([(851, -549), (28939, 7248), (-18699, 7248)], (FAR, NEAR, NEAR), (150, 32), 73585.95741, 73585.96188),
-        ([(10197, -429), (10197, 8108), (2400, 27659)], (FAR, FAR, NEAR), (150, 0), 199541.0145, 199541.02771),
-        ([(10197, -429), (2400, 27659), (2400, -19979)], (FAR, NEAR, NEAR), (261, 0), 9748.96189, 9748.96637),
+    ("triangle", "corner", "low", "high"),
+    [  # what all depths of a triangle leave for the offset, whose factor is 65536 (WBuf24D captures)
+        (FLOOR, (150, 0), 113137.28661, 113137.29906),
+        (FLOOR_1, (150, 0), 113136.77203, 113136.77448),
+        (FLOOR, (150, 32), 75289.2175, 75289.23508),
+        (FLOOR_1, (150, 32), 73585.95741, 73585.96188),
+        (WALL, (150, 0), 199541.0145, 199541.02771),
+        (WALL_1, (261, 0), 9748.96189, 9748.96637),
     ],
     ids=["floor 0", "floor 1", "clipped floor 0", "clipped floor 1", "wall 0", "clipped wall 1"],
 )
-def test_slopes_of_w_lie_where_the_captures_leave_room(points, w, box, low, high):
-    for found in slopes(points, w, (*box, 640, 480)):
+def test_slopes_of_w_lie_where_the_captures_leave_room(triangle, corner, low, high):
+    for found in slopes(*triangle, (*corner, 640, 480)):
         assert low < 65536.0 * found < high

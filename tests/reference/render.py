@@ -1,7 +1,7 @@
 """A draw call, whole: triangles, lines and points to pixels, one fragment at a time, in draw order."""
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import product
 from types import SimpleNamespace

@@ -57,7 +57,9 @@ def slope(triangle, w, columns, rows):
         return 0.0
     top = min(triangle.vertices, key=lambda vertex: vertex[1])
     start = fixed.clamp(top[0] // coverage.SUBPIXELS, columns[0], columns[-1]) // TILE
-    first = 0 if any(triangle.behind) else fixed.clamp(top[1] // coverage.SUBPIXELS, rows[0], rows[-1]) // TILE
+    first = fixed.clamp(top[1] // coverage.SUBPIXELS, rows[0], rows[-1]) // TILE
+    if any(triangle.behind):  # it is anywhere
+        first = 0
     columns, rows = coverage.spanned(triangle, columns, rows)
     inside = {
         (px, py)
