@@ -169,6 +169,7 @@ def _depths(chance):
     return [_single_of(chance.below(1 << 24)) for _ in range(3)]
 
 
+_SLIVER = [325.0, 325.0, 58.0]  # w of W_buffering's TriH
 _SUM = (
     "base + q d + q d; base has the largest exponent of e; q = T24(e r) with r = 1/D a bit low, in "
     "29 bits; terms are cut to the last of the largest's 29 bits"
@@ -227,8 +228,8 @@ DEPTHS = (
         id="slope-of-w",
         stage="Depth",
         numbers="N5.9",
-        formula="with W buffering, of a 2x2 block where the triangle begins in a box (left, top, right, bottom): "
-        "max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q = floor24(e r) of "
+        formula="with W buffering, of a 2x2 block where the triangle begins in a box (left, top, right, "
+        "bottom): max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q = floor24(e r) of "
         "depth-of-w's e, r = 1/D low, then to the nearest of 24 bits; dq the lesser of two rows or columns",
         in_words=True,
         evidence="Measured: every depth of 16 of 24 buffers with a slope of w; Inferred: which block; open: "
