@@ -34,8 +34,9 @@ def _lesser(a, b):
 
 @kernel
 def _block_slope(n, right, down, factors, d0, d2):
-    """A block's larger slope along x and y, -1.0 where a pixel has no weights; ``n``: edge functions of its upper
-    left pixel.
+    """A block's larger slope along x and y, -1.0 where a pixel has no weights.
+
+    ``n``: edge functions of its upper left pixel.
     """
     a0, a2, a = _pixel_weights(n[0], n[1], n[2], factors)
     b0, b2, b = _pixel_weights(n[0] + right[0], n[1] + right[1], n[2] + right[2], factors)
