@@ -777,6 +777,8 @@ class PassState:
     ``logic_op`` None: disabled.
     ``texture_shader``: stage i is texture unit i's, NONE where there are fewer; None: TEXTURE_SHADER is
     disabled, and each enabled unit samples its texture.
+    ``ycbcr_conversion``: every unit that reads a texture has Y, Cb and Cr in its red, green and blue: they
+    become RGB on their way to the combiners; a texture shader's other stages read them as they are.
     ``w_buffering``: a fragment's depth is its clip w, in depth units, instead of its window z.
     ``draw_buffer``: which colour buffer is written (and blended with).
     On a machine of the future, ``evaluate_before_filtering``: the combiners are evaluated at each texel that
@@ -804,6 +806,7 @@ class PassState:
     line: LineState = LineState()
     window_clip: WindowClip | None = None
     depth_clamp: DepthClamp | None = None
+    ycbcr_conversion: bool = False
     w_buffering: bool = False
     draw_buffer: ColorBuffer = ColorBuffer.BACK
     evaluate_before_filtering: bool = False

@@ -48,6 +48,7 @@ NEEDS_ITERATION_WEIGHTS = _draw()  # weights with 24 significant bits: those, or
 NEEDS_WEIGHTS = _draw()  # full-precision weights
 NEEDS_DEPTH = _draw()
 UNITS = _draw()
+YCBCR = _draw()  # 1: texture units' registers hold Y, Cb and Cr, and become RGB
 BITS = _draw()  # of fragments' colours, as combiners compute them
 BUFFER_BITS = _draw()  # of the color buffer's components: 8, four bytes in a word; else a word for each
 DIRECT = _draw()  # 1: the fragment is its primary colour, no combiners

@@ -14,13 +14,14 @@ from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import InternalFormat, Register, TexelWord, TextureFilter
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage, TextureUnit
-from fixedpipe.pipeline.textures.images import texture_2d
-from fixedpipe.pipeline.textures.words import compressed_texture, texture_of_words
+from fixedpipe.pipeline.textures.images import Texture, texture_2d
+from fixedpipe.pipeline.textures.words import compressed_texture, texture_of_words, ycbcr_of_words
 
 SIZE = 256  # of both textures
 LEFT, TOP, EDGE, STEP = 146, 66, 168, 180
 LINEAR = replace(scenes.NEAREST, min_filter=TextureFilter.LINEAR, mag_filter=TextureFilter.LINEAR)
 DXT1 = "DXT1"
+YCBCR = frozenset({TexelWord.YUY2, TexelWord.UYVY})
 
 
 def picture(colors):
@@ -40,8 +41,9 @@ def dxt1_of(rgba):
     return compressed_texture(blocks.tobytes(), InternalFormat.COMPRESSED_RGBA_S3TC_DXT1, SIZE, SIZE)
 
 
-def case_of(image, linear, stages, register, signs, checkers, coordinates):
-    """The frame: ``image`` on unit 0, a checkerboard of two colours 0xAABBGGRR on the last stage's unit.
+def case_of(image, linear, stages, register, signs, checkers, coordinates, ycbcr=False):
+    """The frame: ``image`` on unit 0, a checkerboard of two colours 0xAABBGGRR on the last stage's unit;
+    ``ycbcr``: whether all that units read is converted.
 
     ``linear``: coordinates of unit 0 count texels. ``signs(column, row)``: unit 0's signed components.
     ``coordinates``: the other units', each [4, 1..4].
@@ -74,6 +76,7 @@ def case_of(image, linear, stages, register, signs, checkers, coordinates):
                 register_combiners=scenes.shows(register),
                 texture_units=tuple(units),
                 texture_shader=stages,
+                ycbcr_conversion=ycbcr,
             )
             mesh = scenes.window_mesh(
                 scenes.rectangle(left, top, left + EDGE, top + EDGE, 1.0),
@@ -95,7 +98,8 @@ def offset_case(colors, entry, operation, matrix, signs, checkers, **scaled):
         # The chip reads the matrix in single precision.
         TextureShaderStage(operation, offset_texture_matrix=tuple(scenes.single(matrix).tolist()), **scaled),
     )
-    return case_of(image, linear, stages, Register.TEXTURE1, signs, checkers, (scenes.UNIT_SQUARE,))
+    ycbcr = entry is not None and entry.word in YCBCR
+    return case_of(image, linear, stages, Register.TEXTURE1, signs, checkers, (scenes.UNIT_SQUARE,), ycbcr)
 
 
 def formats(without):
@@ -114,6 +118,10 @@ def texture_of(colors, entry):
         red, green, blue = (picture(colors)[..., k].astype(np.int64) for k in range(3))
         words = (red >> 2) << 10 | (green >> 3) << 5 | blue >> 3
         return texture_of_words(words, entry.word, entry.target), entry.linear
+    if entry.word in YCBCR:
+        words = texture_memory.converted_words(picture(colors), entry.word)
+        texels = ycbcr_of_words(words, entry.word)
+        return Texture(entry.target, InternalFormat.RGBA8, (texels[None],)), entry.linear
     return texture_memory.texture_of(picture(colors), entry), entry.linear
 
 

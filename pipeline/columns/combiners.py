@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import Clamp, ComponentUsage, Mapping, MuxSelect, ProductRounding, Register
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
+from fixedpipe.pipeline.textures.words import ycbcr_to_rgb
 from fixedpipe.raster.columns import combine as arithmetic
 from fixedpipe.raster.columns import future, numbers
 from fixedpipe.raster.witness import nobody
@@ -36,11 +37,12 @@ def arithmetic_of(profile, bits, environments=False):
 
 class Registers(dict):
     """Registers of k fragments, int64 [4, k] each; textures are sampled when they are first read.
-    ``otherwise``: an Otherwise, in whose units they are.
+    ``otherwise``: an Otherwise, in whose units they are. ``ycbcr``: units whose texels are Y, Cb and Cr.
     """
 
-    def __init__(self, samplers, fragments, bits, taps=None, otherwise=None):
+    def __init__(self, samplers, fragments, bits, taps=None, otherwise=None, ycbcr=()):
         super().__init__()
+        self._ycbcr = ycbcr
         self._samplers, self._fragments, self._bits = samplers, fragments, bits
         self._taps = taps or {}  # of units that are read before they are filtered
         self._otherwise = otherwise
@@ -61,10 +63,19 @@ class Registers(dict):
             bits, grid = self._otherwise.width_of(unit, bits)
         if unit < len(self._samplers) and self._samplers[unit] is not None:
             tap = self._taps.get(unit)
-            self[register] = self._samplers[unit].register(self._fragments, bits, tap) * grid
+            found = self._samplers[unit].register(self._fragments, bits, tap)
+            self[register] = (ycbcr_converted(found) if unit in self._ycbcr else found) * grid
         else:  # Measured: a disabled unit's register is (0, 0, 0, 1)
             self[register] = filled((0, 0, 0, numbers.one_of(bits) * grid), count)
         return self[register]
+
+
+def ycbcr_converted(register):
+    """R, G, B and alpha of a register int64 [4, k] of bytes Y, Cb, Cr and alpha; Assumed: below 0 is 0.
+
+    Measured: 1213620 of 1213620 pixels (BumpMap_UYVY_L and three captures like it).
+    """
+    return np.stack([*ycbcr_to_rgb(*np.maximum(register[:3], 0)), register[3]])
 
 
 def filled(values, count):

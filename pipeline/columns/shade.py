@@ -2,13 +2,21 @@
 
 import numpy as np
 
-from fixedpipe.pipeline.columns.combiners import Registers, arithmetic_of, combine, filled, without_combiners
+from fixedpipe.pipeline.columns.combiners import (
+    Registers,
+    arithmetic_of,
+    combine,
+    filled,
+    without_combiners,
+    ycbcr_converted,
+)
 from fixedpipe.pipeline.columns.textures import LAMBDA_BITS
 from fixedpipe.pipeline.enums import FogArithmetic, FogMode, Register, TextureTarget
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
+from fixedpipe.pipeline.programs.texture_shader_rules import reads_texture
 from fixedpipe.pipeline.vertices.fog import folds, table
 from fixedpipe.raster.columns import numbers
 from fixedpipe.raster.witness import nobody
@@ -70,7 +78,11 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
 def _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw, otherwise=None):
     count, one = len(fragments.x), numbers.one_of(bits)
     grid = 1 if otherwise is None else one + 2
-    registers = Registers(samplers, fragments, bits, taps, otherwise)
+    ycbcr = ()
+    if state.ycbcr_conversion:
+        ycbcr = tuple(i for i in range(len(state.texture_units)) if reads_texture(state, i))
+        made = {unit: ycbcr_converted(r) if unit in ycbcr else r for unit, r in made.items()}
+    registers = Registers(samplers, fragments, bits, taps, otherwise, ycbcr)
     registers.update({Register.TEXTURE0 + unit: register * grid for unit, register in made.items()})
     registers[Register.PRIMARY_COLOR] = fragments.primary.T.astype(np.int64)
     registers[Register.SECONDARY_COLOR] = fragments.secondary.T.astype(np.int64)

@@ -94,6 +94,7 @@ FIELD_WORDS = {
     (PassState, "stencil_test"): "STENCIL_TEST enabled",
     (PassState, "depth_test"): "DEPTH_TEST enabled",
     (PassState, "depth_clamp"): "DEPTH_CLAMP enabled",
+    (PassState, "ycbcr_conversion"): "YCbCr conversion",
     (PassState, "w_buffering"): "W buffering",
     (PassState, "blending"): "BLEND enabled",
     (PassState, "logic_op"): "COLOR_LOGIC_OP",

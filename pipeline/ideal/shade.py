@@ -15,6 +15,7 @@ from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
+from fixedpipe.pipeline.programs.texture_shader_rules import reads_texture
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.witness import nobody
 
@@ -163,6 +164,8 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, sa
             found = texel(i, unit, textures.get(unit.texture))
             if state.texture_shader is None:
                 found = as_register(found, unit)
+            if state.ycbcr_conversion and reads_texture(state, i):
+                found = np.concatenate([_rgb_of_ycbcr(found[:, :3]), found[:, 3:]], axis=1)
             registers[register] = found
 
     def look_up(lookup, rgb):
@@ -179,6 +182,14 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, sa
 
     saw("registers", registers=registers)
     return combine(plan, registers, look_up, saw)
+
+
+def _rgb_of_ycbcr(ycbcr):
+    """float64 [k, 3] of BT.601's Y, Cb and Cr in [0, 1]. Inferred: from the chip's coefficients (N7.3)."""
+    y, cb, cr = (np.maximum(ycbcr, 0.0) * 255.0 - (16.0, 128.0, 128.0)).T
+    light = 1.164 * y
+    rgb = light + 1.596 * cr, light - 0.392 * cb - 0.813 * cr, light + 2.017 * cb
+    return np.clip(np.stack(rgb, axis=1) / 255.0, 0.0, 1.0)
 
 
 def _sample_made(i, unit, texture, str_, r, lifted, axes):

@@ -89,6 +89,7 @@ class StateRows:
         if not draw[R.NEEDS_COLOR]:
             draw[R.BITS] = framebuffer.color_bits
         draw[R.UNITS] = len(state.texture_units)
+        draw[R.YCBCR] = state.ycbcr_conversion
         self.fog_thresholds = pack_fog(state, profile, used, draw)
         draw[R.NEEDS_PRIMARY] = Register.PRIMARY_COLOR in used
         draw[R.NEEDS_SECONDARY] = Register.SECONDARY_COLOR in used

@@ -109,6 +109,7 @@ GEFORCE_256 = Profile(
         ),
         combiner_lookup=known(False, _ASKED_FOR),
         blue_to_alpha=known(False, "Source: NV_register_combiners, which has no such output"),
+        ycbcr_conversion=known(False, "Assumed: none; no extension of OpenGL reaches it"),
         combiner_flags=known(False, "Source: NV_register_combiners, which names none of them"),
     ),
     vertices=Vertices(

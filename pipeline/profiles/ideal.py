@@ -99,6 +99,7 @@ IDEAL = Profile(
         combiner_functions=_given(frozenset(CombinerFunction)),
         combiner_lookup=_given(True),
         blue_to_alpha=_given(True),
+        ycbcr_conversion=_given(False),
         combiner_flags=_given(False),
     ),
     vertices=Vertices(

@@ -120,6 +120,7 @@ NV2A = Profile(
         ),
         combiner_lookup=known(False, _NOT_ASKED),
         blue_to_alpha=known(True, "Measured: 110441 of 110441 pixels (Combiner captures)"),
+        ycbcr_conversion=known(True, "Measured: Bump_map, Bump_env_lum UYVY_L, YUY2_L captures"),
         combiner_flags=known(True, "Measured: 110441 of 110441 pixels (Combiner captures)"),
     ),
     vertices=Vertices(

@@ -87,6 +87,7 @@ class Combiners(Section):
     combiner_functions: frozenset[CombinerFunction]  # of the future board
     combiner_lookup: bool  # CombinerLookup
     blue_to_alpha: bool  # ab_blue_to_alpha, cd_blue_to_alpha of RGB portions
+    ycbcr_conversion: bool  # of texture units' registers
     combiner_flags: bool  # muxes by the lowest bit, inverted terms of the color sum
 
 

@@ -201,3 +201,11 @@ def stage_width_problem(stages, widths, profile):
                     "texture, or the dot product another mapping."
                 )
     return None
+
+
+def reads_texture(state, i):
+    """Whether a state's unit i has a texel, its own or of its texture shader's stage."""
+    if state.texture_units[i] is None or state.texture_units[i].texture is None:
+        return False
+    stages = shader_stages(state)
+    return stages is None or stages[i].operation not in WITHOUT_TEXTURE | {Operation.NONE}

@@ -60,22 +60,26 @@ def ycbcr_to_rgb(y, u, v):
     return tuple(np.clip(channel, 0, 255) for channel in (red, green, blue))
 
 
-def _ycbcr_texels(words, kind):
-    """Register bytes of words of 16 bits, pairs along the rows."""
+def ycbcr_of_words(words, kind):
+    """Y, Cb, Cr and 255, uint8 [..., 4], of words of 16 bits, pairs along the rows: what units read whose
+    results a pass converts (``PassState.ycbcr_conversion``). ``kind``: TexelWord.YUY2 or UYVY.
+    """
+    words = whole_numbers(words, "The array of words")
     low, high = words & 255, (words >> 8) & 255
     y, chroma = (low, high) if kind is TexelWord.YUY2 else (high, low)
     if words.shape[-1] % 2:
         raise ValueError(f"YCbCr rows come in pairs of texels; {words.shape[-1]} columns are not even.")
     u, v = (np.repeat(chroma[..., k::2], 2, -1) for k in (0, 1))
-    red, green, blue = ycbcr_to_rgb(y, u, v)
-    return np.stack([red, green, blue, np.full_like(red, 255)], -1)
+    return np.stack([y, u, v, np.full_like(y, 255)], -1).astype(np.uint8)
 
 
 def texels_of_words(words, kind):
     """Register bytes uint8 [..., 4] of an array of words: see Texture for what depths and HILO are."""
     words = whole_numbers(words, "The array of words")
     if kind in (TexelWord.YUY2, TexelWord.UYVY):
-        return _ycbcr_texels(words, kind).astype(np.uint8)
+        texels = ycbcr_of_words(words, kind)
+        texels[..., :3] = np.stack(ycbcr_to_rgb(*np.moveaxis(texels[..., :3].astype(np.int64), -1, 0)), -1)
+        return texels
     if kind in _DEPTHS:
         depth = words >> _DEPTHS[kind][1]
         return np.stack([(depth >> shift) & 255 for shift in (0, 8, 16, 24)], -1).astype(np.uint8)

@@ -98,6 +98,11 @@ def pass_state(walk, state, mesh):
         walk.refuse(f"{walk.profile.name} has no logic operations on colors; use blending.")
     if state.depth_clamp is not None:
         fragments.depth_clamp(walk, state.depth_clamp)
+    if state.ycbcr_conversion and not walk.profile.combiners.ycbcr_conversion:
+        walk.refuse(
+            f"{walk.profile.name} converts no texture units' results; leave ycbcr_conversion False and give "
+            "a texture of InternalFormat.YCBCR."
+        )
     if state.w_buffering and not walk.profile.fragments.w_buffering:
         walk.refuse(f"{walk.profile.name} has no W buffering; leave w_buffering False.")
     buffers.color_buffer(walk, state.draw_buffer)

@@ -634,6 +634,17 @@ def _combiners():
         **_COMBINERS,
     )
 
+    yield Feature(
+        name="texels of Y, Cb and Cr become RGB before they are combined",
+        group="Register combiners",
+        has=lambda p: p.combiners.ycbcr_conversion,
+        commands=(_draw(ycbcr_conversion=True),),
+        asked="YCbCr conversion",
+        reference=("tests/reference/render.py", "tests/reference/texel_words.py"),
+        implementation=("raster/portable/unit.py",),
+        tests=("tests/conformance/test_conformance.py", "tests/pipeline/execution/test_random_states.py"),
+    )
+
 
 def _future():
     where = {

@@ -986,6 +986,7 @@ class _Maker:
                 "color_sum": profile.fragments.color_sum and self.chance(0.2),
                 "logic_op": self.maybe(0.1, lambda: self.one_of(LogicOperation)),
                 "depth_clamp": self.maybe(0.12, self.depth_clamp) if profile.fragments.depth_clamp else None,
+                "ycbcr_conversion": profile.combiners.ycbcr_conversion and self.chance(0.1),
                 "w_buffering": profile.fragments.w_buffering and self.chance(0.1),
                 "perspective_correction": not (profile.primitives.perspective_hint and self.chance(0.05)),
             }

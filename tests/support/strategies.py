@@ -283,6 +283,7 @@ def pass_states(draw, width, height, available, max_stages=2, nv2a=False):
         logic_op=draw(st.none() | st.none() | st.sampled_from(LogicOperation)),
         color_mask=draw(color_masks),
         depth_clamp=draw(maybe(depth_clamps)) if nv2a else None,
+        ycbcr_conversion=nv2a and draw(st.booleans()),
         w_buffering=nv2a and draw(st.booleans()),
     )
 

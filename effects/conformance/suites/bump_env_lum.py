@@ -8,7 +8,6 @@ from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import SignedComponents
 
 SUITE = "Bump_env_lum"
-OPEN = "the color conversion of YUV textures, which acts on every unit"
 
 FORMATS = bump_quads.formats(without=())
 VARIED = ("R6G5B5", "X8R8G8B8")

@@ -12,7 +12,6 @@ from fixedpipe.pipeline.state import SignedComponents, TextureShaderStage
 from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Bump_map"
-OPEN = "the color conversion of YUV textures, which acts on every unit"
 
 FORMATS = bump_quads.formats(without=("R16B16",))
 HILO = {"BumpMap_R16B16": False, "BumpMap_R16B16_B": True}  # crossed on blue

@@ -48,6 +48,7 @@ machines = st.builds(
         per_stage_constants=True,
         blue_to_alpha=True,
         combiner_flags=True,
+        ycbcr_conversion=True,
         blend_equations=NV2A.fragments.blend_equations,
         surface_formats=NV2A.framebuffers.surface_formats,
         depth_bits=tuple(DepthFormat),

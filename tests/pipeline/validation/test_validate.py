@@ -953,6 +953,7 @@ LACKING = {
     "separate_specular_color": (False, lit(separate_specular_color=True), "no SEPARATE_SPECULAR_COLOR"),
     "color_sum": (False, draw(color_sum=True), "no color sum"),
     "depth_clamp": (False, draw(depth_clamp=DepthClamp()), "no DEPTH_CLAMP; leave depth_clamp None"),
+    "ycbcr_conversion": (False, draw(ycbcr_conversion=True), "InternalFormat.YCBCR"),
     "w_buffering": (False, draw(w_buffering=True), "no W buffering"),
 }
 
