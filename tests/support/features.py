@@ -639,7 +639,7 @@ def _combiners():
         group="Register combiners",
         has=lambda p: p.combiners.ycbcr_conversion,
         commands=(_draw(ycbcr_conversion=True),),
-        asked="YCbCr conversion",
+        asked="YCbCr conversion|ycbcr_conversion",
         reference=("tests/reference/render.py", "tests/reference/texel_words.py"),
         implementation=("raster/portable/unit.py",),
         tests=("tests/conformance/test_conformance.py", "tests/pipeline/execution/test_random_states.py"),
