@@ -192,8 +192,15 @@ class IteratedPrimitives:
         state, limits = self.state, self.state.depth_clamp
         if state.depth_test is None and not (limits is not None and limits.cull):
             return np.zeros(len(triangle), np.int64)
-        iterate = interpolate.iterate_w if state.w_buffering else interpolate.iterate_depth
-        z = iterate(n, self.depths[vertices])
+        corners = self.depths[vertices]
+        if state.w_buffering:
+            z = interpolate.iterate_w(n, corners)
+        else:
+            if kinds is not None:  # of a line the first vertex comes before the other
+                line = kinds == C.PRIMITIVE_LINE
+                n = tuple(np.where(line, a, b) for a, b in zip(n[::-1], n, strict=True))
+                corners = np.where(line[:, None], corners[:, ::-1], corners)
+            z = interpolate.iterate_depth(n, corners)
         offset = self._offset(triangle, vertices, kinds, x, y, area)
         total = z + offset
         words = fragment_depths(total, state, self.framebuffer)

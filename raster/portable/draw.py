@@ -473,6 +473,10 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                             emit_weights(edges, position, n, here, step, (iw0, iw1, iw2))
                         if needs_depth and draw[R.W_BUFFERING]:
                             emit_w(floats, position, n, here, step, over_w, (z0, z1, z2), offset)
+                        elif needs_depth and kind == C.PRIMITIVE_LINE:
+                            # Its first vertex, the row's second and third, comes before the other.
+                            back_here, back_step = (here[2], here[1], here[0]), (step[2], step[1], step[0])
+                            emit_depth(floats, position, n, back_here, back_step, (z2, z1, z0), offset)
                         elif needs_depth:
                             emit_depth(floats, position, n, here, step, (z0, z1, z2), offset)
                         position += n

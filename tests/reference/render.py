@@ -297,7 +297,10 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             else interpolate.iterate_color_channel(weights.color, [c[k] for c in colors])
             for k in range(8)
         ]
-        z = depth.kept(depth.iterate_w(n, depths) if by_w else depth.iterate(n, depths))
+        order = slice(
+            None, None, -1 if kind == LINE else 1
+        )  # a line's row is its second vertex, then its first
+        z = depth.kept(depth.iterate_w(n, depths) if by_w else depth.iterate(n[order], depths[order]))
         z = depth.word(z + offset, target.depth_bits, state.depth_clamp)
         access = Access(state, units, (px, py), weights, textures, profile)
         alive = True
