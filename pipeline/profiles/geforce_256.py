@@ -109,7 +109,7 @@ GEFORCE_256 = Profile(
         ),
         combiner_lookup=known(False, _ASKED_FOR),
         blue_to_alpha=known(False, "Source: NV_register_combiners, which has no such output"),
-        ycbcr_conversion=known(False, "Assumed: none; no extension of OpenGL reaches it"),
+        ycbcr_conversion=known(False, "Assumed: none; NV_register_combiners has nothing like it"),
         combiner_flags=known(False, "Source: NV_register_combiners, which names none of them"),
     ),
     vertices=Vertices(

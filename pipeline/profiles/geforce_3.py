@@ -131,7 +131,7 @@ GEFORCE_3 = Profile(
             "Inferred: ps.1.1 has eight slots of arithmetic, and a dp3 of all four components takes one; "
             "from the NV2A: Combiner captures",
         ),
-        ycbcr_conversion=known(False, "Assumed: none; no extension of OpenGL reaches it"),
+        ycbcr_conversion=known(False, "Assumed: none; no extension of its driver reaches one"),
         combiner_flags=known(False, "Source: NV_register_combiners2, which names none of them"),
     ),
     vertices=Vertices(
