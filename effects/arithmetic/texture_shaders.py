@@ -40,7 +40,7 @@ _MAPPINGS = {
 
 def _mapping(mapping, formula, captures):
     hemisphere = mapping == DotProductMapping.SIGNED_HILO_HEMISPHERE
-    open_bits = " but for 8 pixels: its root's last bits are not known" if hemisphere else ""
+    open_bits = " but for 1 to 11 pixels of 4 captures" if hemisphere else ""
     return Rule(
         id=f"dot-mapping-{mapping.name.lower().replace('_', '-')}",
         stage=STAGE,

@@ -139,10 +139,11 @@ def dot_products(floats, packed, previous, mapping, count, out):
             if mapping == C.DOT_MAPPING_UNSIGNED_HILO:
                 x, y, z = float64(high) / 65535.0, float64(low) / 65535.0, 1.0
             else:
-                x = float64(high if high < 32768 else high - 65536) / 32767.0
-                y = float64(low if low < 32768 else low - 65536) / 32767.0
-                rest = (1.0 - x * x) - y * y
-                z = np.sqrt(rest) if rest > 0.0 else 0.0
+                # The third component is a whole root of whole numbers, of 15 bits.
+                first = float64(high if high < 32768 else high - 65536)
+                second = float64(low if low < 32768 else low - 65536)
+                rest = max((1073741824.0 - first * first) - second * second, 0.0)
+                x, y, z = first / 32767.0, second / 32767.0, np.floor(np.sqrt(rest)) / 32768.0
         else:
             x = mapped_component(red, mapping)
             y = mapped_component(green, mapping)

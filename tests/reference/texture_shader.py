@@ -1,6 +1,6 @@
 """Texture shader stages, one fragment at a time: docs/numbers.md section 12, at other widths section 13."""
 
-from math import floor, sqrt
+from math import floor, isqrt
 
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -56,9 +56,8 @@ def mapped(texel, mapping, bits=8):
         high, low = alpha * 256 + red, green * 256 + blue
         if mapping == DotProductMapping.UNSIGNED_HILO:
             return high / 65535.0, low / 65535.0, 1.0
-        x, y = signed(high, 16) / 32767.0, signed(low, 16) / 32767.0
-        rest = (1.0 - x * x) - y * y
-        return x, y, sqrt(rest) if rest > 0.0 else 0.0
+        x, y = signed(high, 16), signed(low, 16)  # Measured: the root, of whole numbers (HiLoHemi captures)
+        return x / 32767.0, y / 32767.0, isqrt(max(2**30 - x * x - y * y, 0)) / 32768.0
     rule = {
         DotProductMapping.UNSIGNED_IDENTITY: lambda v: v / one,
         DotProductMapping.EXPAND_NORMAL: lambda v: (v - half) / (half - 1),
