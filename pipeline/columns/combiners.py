@@ -61,6 +61,8 @@ class Registers(dict):
         bits, grid = self._bits, 1
         if self._otherwise is not None:
             bits, grid = self._otherwise.width_of(unit, bits)
+            if unit in self._ycbcr:  # the conversion takes bytes
+                bits, grid = self._bits, numbers.one_of(self._bits) + 2
         if unit < len(self._samplers) and self._samplers[unit] is not None:
             tap = self._taps.get(unit)
             found = self._samplers[unit].register(self._fragments, bits, tap)

@@ -20,7 +20,7 @@ from fixedpipe.pipeline.inspection.what_if import (
     with_texture,
     without_clamp,
 )
-from fixedpipe.pipeline.profiles import FUTURE, GEFORCE_256, OCTANE
+from fixedpipe.pipeline.profiles import FUTURE, GEFORCE_256, NV2A, OCTANE
 from fixedpipe.pipeline.state import (
     BlendFactor,
     Blending,
@@ -263,6 +263,21 @@ def test_a_filter_and_a_half_are_their_stages():
     mapped = RGBPortion(a=CombinerInput(Register.PRIMARY_COLOR, mapping=Mapping.EXPAND_NORMAL))
     own, found = of_stages([combined(mapped, color=(200 / 255,) * 3)])
     assert own.shown == pytest.approx(1 / 255, rel=1e-9) and found["general combiner 0"].shown < 1e-12
+
+
+def test_an_exact_filter_is_rounded_before_a_conversion():
+    ycbcr = texture_2d(np.full((2, 2, 3), (150, 90, 200), np.uint8))
+    unit = TextureUnit("ycbcr", sampler=Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR))
+    shown = RGBPortion(a=CombinerInput(Register.TEXTURE0), b=ONE)
+    square = combined(shown, texture_units=(unit,), ycbcr_conversion=True)
+    commands = [TexImage(label="ycbcr", texture="ycbcr", image=ycbcr), square]
+    exact = Otherwise(exact=frozenset({"texture unit 0"}))
+    own, same = (
+        Machine(NV2A, 3, 3, engine="columns", otherwise=otherwise).run(commands).framebuffer.color
+        for otherwise in (None, lambda draw: exact)
+    )
+    assert (own == same).all()
+    assert own[1, 1, :3].tolist() == [255, 114, 78]  # N7.3, by hand
 
 
 @pytest.mark.parametrize("wide", [False, True])
