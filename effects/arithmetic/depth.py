@@ -232,7 +232,7 @@ DEPTHS = (
         "bottom): max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q = floor24(e r) of "
         "depth-of-w's e, r = 1/D low, then to the nearest of 24 bits; dq the lesser of two rows or columns",
         in_words=True,
-        evidence="Measured: every depth of 16 of 24 buffers with a slope of w; Inferred: which block; open: "
+        evidence="Measured: every depth of 18 of 24 buffers with a slope of w; Inferred: which block; open: "
         "triangles of which both differences count (TriV)",
         captures=(
             "W_buffering/WBuf24D_FloorQuad_V1_ZB0_ZS1_ZB",

@@ -61,7 +61,7 @@ def block_slope(triangle, w, x, y):
 def slope(triangle, w, columns, rows):
     """The slope, in w a pixel; 0 where the triangle draws none of ``columns`` and ``rows``, two ranges.
 
-    Measured: all depths of 16 W_buffering captures; Inferred: which tile and block; Assumed: what is left.
+    Measured: all depths of 18 W_buffering captures; Inferred: which tile and block; Assumed: what is left.
     """
     if triangle.area == 0 or not columns or not rows:
         return 0.0
