@@ -642,7 +642,7 @@ def _combiners():
         asked="YCbCr conversion|ycbcr_conversion",
         reference=("tests/reference/render.py", "tests/reference/texel_words.py"),
         implementation=("raster/portable/unit.py",),
-        tests=("tests/conformance/test_conformance.py", "tests/pipeline/execution/test_random_states.py"),
+        tests=("tests/raster/test_ycbcr.py", "tests/conformance/test_conformance.py"),
     )
 
 
