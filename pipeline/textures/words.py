@@ -63,8 +63,16 @@ def ycbcr_to_rgb(y, u, v):
 def ycbcr_of_words(words, kind):
     """Y, Cb, Cr and 255, uint8 [..., 4], of words of 16 bits, pairs along the rows: what units read whose
     results a pass converts (``PassState.ycbcr_conversion``). ``kind``: TexelWord.YUY2 or UYVY.
+
+    Raises ValueError for another kind, and where rows are not pairs.
     """
     words = whole_numbers(words, "The array of words")
+    if kind not in (TexelWord.YUY2, TexelWord.UYVY):
+        raise ValueError(
+            f"{kind!r} has no Y, Cb and Cr; give TexelWord.YUY2 or UYVY, or use texels_of_words."
+        )
+    if words.ndim == 0:
+        raise ValueError("The array of words is a single number; give rows of pairs of texels.")
     low, high = words & 255, (words >> 8) & 255
     y, chroma = (low, high) if kind is TexelWord.YUY2 else (high, low)
     if words.shape[-1] % 2:

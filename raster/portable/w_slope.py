@@ -8,9 +8,10 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import floor_24, reciprocal_24, truncate_24
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.interpolate import depth_difference, w_factors
-from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, reaches_infinity, side_of
+from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, reaches_infinity, row_span, side_of
 
 TILE = 4  # pixels
+NOWHERE = 1 << 40  # tiles: farther than any
 
 
 @kernel
@@ -99,16 +100,27 @@ def w_slope(draw, vertices, v0, v1, v2):
         left = max(int64(left), (min(x0, min(x1, x2)) + 7) >> 4)
         last_column = min(int64(last_column), (max(x0, max(x1, x2)) - 8) >> 4)
     for row in range(top // TILE, last_row // TILE + 1):
-        drawn, column, distance = int64(0), int64(0), int64(1) << 40
-        for k in range(left // TILE, last_column // TILE + 1):
-            away = k - start if k >= start else start - k
-            if away < distance:
-                n = _edges(x0, y0, x1, y1, x2, y2, area, sign, TILE * k, TILE * row)
-                covered = _covered(draw, n, right, down, sides, ties, TILE * k, TILE * row)
-                if covered != 0:
-                    drawn, column, distance = covered, k, away
-        if drawn != 0:
+        column, distance = int64(0), int64(NOWHERE)
+        for y in range(max(TILE * row, int64(draw[R.Y0])), min(TILE * (row + 1), int64(draw[R.Y1]))):
+            n = _edges(x0, y0, x1, y1, x2, y2, area, sign, left, y)
+            first, end = row_span(
+                sides[0] * n[0] + ties[0],
+                sides[1] * n[1] + ties[1],
+                sides[2] * n[2] + ties[2],
+                sides[0] * right[0],
+                sides[1] * right[1],
+                sides[2] * right[2],
+                left,
+                last_column,
+            )
+            if first < end:
+                k = min(max(start, first // TILE), (end - 1) // TILE)
+                away = abs(k - start)
+                if away < distance or (away == distance and k < column):
+                    column, distance = k, away
+        if distance < NOWHERE:
             n = _edges(x0, y0, x1, y1, x2, y2, area, sign, TILE * column, TILE * row)
+            drawn = _covered(draw, n, right, down, sides, ties, TILE * column, TILE * row)
             return _least_slope(vertices.z, v0, v1, v2, n, right, down, drawn, row == 0 and y_top < 0)
     return 0.0
 

@@ -13,6 +13,7 @@ from fixedpipe.pipeline.textures.words import (
     stored_texture,
     texels_of_words,
     texture_of_words,
+    ycbcr_of_words,
 )
 from tests.reference import texel_words
 
@@ -39,6 +40,16 @@ def test_a_pair_of_ycbcr_words_shares_its_chroma(kind):
     assert texels_of_words(words, kind).tolist() == expected
     with pytest.raises(ValueError, match="pairs"):
         texels_of_words(words[:, :1], kind)
+
+
+def test_words_without_chroma_are_refused():
+    for words, kind, said in (
+        (np.zeros((2, 4), int), TexelWord.R5G6B5, "has no Y, Cb and Cr"),
+        (np.zeros((2, 3), int), TexelWord.YUY2, "3 columns are not even"),
+        (np.zeros((), int), TexelWord.UYVY, "a single number"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            ycbcr_of_words(words, kind)
 
 
 def test_the_brightest_and_darkest_ycbcr_texels():

@@ -297,9 +297,8 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
             else interpolate.iterate_color_channel(weights.color, [c[k] for c in colors])
             for k in range(8)
         ]
-        order = slice(
-            None, None, -1 if kind == LINE else 1
-        )  # a line's row is its second vertex, then its first
+        # A line's row is its second vertex, then its first.
+        order = slice(None, None, -1 if kind == LINE else 1)
         z = depth.kept(depth.iterate_w(n, depths) if by_w else depth.iterate(n[order], depths[order]))
         z = depth.word(z + offset, target.depth_bits, state.depth_clamp)
         access = Access(state, units, (px, py), weights, textures, profile)
