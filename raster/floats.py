@@ -13,6 +13,7 @@ FRACTION = (1 << FRACTION_BITS) - 1  # 0 in a power of two
 
 SINGLE_BITS = 24  # significant bits of single precision
 LEAST_SINGLE = 2.0**-126  # its smallest normal number
+LARGEST_SINGLE = (2.0 - 2.0**-23) * 2.0**127
 
 # docs/numbers.md, section 4.
 REST_STEP, REST_STEPS = 2.0**-25, 2.0**25  # where the weight that takes the rest loses the others' bits

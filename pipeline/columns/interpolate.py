@@ -51,7 +51,7 @@ class IteratedPrimitives:
         n, inverse_w = self._edges(x, y, kinds, px, py, True), p.inverse_w[vertices]
         e = interpolate.perspective_terms(n, inverse_w)
         b0, b2, _ = interpolate.full_weights(e)
-        q0, q2 = interpolate.iteration_weights(e)
+        q0, q2 = interpolate.iteration_weights(n, inverse_w)
         back = self._back(kinds, triangle, area * np.sign(inverse_w).prod(axis=1))
         primary, secondary = self._colors(vertices, provoking, back, e, q0, q2)
         if self.state.polygon.shade_model == ShadeModel.SMOOTH:
@@ -75,7 +75,7 @@ class IteratedPrimitives:
         )  # fmt: skip
         coordinates, lod, footprints = self._coordinates(vertices, edges, inverse_w, (q0, q2, b0, b2), px, py)
         sides = self._sides(vertices, edges, inverse_w, px, py)
-        depth = self._depth(triangle, vertices, kinds, n, inverse_w, x, y, area)
+        depth = self._depth(triangle, vertices, kinds, n, (q0, q2), x, y, area)
         return FragmentColumns(
             px, py, depth, primary, secondary, fog, coordinates, lod, self.divided, footprints, sides
         )
@@ -187,14 +187,14 @@ class IteratedPrimitives:
             out[:, i] = np.where(missing[:, None], np.nan, np.concatenate(scaled, axis=1))
         return out
 
-    def _depth(self, triangle, vertices, kinds, n, inverse_w, x, y, area):
+    def _depth(self, triangle, vertices, kinds, n, weights, x, y, area):
         """Words of the depth buffer, -1 where a fragment lies outside limits that end it (section 5)."""
         state, limits = self.state, self.state.depth_clamp
         if state.depth_test is None and not (limits is not None and limits.cull):
             return np.zeros(len(triangle), np.int64)
         corners = self.depths[vertices]
         if state.w_buffering:
-            z = interpolate.iterate_w(n, corners)
+            z = interpolate.iterate_w(*weights, corners)
         else:
             if kinds is not None:  # of a line the first vertex comes before the other
                 line = kinds == C.PRIMITIVE_LINE
@@ -241,7 +241,7 @@ class IteratedPrimitives:
             return slopes
         polygons, polygon_of = np.unique(vertices[enabled], axis=0, return_inverse=True)
         of_polygons = [
-            w_slope(p.x[v].astype(np.int64), p.y[v].astype(np.int64), self.depths[v], box,
+            w_slope(p.x[v].astype(np.int64), p.y[v].astype(np.int64), self.depths[v], p.inverse_w[v], box,
                     self.profile.arithmetic.subpixel_bits)
             for v in polygons
         ]  # fmt: skip

@@ -12,6 +12,7 @@ from fixedpipe.raster import float_depths
 from fixedpipe.raster.floats import (
     EXPONENT,
     FRACTION,
+    LARGEST_SINGLE,
     LEAST_SINGLE,
     REST_STEP,
     REST_STEPS,
@@ -135,9 +136,53 @@ def rest_of(a, b):
     return cut(rest, WEIGHT_BITS)
 
 
-def iteration_weights(e):
+def weight_factors(inverse_w):
+    """What edge functions are multiplied with, float64 [k, 3]: for each vertex's 1/w the product of the
+    others' w, singles, with the sign of w; 1 where the three are equal. Assumed: at least 2^-300.
+    """
+    with np.errstate(over="ignore"):
+        singles = np.abs(1.0 / inverse_w).astype(np.float32).astype(np.float64)
+    w = np.minimum(singles, LARGEST_SINGLE)
+    others = np.stack([w[:, 1] * w[:, 2], w[:, 0] * w[:, 2], w[:, 0] * w[:, 1]], axis=1)
+    factors = np.copysign(np.maximum(cut(others, WEIGHT_BITS), 2.0**-300), inverse_w)
+    equal = (inverse_w[:, 0] == inverse_w[:, 1]) & (inverse_w[:, 1] == inverse_w[:, 2])
+    return np.where(equal[:, None], 1.0, factors)
+
+
+def weighed_edges(n, inverse_w):
+    """Edge functions by their factors, three float64 [k] of 24 bits, and their sum: each of them cut one bit
+    below the 24 of the largest, and the sum to 24.
+    """
+    factors = weight_factors(inverse_w)
+    e = [cut(cut(n_i.astype(np.float64), WEIGHT_BITS) * factors[:, i], WEIGHT_BITS) for i, n_i in enumerate(n)]
+    largest = np.maximum(np.maximum(np.abs(e[0]), np.abs(e[1])), np.maximum(np.abs(e[2]), 2.0**-256))
+    shift = WEIGHT_BITS + 1 - np.frexp(largest)[1]
+    total = sum(np.trunc(np.ldexp(e_i, shift)) for e_i in e)
+    return e, cut(np.ldexp(total, -shift), WEIGHT_BITS)
+
+
+_PIECES = np.arange(128, 257)
+STARTS = np.floor(2.0**23 / _PIECES[:-1] + 0.5)  # of 128/128 to 128/255, 16 bits of fraction
+SLOPES = np.floor(2.0**21 * (1.0 / _PIECES[:-1] - 1.0 / _PIECES[1:]) + 0.5)  # in 14 bits of fraction
+
+
+def reciprocal_24(total):
+    """1/total of positive totals in 24 significant bits: twelve bits of a line over each 128th of an octave,
+    then a Newton step whose remainder is rounded to 2^-24 (docs/numbers.md, N4.9).
+    """
+    half, exponent = np.frexp(total)
+    m = 2.0 * half
+    steps = np.floor(m * 65536.0).astype(np.int64) - 65536
+    piece, along = steps >> 9, steps & 511
+    x = np.floor((128.0 * STARTS[piece] - SLOPES[piece] * along) / 2048.0 + 0.5) / 4096.0
+    rest = np.floor((1.0 - m * x) * 2.0**24 + 0.5) / 2.0**24
+    return np.ldexp(cut(x + x * rest, WEIGHT_BITS), 1 - exponent)
+
+
+def iteration_weights(n, inverse_w):
     """q0 and q2 with 24 significant bits; the vertex of the highest class takes what the others leave."""
-    reciprocal = cut(1.0 / ((e[0] + e[1]) + e[2]), WEIGHT_BITS)
+    e, total = weighed_edges(n, inverse_w)
+    reciprocal = reciprocal_24(np.where(total > 0.0, total, 1.0))
     return _largest_rests([cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e])
 
 
@@ -232,25 +277,8 @@ def _depth_sum(middle, products):
     return cut(np.where(some, (middle + first) + second, 0.0), WEIGHT_BITS)
 
 
-def w_factors(w):
-    """For each vertex's 1/w the product of the others' w, [k, 3]; Assumed: at least 2^-300."""
-    others = np.stack([w[:, 1] * w[:, 2], w[:, 0] * w[:, 2], w[:, 0] * w[:, 1]], axis=1)
-    return np.maximum(cut(others, WEIGHT_BITS), 2.0**-300)
-
-
-def w_edge_terms(n, w):
-    """What edge functions are in W buffering, three float64 [k]."""
-    factors = w_factors(w)
-    return [
-        cut(cut(n_i.astype(np.float64), WEIGHT_BITS) * factors[:, i], WEIGHT_BITS) for i, n_i in enumerate(n)
-    ]
-
-
-def iterate_w(n, w):
+def iterate_w(q0, q2, w):
     """Depths of fragments in W buffering, float64 [k]; ``w`` float64 [k, 3], singles (section 5)."""
-    e = w_edge_terms(n, w)
-    reciprocal = _low_reciprocal((e[0] + e[1]) + e[2], 11 << 23, 26)
-    q0, q2 = _largest_rests([cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e])
     products = q0 * depth_difference(w[:, 0], w[:, 1]), q2 * depth_difference(w[:, 2], w[:, 1])
     return _depth_sum(w[:, 1], products)
 

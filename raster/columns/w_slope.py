@@ -6,52 +6,41 @@ from fixedpipe.raster.columns.interpolate import (
     covered_pixels,
     depth_difference,
     edge_functions,
-    w_edge_terms,
+    reciprocal_24,
+    weighed_edges,
+    weight_factors,
 )
-from fixedpipe.raster.floats import SINGLE_BITS, kept
+from fixedpipe.raster.floats import SINGLE_BITS
 from fixedpipe.raster.floats import keep_significant_bits as cut
 
 TILE = 4  # pixels
-DROPPED = ~np.int64(kept(SINGLE_BITS))  # of a float64 that keeps 24 significant bits
 
 
-def _down(values):
-    """To the numbers of 24 significant bits that are not above."""
-    patterns = values.view(np.int64)
-    return ((patterns + np.where(patterns < 0, DROPPED, 0)) & ~DROPPED).view(np.float64)
-
-
-def _reciprocals(totals):
-    """1/D of positive D, reduced and then to the nearest of 24 significant bits."""
-    patterns = (1.0 / totals).view(np.int64)
-    return cut((patterns - (11 << 23) + (1 << 28)).view(np.float64), SINGLE_BITS)
-
-
-def _lesser(a, b):
-    return np.where(np.abs(b) < np.abs(a), b, a)
-
-
-def _block_slopes(x, y, w, left, top, subpixel_bits):
-    """The slopes of the blocks at pixels (left, top), int64 [k]; those that have none are left out."""
+def _block_slopes(x, y, w, inverse_w, left, top, subpixel_bits):
+    """The slopes of the blocks at pixels (left, top), int64 [k], and the sums of their first pixels' weights
+    before they are divided; those that have no weights are left out.
+    """
     px, py = left[:, None] + np.array([0, 1, 0, 1]), top[:, None] + np.array([0, 0, 1, 1])
     n, _ = edge_functions(np.array([x]), np.array([y]), px.ravel(), py.ravel(), subpixel_bits)
-    e = w_edge_terms(n, np.broadcast_to(w, (px.size, 3)))
-    total = ((e[0] + e[1]) + e[2]).reshape(px.shape)
-    good = (total > 0.0).all(axis=1)
-    reciprocal = _reciprocals(total[good])
-    along_x, along_y = 0.0, 0.0
-    for i in (0, 2):
-        a, b, c, d = _down(e[i].reshape(px.shape)[good] * reciprocal).T
-        step = depth_difference(w[i : i + 1], w[1:2])
-        along_x = along_x + _lesser(b - a, d - c) * step
-        along_y = along_y + _lesser(c - a, d - b) * step
-    return cut(np.maximum(np.abs(along_x), np.abs(along_y)), SINGLE_BITS)
+    of_vertices = np.broadcast_to(inverse_w, (px.size, 3))
+    e, total = weighed_edges(n, of_vertices)
+    good = (total.reshape(px.shape) > 0.0).all(axis=1)
+    reciprocal = reciprocal_24(np.where(total > 0.0, total, 1.0))
+    f = weight_factors(of_vertices)
+    over_w = ((n[0] * f[:, 0] + n[1] * f[:, 1]) + n[2] * f[:, 2]).reshape(px.shape)[good, 0]
+    a, b, c, d = cut(e[0] * reciprocal, SINGLE_BITS).reshape(px.shape)[good].T
+    along_x, along_y = d - c, c - a
+    step = depth_difference(w[:1], w[1:2])
+    a, b, c, d = cut(e[2] * reciprocal, SINGLE_BITS).reshape(px.shape)[good].T
+    other = depth_difference(w[2:], w[1:2])
+    along_x, along_y = along_x * step + (b - a) * other, along_y * step + (d - b) * other
+    return cut(np.maximum(np.abs(along_x), np.abs(along_y)), SINGLE_BITS), over_w
 
 
-def w_slope(x, y, w, box, subpixel_bits):
+def w_slope(x, y, w, inverse_w, box, subpixel_bits):
     """The slope of one triangle, in w a pixel; 0 of one that draws nothing in ``box``, x0, y0, x1, y1.
 
-    x, y: int64 [3], subpixels; w: float64 [3], singles.
+    x, y: int64 [3], subpixels; w: float64 [3], singles; inverse_w: float64 [3].
     """
     px, py = covered_pixels(x.tolist(), y.tolist(), w.tolist(), box, subpixel_bits)
     first = int(np.argmin(y))
@@ -68,5 +57,7 @@ def w_slope(x, y, w, box, subpixel_bits):
     blocks = np.unique(np.stack([py[here] // 2, px[here] // 2], axis=1), axis=0)
     if row == 0 and y[first] < 0 and (blocks[:, 0] == 0).any():
         blocks = blocks[blocks[:, 0] == 0]
-    slopes = _block_slopes(x, y, w, 2 * blocks[:, 1], 2 * blocks[:, 0], subpixel_bits)
-    return float(slopes.min()) if len(slopes) else 0.0
+    slopes, over_w = _block_slopes(x, y, w, inverse_w, 2 * blocks[:, 1], 2 * blocks[:, 0], subpixel_bits)
+    if len(slopes) == 0:
+        return 0.0
+    return float(slopes[np.flatnonzero(over_w == over_w.max())[-1]])  # nearest to the eye; of equal ones last

@@ -36,6 +36,7 @@ from fixedpipe.raster.portable.interpolate import (
     color_weights,
     depth_words,
     emit_depth,
+    emit_iteration_weights,
     emit_w,
     emit_weights,
     full_weights,
@@ -43,8 +44,8 @@ from fixedpipe.raster.portable.interpolate import (
     iterate_exact_color,
     iterate_fog,
     iterate_fog_table,
-    iteration_weights,
-    w_factors,
+    weight_factors,
+    weight_sum,
 )
 from fixedpipe.raster.portable.per_fragment import all_alive, per_fragment
 from fixedpipe.raster.portable.unit import sample_unit, unbound_texture
@@ -124,19 +125,19 @@ def samples_inside(spans, samples, x):
 
 
 @kernel
-def positive_weights(n, inverse_w, over_w):
-    """Whether edge functions times 1/w have a sum that weights can be divided by, and so have those of
-    depths, times ``over_w``.
+def positive_weights(n, inverse_w, factors):
+    """Whether edge functions times 1/w have a sum that weights can be divided by, and so have those times
+    ``factors``.
     """
     total = (n[0] * inverse_w[0] + n[1] * inverse_w[1]) + n[2] * inverse_w[2]
-    e0 = truncate_24(truncate_24(n[0]) * over_w[0])
-    e1 = truncate_24(truncate_24(n[1]) * over_w[1])
-    e2 = truncate_24(truncate_24(n[2]) * over_w[2])
-    return total > 0.0 and (e0 + e1) + e2 > 0.0
+    e0 = truncate_24(truncate_24(n[0]) * factors[0])
+    e1 = truncate_24(truncate_24(n[1]) * factors[1])
+    e2 = truncate_24(truncate_24(n[2]) * factors[2])
+    return total > 0.0 and weight_sum(e0, e1, e2) > 0.0
 
 
 @kernel
-def covered_run(spans, samples, start, end, here, step, inverse_w, over_w):
+def covered_run(spans, samples, start, end, here, step, inverse_w, weighed):
     """The first run [from, to) of pixels within [start, end) that cover some sample.
 
     ``here``: edge functions at ``start``, which grow by ``step``. Assumed: a pixel outside its triangle whose
@@ -147,7 +148,7 @@ def covered_run(spans, samples, start, end, here, step, inverse_w, over_w):
     while first < end:
         k = float64(first - start)
         n = here[0] + k * step[0], here[1] + k * step[1], here[2] + k * step[2]
-        inside = samples_inside(spans, samples, first) > 0 and positive_weights(n, inverse_w, over_w)
+        inside = samples_inside(spans, samples, first) > 0 and positive_weights(n, inverse_w, weighed)
         if inside and not found:
             low, found = first, True
         elif found and not inside:
@@ -211,8 +212,6 @@ def shade(p, count, segments, runs, scratch):
     results = scratch.results
     if draw[R.DISCARDS]:
         all_alive(scratch.alive, count)
-    if draw[R.NEEDS_ITERATION_WEIGHTS]:
-        iteration_weights(edges, count, floats)
     if draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EIGHT_BITS:
         color_weights(floats, count, ints, bits)
     if draw[R.NEEDS_WEIGHTS]:
@@ -314,8 +313,9 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
     state, triangles, strokes, vertices = p.state, p.triangles, p.strokes, p.vertices
     draw, draw_float, factors, constants = state.draw, state.draw_float, state.factors, p.combiners.constants
     z, inverse_w = vertices.z, vertices.inverse_w
-    needs_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_ITERATION_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS]
     needs_depth = draw[R.NEEDS_DEPTH]
+    needs_full_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT
+    needs_iteration_weights = draw[R.NEEDS_ITERATION_WEIGHTS] or (needs_depth and draw[R.W_BUFFERING])
     has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
     holes = draw[R.WINDOW_CLIP] != C.WINDOW_CLIP_NONE or draw[R.STIPPLE] != 0
     cut_lines = draw[R.LINE_FACTOR] != 0 or (
@@ -391,11 +391,9 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
             if kind != C.PRIMITIVE_TRIANGLE:
                 back = strokes[t, 1]
             z0, z1, z2, offset = 0.0, 0.0, 0.0, 0.0
-            over_w = 1.0, 1.0, 1.0  # what edge functions are multiplied with for depths
+            weighed = weight_factors(iw0, iw1, iw2)
             if needs_depth and not finished:
                 z0, z1, z2 = z[v0], z[v1], z[v2]
-                if draw[R.W_BUFFERING]:
-                    over_w = w_factors(z0, z1, z2)
                 if has_offset and kind == C.PRIMITIVE_TRIANGLE:
                     offset = offset_of(state, vertices, v0, v1, v2)
                 elif kind != C.PRIMITIVE_TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
@@ -441,7 +439,7 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                         )
                         step = float64(right0), float64(right1), float64(right2)
                         start, stop = covered_run(
-                            spans, samples, start, stop, here, step, (iw0, iw1, iw2), over_w
+                            spans, samples, start, stop, here, step, (iw0, iw1, iw2), weighed
                         )
                         column += start - since
                     if start < stop:
@@ -469,10 +467,12 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
                         step = 0.0, 0.0, 0.0
                         if not alike:
                             step = float64(right0), float64(right1), float64(right2)
-                        if needs_weights:
+                        if needs_full_weights:
                             emit_weights(edges, position, n, here, step, (iw0, iw1, iw2))
+                        if needs_iteration_weights:
+                            emit_iteration_weights(floats, position, n, here, step, weighed)
                         if needs_depth and draw[R.W_BUFFERING]:
-                            emit_w(floats, position, n, here, step, over_w, (z0, z1, z2), offset)
+                            emit_w(floats, position, n, (z0, z1, z2), offset)
                         elif needs_depth and kind == C.PRIMITIVE_LINE:
                             # Its first vertex, the row's second and third, comes before the other.
                             back_here, back_step = (here[2], here[1], here[0]), (step[2], step[1], step[0])

@@ -7,7 +7,7 @@ are their edge functions times 1/w.
 """
 
 import numpy as np
-from numba import float64, int16, int32, int64, uint64, void
+from numba import float32, float64, int16, int32, int64, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -17,12 +17,12 @@ from fixedpipe.raster.fixed import (
     float_depth,
     one_of,
     power_below,
-    reciprocal_27,
+    reciprocal_24,
     reciprocal_29,
     step_24,
     truncate_24,
 )
-from fixedpipe.raster.floats import LEAST_SINGLE, REST_STEP, REST_STEPS, SMALLEST
+from fixedpipe.raster.floats import LARGEST_SINGLE, LEAST_SINGLE, REST_STEP, REST_STEPS, SMALLEST
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
 from fixedpipe.raster.portable.arrays import EDGES, FOG_FACTORS
 
@@ -96,17 +96,45 @@ def emit_depth(floats, position, count, n, step, z, offset):
 
 
 @kernel
-def w_factors(w0, w1, w2):
-    """What edge functions are multiplied with in W buffering: for 1/w the product of the others' w.
+def w_of(inverse_w):
+    """A vertex's |w|: the single nearest to it."""
+    return min(float64(float32(abs(1.0 / inverse_w))), LARGEST_SINGLE)
+
+
+@kernel
+def with_sign(size, sign):
+    """``size``, not negative, with the sign of the other."""
+    return size if sign >= 0.0 else 0.0 - size
+
+
+@kernel
+def weight_factors(iw0, iw1, iw2):
+    """What edge functions are multiplied with for weights: for 1/w the product of the two others' w, in 24
+    bits, with the sign of w; 1 where the three are equal.
 
     Measured: rows of WBuf24F_FloorQuad and RoofQuad, 980 pixels that change where such a product's exponent
     does. Assumed: what keeps it above 0.
     """
+    if iw0 == iw1 and iw1 == iw2:
+        return 1.0, 1.0, 1.0
+    w0, w1, w2 = w_of(iw0), w_of(iw1), w_of(iw2)
     return (
-        max(truncate_24(w1 * w2), LEAST_FACTOR),
-        max(truncate_24(w0 * w2), LEAST_FACTOR),
-        max(truncate_24(w0 * w1), LEAST_FACTOR),
+        with_sign(max(truncate_24(w1 * w2), LEAST_FACTOR), iw0),
+        with_sign(max(truncate_24(w0 * w2), LEAST_FACTOR), iw1),
+        with_sign(max(truncate_24(w0 * w1), LEAST_FACTOR), iw2),
     )
+
+
+@kernel
+def weight_sum(e0, e1, e2):
+    """The sum of weights before they are divided: each is cut one bit below the 24 of the largest, and what
+    they add up to is cut to 24.
+
+    Measured: WBuf24F_TriH, 48 depths of which one bit less or two bits more lose some.
+    """
+    power = power_below(max(max(abs(e0), TINY), max(abs(e1), abs(e2))))
+    unit, units = power * 2.0**-24, 2.0**24 / power
+    return truncate_24(((np.trunc(e0 * units) + np.trunc(e1 * units)) + np.trunc(e2 * units)) * unit)
 
 
 @kernel
@@ -121,28 +149,54 @@ def rest_of(a, b):
     return truncate_24((1.0 - np.trunc(a * REST_STEPS) * REST_STEP) - np.trunc(b * REST_STEPS) * REST_STEP)
 
 
-@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE, THREE, float64))
-def emit_w(floats, position, count, n, step, factors, w, offset):
-    """``emit_depth`` with W buffering: ``factors`` are ``w_factors`` of ``w``, the vertices' singles."""
+@kernel
+def weight_class(q):
+    """(q >= 1/2) + (q >= 1/4), as a float: comparisons stay in the lanes of q."""
+    return 2.0 if q >= 0.5 else (1.0 if q >= 0.25 else 0.0)
+
+
+@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE))
+def emit_iteration_weights(floats, position, count, n, step, factors):
+    """Weights of vertices 0 and 2 of ``count`` pixels to the right of the one whose edge functions are ``n``,
+    with 24 significant bits, into Q0 and Q2; the vertex with the largest one takes what the two others leave.
+    ``factors`` are ``weight_factors``.
+
+    Measured: as colours' weights 153600 of 153600, 28618 of 28618 and 64522 of 64522 pixels (Depth_buffer
+    M00ffff, Line_width Fill, Alpha_func captures); in perspective 17 pictures of W_buffering's FloorQuad_V0,
+    230809 texels.
+    """
     separate_loop()
-    (n0, n1, n2), (step0, step1, step2), (f0, f1, f2), (w0, w1, w2) = n, step, factors, w
-    at, row = uint64(position), uint64(R.DEPTH)
-    d01, d21 = depth_difference(w0, w1), depth_difference(w2, w1)
+    (n0, n1, n2), (step0, step1, step2), (f0, f1, f2) = n, step, factors
+    at = uint64(position)
     for i in range(count):
         k = float64(int32(i))
         e0 = truncate_24(truncate_24(n0 + k * step0) * f0)
         e1 = truncate_24(truncate_24(n1 + k * step1) * f1)
         e2 = truncate_24(truncate_24(n2 + k * step2) * f2)
-        reciprocal = reciprocal_27(1.0 / ((e0 + e1) + e2))
+        reciprocal = reciprocal_24(weight_sum(e0, e1, e2))
         q0 = truncate_24(e0 * reciprocal)
         q1 = truncate_24(e1 * reciprocal)
         q2 = truncate_24(e2 * reciprocal)
         c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
         first = (c0 >= c1) & (c0 > c2)
         last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
-        a = (rest_of(q1, q2) if first else q0) * d01
-        b = (rest_of(q0, q1) if last else q2) * d21
-        floats[row, at + uint64(i)] = depth_sum(w1, a, b) + offset
+        floats[R.Q0, at + uint64(i)] = rest_of(q1, q2) if first else q0
+        floats[R.Q2, at + uint64(i)] = rest_of(q0, q1) if last else q2
+
+
+@kernel(void(float64[:, ::1], int64, int64, THREE, float64))
+def emit_w(floats, position, count, w, offset):
+    """Depths of W buffering into DEPTH, from Q0 and Q2: vertex 1's ``w``, a single, and what the two others
+    add; ``offset`` is added.
+
+    Measured: base and sum WBuf24D_LargeZ, 307200 of 307200; every depth without a slope of 36 of 37 captures.
+    """
+    separate_loop()
+    (w0, w1, w2), at, row = w, uint64(position), uint64(R.DEPTH)
+    d01, d21 = depth_difference(w0, w1), depth_difference(w2, w1)
+    for i in range(count):
+        k = at + uint64(i)
+        floats[row, k] = depth_sum(w1, floats[R.Q0, k] * d01, floats[R.Q2, k] * d21) + offset
 
 
 @kernel("void(f8[:,::1],i8,i8[::1],f8[::1],i4[::1])")
@@ -181,34 +235,6 @@ def full_weights(edges, count, floats):
         inverse = 1.0 / ((e0[i] + e1[i]) + e2[i])
         floats[R.B0, i] = e0[i] * inverse
         floats[R.B2, i] = e2[i] * inverse
-
-
-@kernel
-def weight_class(q):
-    """(q >= 1/2) + (q >= 1/4), as a float: comparisons stay in the lanes of q."""
-    return 2.0 if q >= 0.5 else (1.0 if q >= 0.25 else 0.0)
-
-
-@kernel(void(EDGES, int64, float64[:, ::1]))
-def iteration_weights(edges, count, floats):
-    """Weights of vertices 0 and 2 with 24 significant bits, into Q0 and Q2; the vertex with the largest one
-    takes what the two others leave.
-
-    Measured: as colours' weights 153600 of 153600, 28618 of 28618 and 64522 of 64522 pixels (Depth_buffer
-    M00ffff, Line_width Fill, Alpha_func captures).
-    """
-    separate_loop()
-    e0, e1, e2 = edges
-    for i in range(count):
-        reciprocal = truncate_24(1.0 / ((e0[i] + e1[i]) + e2[i]))
-        q0 = truncate_24(e0[i] * reciprocal)
-        q1 = truncate_24(e1[i] * reciprocal)
-        q2 = truncate_24(e2[i] * reciprocal)
-        c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
-        first = (c0 >= c1) & (c0 > c2)
-        last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
-        floats[R.Q0, i] = rest_of(q1, q2) if first else q0
-        floats[R.Q2, i] = rest_of(q0, q1) if last else q2
 
 
 @kernel

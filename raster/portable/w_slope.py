@@ -5,9 +5,9 @@
 from numba import float64, int64
 
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.fixed import floor_24, reciprocal_24, truncate_24
+from fixedpipe.raster.fixed import reciprocal_24, truncate_24
 from fixedpipe.raster.kernel import kernel
-from fixedpipe.raster.portable.interpolate import depth_difference, w_factors
+from fixedpipe.raster.portable.interpolate import depth_difference, weight_factors, weight_sum
 from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, reaches_infinity, row_span, side_of
 
 TILE = 4  # pixels
@@ -20,17 +20,11 @@ def _pixel_weights(n0, n1, n2, factors):
     e0 = truncate_24(truncate_24(float64(n0)) * factors[0])
     e1 = truncate_24(truncate_24(float64(n1)) * factors[1])
     e2 = truncate_24(truncate_24(float64(n2)) * factors[2])
-    total = (e0 + e1) + e2
+    total = weight_sum(e0, e1, e2)
     if not total > 0.0:
         return 0.0, 0.0, False
-    reciprocal = reciprocal_24(1.0 / total)
-    return floor_24(e0 * reciprocal), floor_24(e2 * reciprocal), True
-
-
-@kernel
-def _lesser(a, b):
-    """The one of the lesser magnitude, of equal ones ``a``."""
-    return b if abs(b) < abs(a) else a
+    reciprocal = reciprocal_24(total)
+    return truncate_24(e0 * reciprocal), truncate_24(e2 * reciprocal), True
 
 
 @kernel
@@ -46,9 +40,8 @@ def _block_slope(n, right, down, factors, d0, d2):
     e0, e2, e = _pixel_weights(below[0] + right[0], below[1] + right[1], below[2] + right[2], factors)
     if not (a and b and c and e):
         return -1.0
-    along_x = abs(_lesser(b0 - a0, e0 - c0) * d0 + _lesser(b2 - a2, e2 - c2) * d2)
-    along_y = abs(_lesser(c0 - a0, e0 - b0) * d0 + _lesser(c2 - a2, e2 - b2) * d2)
-    return truncate_24(max(along_x, along_y))
+    along_x, along_y = (e0 - c0) * d0 + (b2 - a2) * d2, (c0 - a0) * d0 + (e2 - b2) * d2
+    return truncate_24(max(abs(along_x), abs(along_y)))
 
 
 @kernel
@@ -121,7 +114,10 @@ def w_slope(draw, vertices, v0, v1, v2):
         if distance < NOWHERE:
             n = _edges(x0, y0, x1, y1, x2, y2, area, sign, TILE * column, TILE * row)
             drawn = _covered(draw, n, right, down, sides, ties, TILE * column, TILE * row)
-            return _least_slope(vertices.z, v0, v1, v2, n, right, down, drawn, row == 0 and y_top < 0)
+            upper, z = row == 0 and y_top < 0, vertices.z
+            factors = weight_factors(inverse_w[v0], inverse_w[v1], inverse_w[v2])
+            d0, d2 = depth_difference(z[v0], z[v1]), depth_difference(z[v2], z[v1])
+            return _nearest_slope(factors, d0, d2, n, right, down, drawn, upper)
     return 0.0
 
 
@@ -135,13 +131,11 @@ def _edges(x0, y0, x1, y1, x2, y2, area, sign, x, y):
 
 
 @kernel
-def _least_slope(z, v0, v1, v2, n, right, down, drawn, upper):
-    """The least slope of a tile's blocks with a drawn pixel; ``upper``: of the upper two alone, if there is
-    one.
+def _nearest_slope(factors, d0, d2, n, right, down, drawn, upper):
+    """The slope of the tile's block with a drawn pixel that lies nearest to the eye, of equal ones the last;
+    ``upper``: of the upper two alone, if there is one.
     """
-    factors = w_factors(z[v0], z[v1], z[v2])
-    d0, d2 = depth_difference(z[v0], z[v1]), depth_difference(z[v2], z[v1])
-    found, least = False, -1.0
+    found, nearest, slope = False, 0.0, 0.0
     for j in range(2):
         if j == 1 and found and upper:
             break
@@ -153,7 +147,8 @@ def _least_slope(z, v0, v1, v2, n, right, down, drawn, upper):
                     n[1] + 2 * (i * right[1] + j * down[1]),
                     n[2] + 2 * (i * right[2] + j * down[2]),
                 )
-                slope = _block_slope(at, right, down, factors, d0, d2)
-                if slope >= 0.0 and (least < 0.0 or slope < least):
-                    least = slope
-    return max(least, 0.0)
+                over_w = (at[0] * factors[0] + at[1] * factors[1]) + at[2] * factors[2]
+                here = _block_slope(at, right, down, factors, d0, d2)
+                if here >= 0.0 and over_w >= nearest:
+                    nearest, slope = over_w, here
+    return slope

@@ -52,7 +52,7 @@ def scratch(batch):
         lists=np.zeros((R.LISTS, columns), np.int32),
         located=np.zeros((4, LOCATED, columns), np.int32),
         lanes=np.zeros((R.LANES, 16), np.int32),
-        lane_floats=np.zeros((R.VECTOR_FLOAT_COLUMNS - R.INVERSE_W0, 16), np.float64),
+        lane_floats=np.zeros((R.VECTOR_FLOAT_COLUMNS - R.WEIGHT_FACTOR0, 16), np.float64),
     )
 
 

@@ -12,9 +12,10 @@ from numba import boolean, float64, int16, int32, int64, uint8, uint32, void
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import BANDS, BUFFERS, Runs, as_bands, plain
-from fixedpipe.raster.fixed import truncate_24
+from fixedpipe.raster.fixed import reciprocal_24
 from fixedpipe.raster.kernel import kernel, next_of, separate_function, separate_loop
 from fixedpipe.raster.portable.check import usable_levels
+from fixedpipe.raster.portable.interpolate import weight_factors
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, polygon_offset, row_span
 from fixedpipe.raster.vector.addresses import words_at
@@ -349,9 +350,7 @@ def draw_band(job, members, band, batch, buffers, scratch):
         n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
         n0 = area - n1 - n2
         tie0, tie1, tie2 = edge_tie(right0, down0), edge_tie(right1, down1), edge_tie(right2, down2)
-        iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
-        if iw0 == iw1 and iw1 == iw2:
-            iw0 = iw1 = iw2 = 1.0
+        weighed = weight_factors(inverse_w[v0], inverse_w[v1], inverse_w[v2])
         back = int32(1) if draw[R.BACK_SIGN] == sign else int32(0)
         s0, s1, s2 = float64(right0), float64(right1), float64(right2)
         if small:
@@ -424,7 +423,7 @@ def draw_band(job, members, band, batch, buffers, scratch):
                 lists[R.BACKS, segments] = back
                 segments += 1
                 if needs_weights:
-                    triangle_weights(floats, begin, n, (iw0, iw1, iw2), doubled)
+                    triangle_weights(floats, begin, n, weighed, doubled)
                     if of_colors:
                         whole_weights(floats, ints, begin, n)
                 continue
@@ -434,11 +433,11 @@ def draw_band(job, members, band, batch, buffers, scratch):
                 segments += 1
             if needs_weights:
                 if perspective:
-                    spread(floats[R.INVERSE_W0], begin, n, iw0)
-                    spread(floats[R.INVERSE_W1], begin, n, iw1)
-                    spread(floats[R.INVERSE_W2], begin, n, iw2)
+                    spread(floats[R.WEIGHT_FACTOR0], begin, n, weighed[0])
+                    spread(floats[R.WEIGHT_FACTOR1], begin, n, weighed[1])
+                    spread(floats[R.WEIGHT_FACTOR2], begin, n, weighed[2])
                 else:
-                    spread(floats[R.INVERSE_W0], begin, n, truncate_24(1.0 / float64(area)))
+                    spread(floats[R.WEIGHT_FACTOR0], begin, n, reciprocal_24(float64(area)))
             if needs_depth:
                 spread_depth(floats, begin, n, (z0, z1, z2), float64(area), offset)
             if varies:
@@ -478,7 +477,7 @@ def draw_band(job, members, band, batch, buffers, scratch):
                     if of_colors:
                         run_color_weights(ints, position, n, here, (s0, s1, s2))
                     elif needs_weights:
-                        run_weights(floats, position, n, here, (s0, s1, s2), (iw0, iw1, iw2))
+                        run_weights(floats, position, n, here, (s0, s1, s2), weighed)
                 position += n
                 longest = max(longest, n)
                 start += n

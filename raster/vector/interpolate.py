@@ -18,12 +18,14 @@ from fixedpipe.raster.arrays import THREE
 from fixedpipe.raster.fixed import (
     EXPONENT,
     FRACTION,
+    HIGHEST_POWER,
     KEEP_24,
     KEEP_29,
+    ONE,
     power_below,
+    reciprocal_24,
     reciprocal_29,
     step_24,
-    truncate_24,
 )
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, REST_STEP, REST_STEPS, SMALLEST
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
@@ -36,6 +38,7 @@ from fixedpipe.raster.vector.lanes import (
     f64x8,
     f64x16,
     floats_of_lanes,
+    floored,
     i16x16,
     load_f64x16,
     load_i16x16,
@@ -86,7 +89,7 @@ def rest_of(a, b):
 @kernel
 def rest_to_largest(q0, q1, q2):
     """Weights of vertices 0 and 2, where the vertex with the largest one takes what the others leave
-    (``interpolate.iteration_weights``).
+    (``interpolate.emit_iteration_weights``).
     """
     # Most vectors lie wholly beside one vertex, whose weight is above one half: no need to compare classes.
     if all_lanes(q1 > 0.5):
@@ -101,67 +104,108 @@ def rest_to_largest(q0, q1, q2):
     return select(first, rest_of(q1, q2), q0), select(last, rest_of(q0, q1), q2)
 
 
+@kernel
+def reciprocals_24(total):
+    """``fixed.reciprocal_24`` of each lane."""
+    bits = bits_of_lanes(total)
+    m = floats_of_lanes((bits & FRACTION) | ONE)
+    piece = floored(m * 128.0)
+    along = floored(m * 65536.0) - piece * 512.0
+    inverse = 1.0 / (piece * (piece + 1.0))
+    start = floored((piece + 1.0) * inverse * 2.0**23 + 0.5)
+    slope = floored(inverse * 2.0**21 + 0.5)
+    x = floored((start * 128.0 - slope * along) * 2.0**-11 + 0.5) * 2.0**-12
+    rest = floored((1.0 - m * x) * 2.0**24 + 0.5) * 2.0**-24
+    return keep_24(x + x * rest) * floats_of_lanes(HIGHEST_POWER - (bits & EXPONENT))
+
+
+@kernel
+def weight_sum(e0, e1, e2):
+    """``interpolate.weight_sum`` of each lane."""
+    largest = maximum(maximum(absolute(e0), TINY), maximum(absolute(e1), absolute(e2)))
+    exponent = bits_of_lanes(largest) & EXPONENT
+    unit = floats_of_lanes(exponent - int64(24 << 52))
+    units = floats_of_lanes(int64(2070 << 52) - exponent)  # 1 / unit
+    return keep_24(((truncated(e0 * units) + truncated(e1 * units)) + truncated(e2 * units)) * unit)
+
+
+@kernel
+def weights_of(a0, a1, a2, f0, f1, f2):
+    """Weights of vertices 0 and 2 from edge functions and their factors
+    (``interpolate.emit_iteration_weights``).
+    """
+    e0, e1, e2 = keep_24(keep_24(a0) * f0), keep_24(keep_24(a1) * f1), keep_24(keep_24(a2) * f2)
+    reciprocal = reciprocals_24(weight_sum(e0, e1, e2))
+    return rest_to_largest(keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal))
+
+
+@kernel
+def area_weights(a0, a1, a2, reciprocal):
+    """Weights of vertices 0 and 2 of a triangle without perspective whose area is below 2**24: what
+    ``weights_of`` gives, as every sum is the area.
+    """
+    return rest_to_largest(keep_24(a0 * reciprocal), keep_24(a1 * reciprocal), keep_24(a2 * reciprocal))
+
+
 @kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE))
-def run_weights(floats, position, count, n, right, inverse_w):
+def run_weights(floats, position, count, n, right, factors):
     """Q0 and Q2 of ``count`` pixels to the right of the one whose edge functions are ``n``."""
     separate_loop()
-    (n0, n1, n2), (right0, right1, right2), (iw0, iw1, iw2) = n, right, inverse_w
+    (n0, n1, n2), (right0, right1, right2), (f0, f1, f2) = n, right, factors
     out0, out2 = floats[R.Q0], floats[R.Q2]
     ramp = ramp_f64x16()
     a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2  # exact: integers below 2**53
     step0, step1, step2 = right0 * 16.0, right1 * 16.0, right2 * 16.0
-    if iw0 == 1.0 and iw1 == 1.0 and iw2 == 1.0:
-        reciprocal = truncate_24(1.0 / ((n0 + n1) + n2))  # the sum is the area at every pixel
+    area = (n0 + n1) + n2
+    if f0 == 1.0 and f1 == 1.0 and f2 == 1.0 and area < 2.0**24:
+        reciprocal = f64x16(reciprocal_24(area))
         for i in range(0, count, 16):
-            q0, q1, q2 = keep_24(a0 * reciprocal), keep_24(a1 * reciprocal), keep_24(a2 * reciprocal)
-            w0, w2 = rest_to_largest(q0, q1, q2)
+            w0, w2 = area_weights(a0, a1, a2, reciprocal)
             store(out0, position + i, w0)
             store(out2, position + i, w2)
             a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
         return
     for i in range(0, count, 16):
-        e0, e1, e2 = a0 * iw0, a1 * iw1, a2 * iw2
-        reciprocal = keep_24(1.0 / ((e0 + e1) + e2))
-        w0, w2 = rest_to_largest(keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal))
+        w0, w2 = weights_of(a0, a1, a2, f0, f1, f2)
         store(out0, position + i, w0)
         store(out2, position + i, w2)
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
 
 
 @kernel(void(float64[:, ::1], int64, int64, THREE, float64))
-def triangle_weights(floats, position, count, inverse_w, area):
-    """Q0 and Q2 of a triangle's fragments, which carry their edge functions in columns."""
+def triangle_weights(floats, position, count, factors, area):
+    """Q0 and Q2 of a triangle's fragments, which carry their edge functions in columns; its area is below
+    2**24.
+    """
     separate_loop()
-    iw0, iw1, iw2 = inverse_w
+    f0, f1, f2 = factors
     n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
     out0, out2 = floats[R.Q0], floats[R.Q2]
-    perspective = not (iw0 == 1.0 and iw1 == 1.0 and iw2 == 1.0)
-    reciprocal = f64x16(truncate_24(1.0 / area))
+    perspective = not (f0 == 1.0 and f1 == 1.0 and f2 == 1.0)
+    reciprocal = f64x16(reciprocal_24(area))
     for i in range(position, position + count, 16):
-        e0, e1, e2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        a0, a1, a2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
         if perspective:
-            e0, e1, e2 = e0 * iw0, e1 * iw1, e2 * iw2
-            reciprocal = keep_24(1.0 / ((e0 + e1) + e2))
-        w0, w2 = rest_to_largest(keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal))
+            w0, w2 = weights_of(a0, a1, a2, f0, f1, f2)
+        else:
+            w0, w2 = area_weights(a0, a1, a2, reciprocal)
         store(out0, i, w0)
         store(out2, i, w2)
 
 
 @kernel("void(f8[:,::1],i8,i8,i8)")
 def mixed_weights(floats, start, end, perspective):
-    """Q0 and Q2 of fragments that carry their edge functions and 1/w, or the area's reciprocal."""
+    """Q0 and Q2 of fragments that carry their edge functions and their factors, or the area's reciprocal."""
     separate_loop()
     n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
-    iw0, iw1, iw2 = floats[R.INVERSE_W0], floats[R.INVERSE_W1], floats[R.INVERSE_W2]
+    f0, f1, f2 = floats[R.WEIGHT_FACTOR0], floats[R.WEIGHT_FACTOR1], floats[R.WEIGHT_FACTOR2]
     out0, out2 = floats[R.Q0], floats[R.Q2]
     for i in range(start, end, 16):
-        e0, e1, e2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        a0, a1, a2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
         if perspective:
-            e0, e1, e2 = e0 * load_f64x16(iw0, i), e1 * load_f64x16(iw1, i), e2 * load_f64x16(iw2, i)
-            reciprocal = keep_24(1.0 / ((e0 + e1) + e2))
+            w0, w2 = weights_of(a0, a1, a2, load_f64x16(f0, i), load_f64x16(f1, i), load_f64x16(f2, i))
         else:
-            reciprocal = load_f64x16(iw0, i)
-        w0, w2 = rest_to_largest(keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal))
+            w0, w2 = area_weights(a0, a1, a2, load_f64x16(f0, i))
         store(out0, i, w0)
         store(out2, i, w2)
 

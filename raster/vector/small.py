@@ -11,9 +11,10 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import FRACTION, KEEP_29
 from fixedpipe.raster.floats import LEAST_SINGLE
 from fixedpipe.raster.kernel import kernel, separate_function
+from fixedpipe.raster.portable.interpolate import weight_factors
 from fixedpipe.raster.primitives.triangle import polygon_offset
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
-from fixedpipe.raster.vector.interpolate import keep_24, spread, spread_colors
+from fixedpipe.raster.vector.interpolate import keep_24, reciprocals_24, spread, spread_colors
 from fixedpipe.raster.vector.lanes import (
     absolute,
     bits_of_lanes,
@@ -135,7 +136,7 @@ def set_up(job, members, first, top, bottom, scratch):
     """Up to sixteen of ``members`` from ``first`` on, in rows top..bottom, into ``scratch``'s lanes; returns
     which of them ``share`` takes, a bit each.
 
-    Row c of ``lane_floats`` is what column ``rows.INVERSE_W0 + c`` gets.
+    Row c of ``lane_floats`` is what column ``rows.WEIGHT_FACTOR0 + c`` gets.
     """
     separate_function()
     p = pass_of(job)
@@ -153,7 +154,7 @@ def set_up(job, members, first, top, bottom, scratch):
         return found
     needs_depth, needs_weights = draw[R.NEEDS_DEPTH], draw[R.NEEDS_ITERATION_WEIGHTS]
     perspective = job[R.JOB_PERSPECTIVE]
-    w, z, own = 0, R.Z0 - R.INVERSE_W0, R.TERMS - R.INVERSE_W0
+    w, z, own = 0, R.Z0 - R.WEIGHT_FACTOR0, R.TERMS - R.WEIGHT_FACTOR0
     left = found
     while left:
         lane = lowest_bit(left)
@@ -163,15 +164,14 @@ def set_up(job, members, first, top, bottom, scratch):
         t = members[first + lane]
         v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         if needs_weights and perspective:
-            numbers[w, lane] = vertices.inverse_w[v0]
-            numbers[w + 1, lane] = vertices.inverse_w[v1]
-            numbers[w + 2, lane] = vertices.inverse_w[v2]
+            iw0, iw1, iw2 = vertices.inverse_w[v0], vertices.inverse_w[v1], vertices.inverse_w[v2]
+            numbers[w, lane], numbers[w + 1, lane], numbers[w + 2, lane] = weight_factors(iw0, iw1, iw2)
         if needs_depth:
             numbers[z, lane], numbers[z + 1, lane] = vertices.z[v0], vertices.z[v1]
             numbers[z + 2, lane] = vertices.z[v2]
             if draw[R.POLYGON_OFFSET]:
                 offset = polygon_offset(p.state, vertices, v0, v1, v2)
-                numbers[R.Z_OFFSET - R.INVERSE_W0, lane] = offset
+                numbers[R.Z_OFFSET - R.WEIGHT_FACTOR0, lane] = offset
         for u in range(draw[R.UNITS]):
             for component in range(4):
                 if (job[R.JOB_COMPONENTS + u] >> component) & 1:
@@ -179,28 +179,22 @@ def set_up(job, members, first, top, bottom, scratch):
                     numbers[at, lane] = base
                     numbers[at + 1, lane] = vertices.coordinates[v0, u, component] - base
                     numbers[at + 2, lane] = vertices.coordinates[v2, u, component] - base
-    inverse = f64x16(1.0) / to_float64(load_i32x16(lanes[R.LANE_AREA], 0))
-    if needs_weights and perspective:
-        iw0, iw1 = load_f64x16(numbers[w], 0), load_f64x16(numbers[w + 1], 0)
-        iw2 = load_f64x16(numbers[w + 2], 0)
-        equal = (iw0 == iw1) & (iw1 == iw2)
-        store(numbers[w], 0, select(equal, f64x16(1.0), iw0))
-        store(numbers[w + 1], 0, select(equal, f64x16(1.0), iw1))
-        store(numbers[w + 2], 0, select(equal, f64x16(1.0), iw2))
-    elif needs_weights:
-        store(numbers[w], 0, keep_24(inverse))
+    areas = to_float64(load_i32x16(lanes[R.LANE_AREA], 0))
+    inverse = f64x16(1.0) / areas
+    if needs_weights and not perspective:
+        store(numbers[w], 0, reciprocals_24(areas))
     if needs_depth:
         z0, z1 = load_f64x16(numbers[z], 0), load_f64x16(numbers[z + 1], 0)
         z2 = load_f64x16(numbers[z + 2], 0)
-        store(numbers[R.Z10 - R.INVERSE_W0], 0, difference_of(z1, z0))
-        store(numbers[R.Z20 - R.INVERSE_W0], 0, difference_of(z2, z0))
-        store(numbers[R.Z21 - R.INVERSE_W0], 0, difference_of(z2, z1))
+        store(numbers[R.Z10 - R.WEIGHT_FACTOR0], 0, difference_of(z1, z0))
+        store(numbers[R.Z20 - R.WEIGHT_FACTOR0], 0, difference_of(z2, z0))
+        store(numbers[R.Z21 - R.WEIGHT_FACTOR0], 0, difference_of(z2, z1))
         pattern = bits_of_lanes(inverse)
         exact = (pattern & FRACTION) == int64(0)
         pattern = select(exact, pattern, pattern - int64(1 << 21)) & KEEP_29
-        store(numbers[R.Z_RECIPROCAL - R.INVERSE_W0], 0, floats_of_lanes(pattern))
+        store(numbers[R.Z_RECIPROCAL - R.WEIGHT_FACTOR0], 0, floats_of_lanes(pattern))
         if not draw[R.POLYGON_OFFSET]:
-            store(numbers[R.Z_OFFSET - R.INVERSE_W0], 0, f64x16(0.0))
+            store(numbers[R.Z_OFFSET - R.WEIGHT_FACTOR0], 0, f64x16(0.0))
     return found
 
 
@@ -263,17 +257,17 @@ def share(job, members, k, taken, position, runs, batch, width, scratch):
         n = position - begin
         for i in range(begin, position, 8):
             for c in range(weights):
-                store(floats[R.INVERSE_W0 + c], i, f64x8(numbers[c, lane]))
+                store(floats[R.WEIGHT_FACTOR0 + c], i, f64x8(numbers[c, lane]))
             if draw[R.NEEDS_DEPTH]:
-                for c in range(R.Z0 - R.INVERSE_W0, R.TERMS - R.INVERSE_W0):
-                    store(floats[R.INVERSE_W0 + c], i, f64x8(numbers[c, lane]))
+                for c in range(R.Z0 - R.WEIGHT_FACTOR0, R.TERMS - R.WEIGHT_FACTOR0):
+                    store(floats[R.WEIGHT_FACTOR0 + c], i, f64x8(numbers[c, lane]))
         for u in range(draw[R.UNITS]):
             components = job[R.JOB_COMPONENTS + u]
-            at = int64(R.TERMS - R.INVERSE_W0 + 12 * u)
+            at = int64(R.TERMS - R.WEIGHT_FACTOR0 + 12 * u)
             while components:
                 if components & 1:
                     for c in range(at, at + 3):
-                        spread(floats[R.INVERSE_W0 + c], begin, n, numbers[c, lane])
+                        spread(floats[R.WEIGHT_FACTOR0 + c], begin, n, numbers[c, lane])
                 components >>= 1
                 at += 3
         if varies:

@@ -4,9 +4,9 @@ from numba import float64, int32, int64, void
 
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import THREE
-from fixedpipe.raster.fixed import truncate_24
+from fixedpipe.raster.fixed import reciprocal_24
 from fixedpipe.raster.kernel import kernel, separate_loop
-from fixedpipe.raster.vector.interpolate import keep_24, rest_to_largest
+from fixedpipe.raster.vector.interpolate import area_weights, weights_of
 from fixedpipe.raster.vector.lanes import (
     any_lane,
     f64x16,
@@ -22,28 +22,28 @@ STEEPEST = 2.0**-4  # of a weight, from pixel to pixel: sixteen lanes then diffe
 _ONE = 2.0**30  # units of a weight
 _PER_STEP = 22  # log2 of the units in 1/256
 _FRACTION = (1 << _PER_STEP) - 1
-_CERTAIN = _FRACTION - (1 << 10)  # 2**-12 of 1/256 below the next
+NEAR = 1 << 11  # 2**-19
 
 
 @kernel(void(int32[:, ::1], int64, int64, THREE, THREE))
 def run_color_weights(ints, position, count, n, right):
     """W0 and W2 of ``count`` pixels to the right of the one whose edge functions are ``n``; no perspective.
 
-    They are floor(256 q) of the weights of ``interpolate.run_weights``. With rD the reciprocal of 24 bits,
-    each x = n rD is exact where the area is not above LARGEST_AREA, and so is what a step along the run adds.
-    The two floors, of the first lane's and of what the others add, lie less than two units of 2**-30 below x.
+    They are floor(256 q) of the weights of ``interpolate.run_weights``. With rD the reciprocal of the area in
+    24 bits, each x = n rD is exact where the area is not above LARGEST_AREA, and so is what a step along the
+    run adds. The two floors, of the first lane's and of what the others add, lie less than two units of
+    2**-30 below x.
 
-    A weight that is cut to 24 bits has the floor of x. One that takes what the others leave is x and two
-    amounts: 1 - (x0 + x1 + x2), less than 2**-23 as the sum is the area times rD, and what was cut from the
-    two others, less than 2**-24 and 2**-25 each. So it lies less than 2**-13 of 1/256 above x, and has the
-    same floor where the next step of 1/256 is not that near; a last cut carries it over none. Sixteen pixels
-    of which one lies near the next step are computed as ``run_weights`` does.
+    A weight differs from x by less than 2**-20: edge functions cut to 24 bits by 2**-23 of them, their sum by
+    2**-21 and its reciprocal, which errs by 2**-22, as much, a cut weight by 2**-24, and what two others
+    leave of one by what these three err. So it has the floor of x where no step of 1/256 lies within NEAR.
+    Sixteen pixels of which one lies that near are computed as ``run_weights`` does.
     """
     separate_loop()
     (n0, n1, n2), (right0, right1, right2) = n, right
     out0, out2 = ints[R.W0], ints[R.W2]
     area = (n0 + n1) + n2
-    reciprocal = truncate_24(1.0 / area)
+    reciprocal = reciprocal_24(area)
     steps = area <= LARGEST_AREA and max(abs(right0), abs(right2)) * reciprocal <= STEEPEST
     scale = reciprocal * _ONE if steps else 0.0
     ramp = ramp_f64x16()
@@ -53,15 +53,18 @@ def run_color_weights(ints, position, count, n, right):
         ahead = float64(i)
         u0 = along0 + int32(first0 + ahead * (right0 * scale))
         u2 = along2 + int32(first2 + ahead * (right2 * scale))
-        near = ((u0 & int32(_FRACTION)) > int32(_CERTAIN)) | ((u2 & int32(_FRACTION)) > int32(_CERTAIN))
+        above0, above2 = (u0 + int32(NEAR)) & int32(_FRACTION), (u2 + int32(NEAR)) & int32(_FRACTION)
+        near = (above0 < int32(2 * NEAR)) | (above2 < int32(2 * NEAR))
         if steps and not any_lane(near):
             store(out0, position + i, u0 >> int32(_PER_STEP))
             store(out2, position + i, u2 >> int32(_PER_STEP))
             continue
-        q0 = keep_24((ramp * right0 + (n0 + ahead * right0)) * f64x16(reciprocal))
-        q1 = keep_24((ramp * right1 + (n1 + ahead * right1)) * f64x16(reciprocal))
-        q2 = keep_24((ramp * right2 + (n2 + ahead * right2)) * f64x16(reciprocal))
-        w0, w2 = rest_to_largest(q0, q1, q2)
+        a0, a1 = ramp * right0 + (n0 + ahead * right0), ramp * right1 + (n1 + ahead * right1)
+        a2 = ramp * right2 + (n2 + ahead * right2)
+        if area < 2.0**24:
+            w0, w2 = area_weights(a0, a1, a2, f64x16(reciprocal))
+        else:
+            w0, w2 = weights_of(a0, a1, a2, 1.0, 1.0, 1.0)
         store(out0, position + i, to_int32(w0 * 256.0))
         store(out2, position + i, to_int32(w2 * 256.0))
 

@@ -154,7 +154,7 @@ def slope(x, y, v, factor):
 
 def slope_of_w(x, y, w, box):
     triangle = coverage.make_triangle(*zip(x, y, strict=True))
-    return w_slope.slope(triangle, w, range(box[0], box[2]), range(box[1], box[3]))
+    return w_slope.slope(triangle, w, [1.0 / v for v in w], range(box[0], box[2]), range(box[1], box[3]))
 
 
 def replaced(a, b):
@@ -248,7 +248,7 @@ ONE_BY_ONE = {
     "iterated-color": lambda n, w, c: interpolate.iterate_color_channel(weights(n, w).color, c),
     "iterated-coordinate": lambda n, w, v: interpolate.iterate_coordinate(v, weights(n, w)),
     "depth": lambda n, z: depth.kept(depth.iterate(n, z)),
-    "depth-of-w": lambda n, w: depth.kept(depth.iterate_w(n, w)),
+    "depth-of-w": lambda n, w: depth.kept(depth.iterate_w(weights(n, [1.0 / v for v in w]), w)),
     "polygon-offset-slope": slope,
     "slope-of-w": slope_of_w,
     "signed-texel": signed_texel,

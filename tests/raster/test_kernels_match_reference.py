@@ -72,7 +72,7 @@ from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import rows
 from fixedpipe.raster.arrays import Segments
 from fixedpipe.raster.columns import interpolate as columns_interpolate
-from fixedpipe.raster.fixed import divide, reciprocal_27, reciprocal_29, truncate_24
+from fixedpipe.raster.fixed import divide, reciprocal_24, reciprocal_29, truncate_24
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.arrays import Edges
 from fixedpipe.raster.portable.combine import final_combiner, general_combiner
@@ -80,9 +80,10 @@ from fixedpipe.raster.portable.interpolate import (
     color_weights,
     depth_words,
     emit_depth,
+    emit_iteration_weights,
     emit_w,
     iterate_exact_color,
-    iteration_weights,
+    weight_factors,
 )
 from fixedpipe.raster.portable.sample import POWERS_OF_TWO, log2_q7, major_axis, on_face
 from fixedpipe.raster.portable.texels import lerp_lanes, lerp_packed
@@ -145,7 +146,8 @@ def test_mantissas_are_cut_alike(value):
     assert truncate_24(value) == fixed.keep_significant_bits(value, 24)
     power = math.ldexp(1.0, math.frexp(value)[1])
     assert reciprocal_29(value) == fixed.low_reciprocal(value)
-    assert reciprocal_27(value) == fixed.w_reciprocal(value)
+    single = truncate_24(value)
+    assert reciprocal_24(single) == interpolate.reciprocal(single)
     assert reciprocal_29(power) == fixed.low_reciprocal(power) == power
 
 
@@ -822,11 +824,11 @@ def test_cube_map_directions_select_the_same_faces():
 
 def kernel_color_weights(n, inverse_w):
     """((w0, w1, w2), q0, q2) of each row of edge values."""
-    columns = [np.ascontiguousarray(c) for c in (np.array(n, np.float64) * inverse_w).T]
-    count = len(n)
+    count, factors = len(n), weight_factors(*inverse_w)
     floats = np.empty((rows.FLOAT_COLUMNS, count))
     ints = np.empty((rows.INT_COLUMNS, count), np.int32)
-    iteration_weights(Edges(*columns), count, floats)
+    for i, row in enumerate(np.array(n, np.float64).tolist()):
+        emit_iteration_weights(floats, i, 1, tuple(row), (0.0, 0.0, 0.0), factors)
     color_weights(floats, count, ints, 8)
     columns = (ints[rows.W0], ints[rows.W2], floats[rows.Q0], floats[rows.Q2])
     return [((a, 256 - a - b, b), p, q) for a, b, p, q in zip(*(c.tolist() for c in columns), strict=True)]
@@ -835,7 +837,7 @@ def kernel_color_weights(n, inverse_w):
 def test_color_weights_of_all_small_edge_values():
     n = [(a, b, c) for a in range(25) for b in range(25) for c in range(25) if a + b + c]
     expected = [interpolate.weights(row, (1.0, 1.0, 1.0)) for row in n]
-    assert kernel_color_weights(n, 1.0) == [(w.color, w.q0, w.q2) for w in expected]
+    assert kernel_color_weights(n, (1.0, 1.0, 1.0)) == [(w.color, w.q0, w.q2) for w in expected]
 
 
 @settings(max_examples=100)
@@ -846,7 +848,10 @@ def test_color_weights_of_random_edge_values_in_perspective(seed, size):
     n[:, 0] += 1
     inverse_w = np.exp(random.uniform(-3.0, 3.0, 3))
     expected = [interpolate.weights(row, inverse_w.tolist()) for row in n.tolist()]
-    assert kernel_color_weights(n, inverse_w) == [(w.color, w.q0, w.q2) for w in expected]
+    assert kernel_color_weights(n, inverse_w.tolist()) == [(w.color, w.q0, w.q2) for w in expected]
+    corners = np.broadcast_to(inverse_w, (len(n), 3))
+    q0, q2 = columns_interpolate.iteration_weights(list(n.T), corners)
+    assert list(zip(q0.tolist(), q2.tolist(), strict=True)) == [(w.q0, w.q2) for w in expected]
 
 
 def kernel_exact_colors(n, inverse_w, colors):
@@ -928,15 +933,19 @@ def test_depths_of_w_buffering_equal_the_specification(scale, seed):
     random = np.random.default_rng(seed)
     n = random.integers(0, 2 ** random.integers(1, 38), (40, 3))
     n[:, 0] += 1
-    w = [depth.single(v) for v in (scale * np.exp(random.uniform(-3.0, 3.0, 3))).tolist()]
+    given = (scale * np.exp(random.uniform(-3.0, 3.0, 3))).tolist()
     if seed % 3 == 0:
-        w[2] = w[seed % 2]
-    expected = [depth.kept(depth.iterate_w(row, w)) for row in n.tolist()]
-    corners = np.tile(w, (len(n), 1))
-    assert columns_interpolate.iterate_w(list(n.T), corners).tolist() == expected
-    given = depth.w_factors(w), tuple(w)
-    assert kernel_depths(emit_w, n, *given, 0.0) == expected
-    assert kernel_depths(emit_w, n, *given, 3.0) == [v + 3.0 for v in expected]
+        given[2] = given[seed % 2]
+    w = [depth.single(v) for v in given]
+    weights = [interpolate.weights(row, [1.0 / v for v in given]) for row in n.tolist()]
+    expected = [depth.kept(depth.iterate_w(of_one, w)) for of_one in weights]
+    q0, q2 = (np.array([getattr(of_one, name) for of_one in weights]) for name in ("q0", "q2"))
+    assert columns_interpolate.iterate_w(q0, q2, np.tile(w, (len(n), 1))).tolist() == expected
+    floats = np.empty((rows.FLOAT_COLUMNS, len(n)))
+    floats[rows.Q0], floats[rows.Q2] = q0, q2
+    for offset in (0.0, 3.0):
+        emit_w(floats, 0, len(n), tuple(w), offset)
+        assert floats[rows.DEPTH].tolist() == [v + offset for v in expected]
 
 
 @given(seed=seeds)

@@ -27,8 +27,8 @@ def slopes(points, w, box=BOX):
     triangle = coverage.make_triangle(*points, tuple(v < 0 for v in w))
     return (
         kernel_w_slope(draw, vertices, 0, 1, 2),
-        columns_w_slope(x.astype(np.int64), y.astype(np.int64), np.array(singles), box, 4),
-        slope(triangle, singles, range(box[0], box[2]), range(box[1], box[3])),
+        columns_w_slope(x.astype(np.int64), y.astype(np.int64), np.array(singles), inverse_w, box, 4),
+        slope(triangle, singles, inverse_w.tolist(), range(box[0], box[2]), range(box[1], box[3])),
     )
 
 

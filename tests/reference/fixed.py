@@ -87,17 +87,6 @@ def low_reciprocal(inverse):
     return keep_significant_bits(from_pattern(to_pattern(inverse) - 2**21), 29)
 
 
-def w_reciprocal(inverse):
-    """1/D cut to 27 significant bits, from the float64 nearest to it, reduced by 11 * 2^23 of its units;
-    exact where D is 2^k.
-
-    Measured: 6823 of 6826 depths near a word's edge (WBuf24F captures).
-    """
-    if is_power_of_two(inverse):
-        return inverse
-    return keep_significant_bits(from_pattern(to_pattern(inverse) - 11 * 2**23), 27)
-
-
 def floor_float(value):
     """Floor of a float as a float; NaN and infinities stay. Source: IEEE 754 (round toward negative)."""
     return float(math.floor(value)) if math.isfinite(value) else value

@@ -170,7 +170,8 @@ def offset_of(primitives, vertices, state, target, fraction):
         if not polygon.offset_factor:
             return depth.limited_offset(polygon.offset_units)
         columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
-        steep = polygon.offset_factor * w_slope.slope(triangle, depths, columns, rows)
+        inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
+        steep = polygon.offset_factor * w_slope.slope(triangle, depths, inverse_w, columns, rows)
         return depth.limited_offset(polygon.offset_units + steep)
     return depth.primitive_offset(triangle, depths, polygon, target.depth_bits, fraction)
 
@@ -222,10 +223,11 @@ def moved_by(primitives, x, y):
     return SimpleNamespace(**moved, inverse_w=primitives.inverse_w)
 
 
-def has_weights(n, inverse_w, depth_factors):
+def has_weights(n, inverse_w):
     """Whether a pixel's weights have sums that can be divided by. Assumed: others are left out."""
-    e = interpolate.perspective_terms(n, inverse_w)
-    return interpolate.denominator(e) > 0 and interpolate.denominator(depth.edge_terms(n, depth_factors)) > 0
+    e = interpolate.weighed_edges(n, interpolate.weight_factors(inverse_w))
+    whole = interpolate.denominator(interpolate.perspective_terms(n, inverse_w))
+    return whole > 0 and interpolate.weight_sum(e) > 0
 
 
 def draw_primitive(target, primitives, corners, stroke, state, textures, profile, place=None):
@@ -260,7 +262,6 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     in_units = state.vertex.depth_units
     depths = depth.vertex_depths(primitives, vertices, state, target.depth_bits, in_units)
     by_w = state.w_buffering and depth.matters(state)
-    depth_factors = depth.w_factors(depths) if by_w else (1.0, 1.0, 1.0)
     offset = 0.0
     if enabled and source[0] >= 0:
         offset = offset_of(primitives, source, state, target, profile.arithmetic.offset_fraction)
@@ -288,7 +289,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         n = coverage.edge_values(shape, *(shape.pixel_of(px, py) if kind == LINE else (px, py)))
         if kind == LINE and strokes.stippled_line(state.line.stipple, shape, counter, px, py):
             continue
-        if places is not None and not has_weights(n, inverse_w, depth_factors):
+        if places is not None and not has_weights(n, inverse_w):
             continue
         weights = interpolate.weights(n, inverse_w)
         color = [
@@ -299,8 +300,8 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         ]
         # A line's row is its second vertex, then its first.
         order = slice(None, None, -1 if kind == LINE else 1)
-        z = depth.kept(depth.iterate_w(n, depths) if by_w else depth.iterate(n[order], depths[order]))
-        z = depth.word(z + offset, target.depth_bits, state.depth_clamp)
+        z = depth.iterate_w(weights, depths) if by_w else depth.iterate(n[order], depths[order])
+        z = depth.word(depth.kept(z) + offset, target.depth_bits, state.depth_clamp)
         access = Access(state, units, (px, py), weights, textures, profile)
         alive = True
         if state.texture_shader is None:

@@ -3,65 +3,54 @@
 Source: docs/numbers.md N5.9, and the captures that it names.
 """
 
-import math
 from itertools import product
 
-from tests.reference import coverage, depth, fixed
+from tests.reference import coverage, depth, fixed, interpolate
 
 TILE = 4  # pixels: Inferred from TriH and TriV, whose blocks are the second of a tile
 
 
-def floor_significant_bits(value, bits):
-    """The greatest number of ``bits`` significant bits that is not above. Measured: WBuf24F_TriH."""
-    mantissa, exponent = math.frexp(value)
-    return math.ldexp(math.floor(math.ldexp(mantissa, bits)), exponent - bits)
-
-
-def block_reciprocal(inverse):
-    """N5.8's reciprocal to the nearest of 24 bits. Measured: 15 of 16 triangles' slopes."""
-    return fixed.keep_significant_bits(fixed.from_pattern(fixed.to_pattern(inverse) - 11 * 2**23 + 2**28), 24)
-
-
-def weights(n, w):
+def weights(n, inverse_w):
     """q0 and q2 of a pixel, without a vertex that takes the rest; None where the sum is not above 0.
 
-    Measured: as ``block_reciprocal``; Assumed: the limit.
+    Measured: slopes of W_buffering captures; Assumed: the limit.
     """
-    e = depth.edge_terms(n, depth.w_factors(w))
-    total = (e[0] + e[1]) + e[2]
+    e = interpolate.weighed_edges(n, interpolate.weight_factors(inverse_w))
+    total = interpolate.weight_sum(e)
     if not total > 0.0:
         return None
-    reciprocal = block_reciprocal(1.0 / total)
-    return tuple(floor_significant_bits(e[i] * reciprocal, depth.WEIGHT_BITS) for i in (0, 2))
+    inverse = interpolate.reciprocal(total)
+    return tuple(fixed.keep_significant_bits(e[i] * inverse, depth.WEIGHT_BITS) for i in (0, 2))
 
 
-def block_slope(triangle, w, x, y):
+def block_slope(triangle, w, inverse_w, x, y):
     """The block at (x, y): the larger of the slopes along x and y; None where it has none.
 
-    Measured: as ``slope``; Inferred: the lesser of two rows or columns, the maximum norm.
+    Measured: as ``slope``: of vertex 0's weight along x the lower row, of vertex 2's the upper, along y the
+    left and the right column; Inferred: vertex 0's column, which no capture tells, and the maximum norm.
     """
-    pixels = [
-        weights(coverage.edge_values(triangle, x + right, y + below), w)
-        for below in (0, 1)
-        for right in (0, 1)
-    ]
+    places = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)]
+    pixels = [weights(coverage.edge_values(triangle, *place), inverse_w) for place in places]
     if None in pixels:
         return None
-    d = depth.difference(w[0], w[1]), depth.difference(w[2], w[1])
-
-    def along(pairs):
-        """Inferred: as above."""
-        steps = [min((pixels[b][i] - pixels[a][i] for a, b in pairs), key=abs) for i in (0, 1)]
-        return abs(steps[0] * d[0] + steps[1] * d[1])
-
-    steepest = max(along([(0, 1), (2, 3)]), along([(0, 2), (1, 3)]))
-    return fixed.keep_significant_bits(steepest, depth.WEIGHT_BITS)
+    (a0, a2), (_, b2), (c0, _), (d0, d2) = pixels
+    first, last = depth.difference(w[0], w[1]), depth.difference(w[2], w[1])
+    along_x, along_y = (d0 - c0) * first + (b2 - a2) * last, (c0 - a0) * first + (d2 - b2) * last
+    return fixed.keep_significant_bits(max(abs(along_x), abs(along_y)), depth.WEIGHT_BITS)
 
 
-def slope(triangle, w, columns, rows):
+def nearness(triangle, inverse_w, x, y):
+    """A pixel's sum of weights before they are divided, uncut: the larger, the nearer to the eye."""
+    factors = interpolate.weight_factors(inverse_w)
+    a, b, c = (n_i * f for n_i, f in zip(coverage.edge_values(triangle, x, y), factors, strict=True))
+    return (a + b) + c
+
+
+def slope(triangle, w, inverse_w, columns, rows):
     """The slope, in w a pixel; 0 where the triangle draws none of ``columns`` and ``rows``, two ranges.
 
-    Measured: all depths of 18 W_buffering captures; Inferred: which tile and block; Assumed: what is left.
+    Measured: all depths of 31 of 32 W_buffering captures; Inferred: which tile and block; Assumed: what is
+    left.
     """
     if triangle.area == 0 or not columns or not rows:
         return 0.0
@@ -84,7 +73,12 @@ def slope(triangle, w, columns, rows):
     for y in (TILE * row, TILE * row + 2):
         for x in (TILE * column, TILE * column + 2):
             if any((x + right, y + below) in inside for right in (0, 1) for below in (0, 1)):
-                found.append(block_slope(triangle, w, x, y))
+                found.append((x, y))
         if found and row == 0 and top[1] < 0:
             break
-    return min((s for s in found if s is not None), default=0.0)
+    nearest, slope_there = 0.0, 0.0
+    for x, y in found:  # the nearest to the eye, of equal ones the last
+        here, near = block_slope(triangle, w, inverse_w, x, y), nearness(triangle, inverse_w, x, y)
+        if here is not None and near >= nearest:
+            nearest, slope_there = near, here
+    return slope_there
