@@ -15,7 +15,7 @@ from fixedpipe.raster.kernel import bits_of, float_of, kernel
 EXPONENT = int64(floats.EXPONENT)
 FRACTION = int64(floats.FRACTION)
 KEEP_24, KEEP_29 = (int64(floats.kept(bits)) for bits in (24, 29))  # significant bits
-ONE = int64(1023 << 52)  # of a float64
+EXPONENT_OF_ONE = int64(1023 << 52)  # of a float64
 HIGHEST_POWER = int64(2046 << 52)  # less a power's pattern: its reciprocal's
 
 
@@ -87,7 +87,7 @@ def reciprocal_24(total):
     line of 128 pieces gives the twelve bits: to nearest, two of 126 sums that tell are not met.
     """
     bits = bits_of(total)
-    m = float_of((bits & FRACTION) | ONE)
+    m = float_of((bits & FRACTION) | EXPONENT_OF_ONE)
     piece = np.floor(m * 128.0)
     along = np.floor(m * 65536.0) - piece * 512.0
     inverse = 1.0 / (piece * (piece + 1.0))
@@ -96,6 +96,15 @@ def reciprocal_24(total):
     x = np.floor((start * 128.0 - slope * along) * 2.0**-11 + 0.5) * 2.0**-12
     rest = np.floor((1.0 - m * x) * 2.0**24 + 0.5) * 2.0**-24
     return truncate_24(x + x * rest) * float_of(HIGHEST_POWER - (bits & EXPONENT))
+
+
+@kernel
+def signed_reciprocal(value):
+    """``reciprocal_24`` of a number of any sign: of 0 infinity, of infinity 0, and NaN stays."""
+    size = abs(value)
+    result = reciprocal_24(size) if size < np.inf else (0.0 if size == np.inf else size)
+    result = result if size != 0.0 else np.inf
+    return result if value >= 0.0 else 0.0 - result
 
 
 @kernel

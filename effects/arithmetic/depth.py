@@ -64,8 +64,15 @@ COVERAGE = Rule(
 
 
 def _weights(n, inverse_w):
-    terms = interpolate.perspective_terms(_columns(n), np.array([inverse_w]))
-    return interpolate.iteration_weights(terms)
+    return interpolate.iteration_weights(_columns(n), np.array([inverse_w]))
+
+
+def _reciprocal(total):
+    return interpolate.reciprocal_24(np.array([total]))[0]
+
+
+def _total(chance):
+    return float((1 << 23) + chance.below(1 << 23))
 
 
 def _color(n, inverse_w, c):
@@ -82,16 +89,33 @@ def _coordinate(n, inverse_w, v):
 _WEIGHED = tuple((list(n), list(w)) for n in _INSIDE for w in (_ONES, (1.0, 0.5, 0.25)))
 ITERATED = (
     Rule(
+        id="weight-reciprocal",
+        stage=STAGE,
+        numbers="N4.10",
+        formula="1/s, s of 24 bits: x in 12 bits by lines over 128ths of an octave, t = 1 - s x rounded "
+        "to 2^-24, T24(x + x t)",
+        in_words=True,
+        evidence="Measured: 1541 of 1552 sums, the others have other open bits; Inferred: the lines",
+        captures=("W_buffering/WBuf24D_FloorQuad_V0_ZB0_ZS0", "Fog_gen/FogGen_FF-exp-planar"),
+        inputs={"s": "single"},
+        output="double",
+        compute=_reciprocal,
+        edges=((1.0,), (8388609.0,), (16777215.0,), (13675739.0,), (13182276.0,), (13336576.0,)),
+        draw=lambda chance: (_total(chance),),
+    ),
+    Rule(
         id="iteration-weights",
         stage=STAGE,
         numbers="N4.4",
         formula=(
-            "q = e T24(1/D), cut to 24 bits, e = n/w (n where the three 1/w are equal); the largest of the "
-            "three is T24(1 - c(a) - c(b)) of the others, c cutting to 2^-25 (N4.8); q of vertices 0 and 2"
+            "q = T24(e r): e = T24(T24(n) f), f = T24(product of the other two w), or 1 where the three are "
+            "equal (N4.9); r = weight-reciprocal of the sum of e, each cut a bit below the largest's 24 "
+            "(N4.10); the largest q is T24(1 - c(a) - c(b)) of the others, c cutting to 2^-25 (N4.8); of "
+            "vertices 0 and 2"
         ),
         in_words=True,
-        evidence="Measured: 64522 of 64522 pixels; in perspective at most 3 pixels in 200,120 are open",
-        captures=("Alpha_func", "Depth_buffer", "Line_width"),
+        evidence="Measured: 64522 of 64522 pixels; in perspective 230809 of 230809 texels in each of 16",
+        captures=("Alpha_func", "Depth_buffer", "Line_width", "W_buffering/WBuf24D_FloorQuad_V0_ZB0_ZS0"),
         inputs={"n": "int[3]", "inverse_w": "single[3]"},
         output="double[2]",
         compute=lambda n, inverse_w: [q[0] for q in _weights(n, inverse_w)],
@@ -104,7 +128,7 @@ ITERATED = (
         numbers="N4.4",
         formula="(w0 c0 + w1 c1 + w2 c2 + 128) >> 8, w0 and w2 floor(256 q) of the weights, w1 the rest",
         in_words=True,
-        evidence="Measured: 64522 of 64522 pixels; in perspective at most 3 pixels in 200,120 are open",
+        evidence="Measured: 64522 of 64522 pixels; in perspective at most 3 pixels of 307,200 are open",
         captures=("Alpha_func", "Depth_buffer", "Line_width", "Shade_model"),
         inputs={"n": "int[3]", "inverse_w": "single[3]", "c": "int[3]"},
         output="int",
@@ -144,7 +168,8 @@ def _depth(n, z):
 
 
 def _depth_of_w(n, w):
-    return interpolate.iterate_w(_columns(n), np.array([w]))[0]
+    corners = np.array([w])
+    return interpolate.iterate_w(*interpolate.iteration_weights(_columns(n), 1.0 / corners), corners)[0]
 
 
 def _slope(x, y, v, factor):
@@ -154,7 +179,7 @@ def _slope(x, y, v, factor):
 
 
 def _slope_of_w(x, y, w, box):
-    return w_slope(np.array(x), np.array(y), np.array(w), box, SUBPIXEL_BITS)
+    return w_slope(np.array(x), np.array(y), np.array(w), 1.0 / np.array(w), box, SUBPIXEL_BITS)
 
 
 def _corners(chance):
@@ -195,10 +220,9 @@ DEPTHS = (
         id="depth-of-w",
         stage="Depth",
         numbers="N5.8",
-        formula="w1 + q0 (w0 - w1) + q2 (w2 - w1), cut as depths are; the q are iteration weights of "
-        "e = T24(T24(n) T24(product of the other two w)), with r = 1/D low and in 27 bits",
+        formula="w1 + q0 (w0 - w1) + q2 (w2 - w1), cut as depths are; the q are iteration-weights",
         in_words=True,
-        evidence="Measured: 6823 of 6826 depths near a word's edge (WBuf24F captures)",
+        evidence="Measured: every depth of 36 of 37 buffers without a slope",
         captures=("W_buffering/WBuf24D_LargeZ_V1_ZB0_ZS0_ZB", "W_buffering/WBuf24F_TriH_V1_ZB1_ZS0_ZB"),
         inputs={"n": "int[3]", "w": "single[3]"},
         output="double",
@@ -229,11 +253,11 @@ DEPTHS = (
         stage="Depth",
         numbers="N5.9",
         formula="with W buffering, of a 2x2 block where the triangle begins in a box (left, top, right, "
-        "bottom): max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q = floor24(e r) of "
-        "depth-of-w's e, r = 1/D low, then to the nearest of 24 bits; dq the lesser of two rows or columns",
+        "bottom): max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q of "
+        "iteration-weights, of which none takes the rest; along x dq0 of the lower row, dq2 of the upper, "
+        "along y of the left and the right column",
         in_words=True,
-        evidence="Measured: every depth of 18 of 24 buffers with a slope of w; Inferred: which block; open: "
-        "triangles of which both differences count (TriV)",
+        evidence="Measured: every depth of 31 of 32 buffers with a slope's factor; Inferred: which block",
         captures=(
             "W_buffering/WBuf24D_FloorQuad_V1_ZB0_ZS1_ZB",
             "W_buffering/WBuf24D_ClipF-150-032_V1_ZB0_ZS1_ZB",

@@ -7,7 +7,16 @@ their two's complement. Coordinates are float64 [k] or [k, c].
 import numpy as np
 
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.columns.interpolate import FAR, cut_sum, log2_q7, major_axis, on_face, probes_along
+from fixedpipe.raster.columns.interpolate import (
+    FAR,
+    cut_sum,
+    log2_q7,
+    major_axis,
+    on_face,
+    probes_along,
+    product_sum,
+    signed_reciprocal,
+)
 from fixedpipe.raster.columns.numbers import one_of
 
 WORD_BITS = 8  # of a texel that holds words of 16 bits
@@ -64,8 +73,9 @@ def vector(texel, mapping, bits):
 
 
 def dot(a, b):
-    """``(a0 b0 + a1 b1) + a2 b2`` of three columns each."""
-    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+    """``a0 b0 + a1 b1 + a2 b2`` of three columns each, the second's singles: a ``product_sum``."""
+    singles = [np.asarray(v, np.float64).astype(np.float32).astype(np.float64) for v in b]
+    return product_sum(*zip(a[:3], singles, strict=True))[0]
 
 
 def offset(strq, texel, matrix, bits):
@@ -145,7 +155,7 @@ def reflected(normal, eye):
 
 def replaced_depth(numerator, denominator, scale, largest):
     """(floor of the quotient times ``scale``, int64 [k], and whether it is a word of the depth buffer)."""
-    z = numerator / denominator * float(scale)
+    z = numerator * signed_reciprocal(denominator) * float(scale)
     inside = (z >= 0.0) & (z <= float(largest))  # false where it is not a number
     return np.floor(np.where(inside, z, 0.0)).astype(np.int64), inside
 

@@ -34,9 +34,9 @@ def _block_slope(n, right, down, factors, d0, d2):
     ``n``: edge functions of its upper left pixel.
     """
     a0, a2, a = _pixel_weights(n[0], n[1], n[2], factors)
-    b0, b2, b = _pixel_weights(n[0] + right[0], n[1] + right[1], n[2] + right[2], factors)
+    _, b2, b = _pixel_weights(n[0] + right[0], n[1] + right[1], n[2] + right[2], factors)
     below = n[0] + down[0], n[1] + down[1], n[2] + down[2]
-    c0, c2, c = _pixel_weights(below[0], below[1], below[2], factors)
+    c0, _, c = _pixel_weights(below[0], below[1], below[2], factors)
     e0, e2, e = _pixel_weights(below[0] + right[0], below[1] + right[1], below[2] + right[2], factors)
     if not (a and b and c and e):
         return -1.0

@@ -12,10 +12,17 @@ from numba import float64, int32, int64
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.fixed import float_depth, step_24
-from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, SMALLEST, TAU
+from fixedpipe.raster.fixed import float_depth, power_below
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, TAU
 from fixedpipe.raster.kernel import bits_of, kernel, separate_function, separate_loop
-from fixedpipe.raster.vector.interpolate import EXACT_FROM, LARGEST_COORDINATE, terms_of
+from fixedpipe.raster.portable.interpolate import coordinate_difference, product_sum
+from fixedpipe.raster.vector.interpolate import (
+    EXACT_FROM,
+    LARGEST_COORDINATE,
+    coordinate_step,
+    power_of,
+    terms_of,
+)
 from fixedpipe.raster.vector.lanes import (
     absolute,
     all_lanes,
@@ -59,31 +66,36 @@ def texels_of(largest, exponent, total, to_fixed):
 
 @kernel
 def guessed_steps(q0, q2, v1, d0, d2):
-    """How many last bits of its largest term make one, for the coordinate of one fragment; 0 where
-    ``beside_texels`` may not be asked.
+    """How many units make one, for the coordinate of one fragment; 0 where ``beside_texels`` may not be
+    asked.
     """
-    largest = max(max(abs(v1), max(abs(q0 * d0), abs(q2 * d2))), SMALLEST)
-    _, steps = step_24(largest)
+    step, steps = coordinate_step(q0, q2, v1, d0, d2)
+    largest = step * 2.0**23
     usual = largest >= EXACT_FROM and largest < LARGEST_COORDINATE * 4.0
     return steps if usual and max(abs(d0), abs(d2)) * steps < _LARGEST_STEPS else 0.0
 
 
 @kernel
-def beside_texels(q0, q2, v1, d0, d2, right, left):
+def beside_texels(q0, q2, v1, d0, d2, own, most0, most2, right, left):
     """Whether the guess of ``guessed_steps`` holds for sixteen fragments, and their floor(256 u size) if so.
 
-    v1, d0, d2: the vertices' numbers times the guess, v1 cut to an int32; ``right``, ``left``: how far the
-    terms' sum is shifted to count 1/256 texels, one of them zero.
+    v1, d0, d2: the vertices' numbers times the guess, v1 cut to an int32; own, most0, most2: their highest
+    bits; ``right``, ``left``: how far the terms' sum is shifted to count 1/256 texels, one of them zero.
 
     A guess is a power of two, so that q d times it has the bits of ``terms_of``'s term, and a conversion to
-    integers cuts it as ``truncated`` does. The largest of the cut terms lies in [2**23, 2**24) where the
-    guess is the one that the largest term asks for, and nowhere else: a cut keeps x >= 2**23 and x < 2**24.
-    With bits from 24 up clear in all three, and bit 23 set in one, it does. Sums of three such are exact,
-    and shifting them is floor.
+    integers cuts it as ``truncated`` does. The guess is the right one where the largest product of highest
+    bits is 2**23, and nowhere else. No term has then more than 25 bits, nor their sum more than 27, which
+    is cut to 24, and shifting is floor.
     """
-    p0, p2 = to_int32(q0 * d0), to_int32(q2 * d2)
-    bits = magnitude(p0) | magnitude(p2) | magnitude(v1)
-    return all_lanes((bits >> int32(23)) == int32(1)), (((v1 + p0) + p2) >> right) << left
+    total = (v1 + to_int32(q0 * d0)) + to_int32(q2 * d2)
+    largest = maximum(maximum(power_of(q0) * most0, power_of(q2) * most2), own)
+    size = magnitude(total)
+    if any_lane((size >> int32(24)) != int32(0)):
+        size = select(size >= int32(1 << 24), size & int32(-2), size)
+        size = select(size >= int32(1 << 25), size & int32(-4), size)
+        size = select(size >= int32(1 << 26), size & int32(-8), size)
+        total = select(total < int32(0), int32(0) - size, size)
+    return all_lanes(largest == 2.0**23), (total >> right) << left
 
 
 @kernel
@@ -92,10 +104,7 @@ def exact_steps(q0, q2, v1, d0, d2, size, repeat):
 
     A linear filter's texel coordinate is a nearest one's as well.
     """
-    p0, p2 = q0 * d0, q2 * d2
-    step, steps = step_24(max(max(abs(v1), max(abs(p0), abs(p2))), SMALLEST))
-    total = (np.trunc(v1 * steps) + np.trunc(p0 * steps)) + np.trunc(p2 * steps)
-    t = (total * step) * size
+    t = product_sum(v1, 1.0, q0, d0, q2, d2) * size
     if repeat:
         t = t - size * np.floor(t * (1.0 / size))
         t = t if t > 0.0 else 0.0
@@ -125,21 +134,23 @@ def iterate_texels(lists, segments, triangles, coordinates, unit, component, log
                         out[k] = exact_steps(q0[k], q2[k], base[k], from0[k], from2[k], size, repeat)
             continue
         c1 = coordinates[triangles[t, 1], unit, component]
-        c0 = coordinates[triangles[t, 0], unit, component] - c1
-        c2 = coordinates[triangles[t, 2], unit, component] - c1
+        c0 = coordinate_difference(coordinates[triangles[t, 0], unit, component], c1)
+        c2 = coordinate_difference(coordinates[triangles[t, 2], unit, component], c1)
         v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
         i = begin
         while i < end:
             steps = guessed_steps(q0[i], q2[i], c1, c0, c2)
             if steps > 0.0:
-                own, e0, e2 = i32x16(int32(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+                cut, e0, e2 = i32x16(int32(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+                own = f64x16(power_below(c1 * steps))
+                most0, most2 = f64x16(power_below(c0 * steps)), f64x16(power_below(c2 * steps))
                 shift = int32(log2_size) + int32(_FIXED) - logarithm(steps)
-                # The sum is below 2**26: shifted by 31 or more, it is its sign.
+                # The sum is below 2**27: shifted by 31 or more, it is its sign.
                 right, left = min(max(int32(-shift), int32(0)), int32(31)), max(shift, int32(0))
                 holds = True
                 while holds and i < end:
                     w0, w2 = load_f64x16(q0, i), load_f64x16(q2, i)
-                    holds, fixed = beside_texels(w0, w2, own, e0, e2, right, left)
+                    holds, fixed = beside_texels(w0, w2, cut, e0, e2, own, most0, most2, right, left)
                     if holds:
                         store(out, i, fixed)
                         i += 16

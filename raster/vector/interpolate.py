@@ -17,11 +17,11 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import THREE
 from fixedpipe.raster.fixed import (
     EXPONENT,
+    EXPONENT_OF_ONE,
     FRACTION,
     HIGHEST_POWER,
     KEEP_24,
     KEEP_29,
-    ONE,
     power_below,
     reciprocal_24,
     reciprocal_29,
@@ -29,7 +29,7 @@ from fixedpipe.raster.fixed import (
 )
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, REST_STEP, REST_STEPS, SMALLEST
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
-from fixedpipe.raster.portable.interpolate import TINY, depth_difference
+from fixedpipe.raster.portable.interpolate import TINY, coordinate_difference, depth_difference
 from fixedpipe.raster.vector.lanes import (
     absolute,
     all_lanes,
@@ -108,7 +108,7 @@ def rest_to_largest(q0, q1, q2):
 def reciprocals_24(total):
     """``fixed.reciprocal_24`` of each lane."""
     bits = bits_of_lanes(total)
-    m = floats_of_lanes((bits & FRACTION) | ONE)
+    m = floats_of_lanes((bits & FRACTION) | EXPONENT_OF_ONE)
     piece = floored(m * 128.0)
     along = floored(m * 65536.0) - piece * 512.0
     inverse = 1.0 / (piece * (piece + 1.0))
@@ -489,29 +489,36 @@ def spread_colors(terms, position, count, colors, channels, i0, i1, i2, provokin
 
 @kernel
 def terms_of(q0, q2, v1, d0, d2):
-    """(the largest, each at the 24 bits from the largest's highest, their sum) of a coordinate's terms, in
-    ``interpolate.iterate_coordinate``'s units.
+    """(the largest product of factors' highest bits, its exponent in place, the terms' sum to 24 bits) of a
+    coordinate, in units of 2**-23 of the first (``interpolate.product_sum``).
     """
-    p0, p2 = q0 * d0, q2 * d2
-    largest = maximum(maximum(maximum(absolute(p0), absolute(p2)), absolute(v1)), SMALLEST)
+    of_products = maximum(power_of(q0) * power_of(d0), power_of(q2) * power_of(d2))
+    largest = maximum(maximum(of_products, power_of(v1)), SMALLEST)
     exponent = bits_of_lanes(largest) & EXPONENT
     steps = floats_of_lanes(int64(2069 << 52) - exponent)
-    total = (truncated(v1 * steps) + truncated(p0 * steps)) + truncated(p2 * steps)
-    return largest, exponent, total
+    total = (truncated(v1 * steps) + truncated(q0 * d0 * steps)) + truncated(q2 * d2 * steps)
+    return largest, exponent, keep_24(total)
+
+
+@kernel
+def coordinate_step(q0, q2, v1, d0, d2):
+    """The unit that one fragment's terms are cut to, and how many make one."""
+    power = max(power_below(q0) * power_below(d0), power_below(q2) * power_below(d2))
+    return step_24(max(max(power, power_below(v1)), SMALLEST))
 
 
 @kernel
 def sum_beside(q0, q2, own, d0, d2):
-    """Whether a guess of how many last bits of the largest term make one holds for sixteen fragments, and the
-    sum of their cut terms if so.
+    """Whether a guess of how many units of ``terms_of`` make one holds for sixteen fragments, and the sum of
+    their cut terms if so.
 
     own, d0, d2: the vertices' numbers times the guess, ``own`` cut. A guess is a power of two, so q d times
-    it has the bits of ``terms_of``'s term, and the largest of the cut terms lies in [2**23, 2**24) where the
-    guess is the one that the largest term asks for, and nowhere else.
+    it has the bits of ``terms_of``'s term, and the largest product of highest bits is 2**23 where the guess
+    is the one that it asks for, and nowhere else.
     """
-    p0, p2 = truncated(q0 * d0), truncated(q2 * d2)
-    largest = maximum(maximum(absolute(p0), absolute(p2)), absolute(own))
-    return all_lanes((bits_of_lanes(largest) & EXPONENT) == _BIT_23), (own + p0) + p2
+    of_products = maximum(power_of(q0) * power_of(d0), power_of(q2) * power_of(d2))
+    holds = all_lanes(maximum(of_products, power_of(own)) == 2.0**23)
+    return holds, keep_24((own + truncated(q0 * d0)) + truncated(q2 * d2))
 
 
 @kernel
@@ -537,8 +544,8 @@ def iterate_floats(lists, segments, triangles, coordinates, unit, component, flo
                 store(out, i, float_of_terms(*terms))
             continue
         c1 = coordinates[triangles[t, 1], unit, component]
-        c0 = coordinates[triangles[t, 0], unit, component] - c1
-        c2 = coordinates[triangles[t, 2], unit, component] - c1
+        c0 = coordinate_difference(coordinates[triangles[t, 0], unit, component], c1)
+        c2 = coordinate_difference(coordinates[triangles[t, 2], unit, component], c1)
         v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
         if c0 == 0.0 and c2 == 0.0:
             value = float_of_terms(*terms_of(d0, d2, v1, d0, d2))
@@ -547,7 +554,7 @@ def iterate_floats(lists, segments, triangles, coordinates, unit, component, flo
             continue
         i = begin
         while i < end:
-            step, steps = step_24(max(max(abs(c1), max(abs(q0[i] * c0), abs(q2[i] * c2))), SMALLEST))
+            step, steps = coordinate_step(q0[i], q2[i], c1, c0, c2)
             own, e0, e2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
             holds = True
             while holds and i < end:
@@ -573,5 +580,7 @@ def spread_coordinates(floats, position, count, coordinates, unit, components, i
         at = R.TERMS + 12 * unit + 3 * component
         v1 = coordinates[i1, unit, component]
         spread(floats[at], position, count, v1)
-        spread(floats[at + 1], position, count, coordinates[i0, unit, component] - v1)
-        spread(floats[at + 2], position, count, coordinates[i2, unit, component] - v1)
+        d0 = coordinate_difference(coordinates[i0, unit, component], v1)
+        d2 = coordinate_difference(coordinates[i2, unit, component], v1)
+        spread(floats[at + 1], position, count, d0)
+        spread(floats[at + 2], position, count, d2)

@@ -11,7 +11,7 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import FRACTION, KEEP_29
 from fixedpipe.raster.floats import LEAST_SINGLE
 from fixedpipe.raster.kernel import kernel, separate_function
-from fixedpipe.raster.portable.interpolate import weight_factors
+from fixedpipe.raster.portable.interpolate import coordinate_difference, weight_factors
 from fixedpipe.raster.primitives.triangle import polygon_offset
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
 from fixedpipe.raster.vector.interpolate import keep_24, reciprocals_24, spread, spread_colors
@@ -177,8 +177,12 @@ def set_up(job, members, first, top, bottom, scratch):
                 if (job[R.JOB_COMPONENTS + u] >> component) & 1:
                     at, base = own + 12 * u + 3 * component, vertices.coordinates[v1, u, component]
                     numbers[at, lane] = base
-                    numbers[at + 1, lane] = vertices.coordinates[v0, u, component] - base
-                    numbers[at + 2, lane] = vertices.coordinates[v2, u, component] - base
+                    other, third = (
+                        vertices.coordinates[v0, u, component],
+                        vertices.coordinates[v2, u, component],
+                    )
+                    numbers[at + 1, lane] = coordinate_difference(other, base)
+                    numbers[at + 2, lane] = coordinate_difference(third, base)
     areas = to_float64(load_i32x16(lanes[R.LANE_AREA], 0))
     inverse = f64x16(1.0) / areas
     if needs_weights and not perspective:

@@ -244,6 +244,7 @@ ONE_BY_ONE = {
     "coverage": lambda x, y, px, py: int(
         coverage.covers(coverage.make_triangle(*zip(x, y, strict=True)), px, py)
     ),
+    "weight-reciprocal": interpolate.reciprocal,
     "iteration-weights": lambda n, w: [weights(n, w).q0, weights(n, w).q2],
     "iterated-color": lambda n, w, c: interpolate.iterate_color_channel(weights(n, w).color, c),
     "iterated-coordinate": lambda n, w, v: interpolate.iterate_coordinate(v, weights(n, w)),

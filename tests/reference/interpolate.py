@@ -136,16 +136,54 @@ def weights(n, inverse_w):
 
 
 def iterate_coordinate(v, weights):
-    """A texture coordinate from three vertices: three terms, each cut to the 24 bits of the largest.
+    """A texture coordinate from three vertices: the sum of v1 and two products.
 
-    Measured: 48768 of 48768 and 41199 of 41199 pixels (CylinderWrapping, Anisotropy-1); Assumed: terms below
-    2^-100 of each other and of one are nothing, and sums of infinite ones.
+    Measured: 48768 of 48768 and 41199 of 41199 pixels (CylinderWrapping, Anisotropy-1).
     """
-    return cut_sum(v[1], weights.q0 * (v[0] - v[1]), weights.q2 * (v[2] - v[1]))
+    d0, d2 = coordinate_difference(v[0], v[1]), coordinate_difference(v[2], v[1])
+    return product_sum((v[1], 1.0), (weights.q0, d0), (weights.q2, d2))
+
+
+def highest(value):
+    """The exponent of the highest bit. Source: docs/numbers.md N5.1 (P)."""
+    return math.frexp(value)[1] - 1 if value else -10000
+
+
+def product_sum(*pairs):
+    """Three products, cut 23 bits below the largest product of factors' highest bits, added and cut to 24.
+
+    Measured: DotZW 65536 of 65536, ClipPlane; Assumed: terms below 2^-100 of each other and of one are
+    nothing, and sums of infinite ones.
+    """
+    terms = [a * b for a, b in pairs]
+    if not all(math.isfinite(term) for term in terms):
+        return (terms[0] + terms[1]) + terms[2]  # infinite, or no number
+    unit = max(-100, *(highest(a) + highest(b) for a, b in pairs)) - 23
+    total = sum(math.trunc(math.ldexp(term, -unit)) for term in terms)
+    return fixed.keep_significant_bits(math.ldexp(float(total), unit), WEIGHT_BITS)
+
+
+def coordinate_difference(a, b):
+    """Of two vertices: both cut one bit below the larger's 24, and 24 bits of what is left. Measured: DotZW;
+    Assumed: as ``product_sum``.
+    """
+    if not (math.isfinite(a) and math.isfinite(b)):
+        return a - b
+    unit = max(-100, highest(a), highest(b)) - 24
+    total = math.trunc(math.ldexp(a, -unit)) - math.trunc(math.ldexp(b, -unit))
+    return fixed.keep_significant_bits(math.ldexp(float(total), unit), WEIGHT_BITS)
+
+
+def signed_reciprocal(value):
+    """Of a dot product. Measured: DotZW; Assumed: of 0 and of what is infinite or no number."""
+    size = abs(value)
+    if not 0.0 < size < math.inf:
+        return {0.0: math.inf, math.inf: math.copysign(0.0, value)}.get(size, size)
+    return math.copysign(reciprocal(size), value)
 
 
 def cut_sum(*terms):
-    """Three terms, each cut to the 24 bits of the largest, and added. Measured: as ``iterate_coordinate``."""
+    """Three terms, each cut to the 24 bits of the largest, and added. Measured: BumpEnvMap."""
     if not all(math.isfinite(term) for term in terms):
         return (terms[0] + terms[1]) + terms[2]  # infinite, or no number
     exponent = math.frexp(max(2.0**-100, *(abs(term) for term in terms)))[1]

@@ -2,6 +2,8 @@
 
 from math import floor, isqrt
 
+import numpy as np
+
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage
@@ -68,8 +70,8 @@ def mapped(texel, mapping, bits=8):
 
 
 def dot(a, b):
-    """``(a0 b0 + a1 b1) + a2 b2``. Source: docs/numbers.md section 12."""
-    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+    """``a0 b0 + a1 b1 + a2 b2``, the second's singles. Source: docs/numbers.md section 12."""
+    return interpolate.product_sum(*zip(a[:3], (float(np.float32(v)) for v in b), strict=True))
 
 
 def spherical(texel):
@@ -180,9 +182,9 @@ class Stages:
         return jacobian, roughness.deviations(self.bytes[stage.roughness], stage.roughness_scale)
 
     def replace_depth(self, i):
-        """Source: NV_texture_shader section 3.8.13.1.21; Measured: floor, 65399 of 65536 (DotZW)."""
+        """Source: NV_texture_shader section 3.8.13.1.21; Measured: floor, 65536 of 65536 (DotZW)."""
         numerator, denominator = self.dot_product(i - 1), self.dot_product(i)
-        z = numerator / denominator * self.depth_scale if denominator else float("nan")
+        z = numerator * interpolate.signed_reciprocal(denominator) * self.depth_scale
         self.alive &= 0.0 <= z <= self.depth_max
         self.depth = floor(z) if self.alive else 0
 

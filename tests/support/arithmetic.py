@@ -23,7 +23,6 @@ DEFINITIONS = {
         "nearest(nodes[j]) * (64 - f) + nearest(nodes[j + 1]) * f + 32 >> 6",
     ),
     "between": ("nodes, x", "0 if x >= 2048 else line(nodes, x >> 6, x & 63)"),
-    "dot": ("a, b", "(a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]"),
     "third": ("x, y", "floor(sqrt(max(2 ** 30 - x * x - y * y, 0))) / 32768"),
     "hemisphere": (
         "high, low",

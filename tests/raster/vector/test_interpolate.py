@@ -1,6 +1,7 @@
 """Iterated texture coordinates by vectors equal docs/numbers.md, section 6, in plain float64 and integers."""
 
-from math import floor, frexp, trunc
+from math import floor
+from types import SimpleNamespace
 
 import numpy as np
 from hypothesis import example, given, settings
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import reciprocal_29
-from fixedpipe.raster.floats import SMALLEST, TAU, keep_significant_bits
+from fixedpipe.raster.floats import TAU, keep_significant_bits
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.interpolate import depth_words, emit_depth
 from fixedpipe.raster.vector.coordinates import depth_words as vector_depth_words
@@ -21,15 +22,14 @@ from fixedpipe.raster.vector.coordinates import (
 )
 from fixedpipe.raster.vector.interpolate import iterate_floats, reciprocal_beside, run_depth
 from fixedpipe.raster.vector.lanes import f64x16, floats_of_lanes, store
+from tests.reference import interpolate
 
 UNIT, COMPONENT = 1, 0
 
 
 def specified(q0, q2, v0, v1, v2):
-    """[N6.2]: the terms' sum, and how many of its units make one."""
-    terms = (v1, q0 * (v0 - v1), q2 * (v2 - v1))
-    unit = 2.0 ** (frexp(max(SMALLEST, *map(abs, terms)))[1] - 24)
-    return sum(trunc(term / unit) for term in terms) * unit
+    """N6.2, of one fragment."""
+    return interpolate.iterate_coordinate((v0, v1, v2), SimpleNamespace(q0=q0, q2=q2))
 
 
 def weights(seed, count, spread):
