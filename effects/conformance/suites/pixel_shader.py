@@ -17,7 +17,6 @@ from fixedpipe.pipeline.state import DepthTest, TextureShaderStage, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Pixel_shader"
-OPEN = "in how many bits the terms of a coordinate are added: three are zero but for that"
 
 DEPENDENT = {
     "StageDependentAlphaRed": Operation.DEPENDENT_AR_TEXTURE_2D,
@@ -233,7 +232,6 @@ def _dot_zw(inputs):
         region=(box,),
         shows=Shows.ZETA_TEXTURE,
         depth_bits=16,
-        explanation="quotients within 3e-7 of a whole number: the dot products' rounding is not known",
     )
 
 

@@ -18,7 +18,7 @@ from fixedpipe.pipeline.state import DepthClamp, DepthTest, PolygonState, Scisso
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "W_buffering"
-OPEN = "the last bits of the weights of w, and of a slope's"
+OPEN = "the last bits of a slope's weights; in Riddick of w's, which are large"
 
 FORMATS = {  # the name's part: format, what the program takes for its farthest depth
     "16D": (DepthFormat.FIXED_16, 65535.0),
