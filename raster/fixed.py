@@ -15,8 +15,8 @@ from fixedpipe.raster.kernel import bits_of, float_of, kernel
 EXPONENT = int64(floats.EXPONENT)
 FRACTION = int64(floats.FRACTION)
 KEEP_24, KEEP_29 = (int64(floats.kept(bits)) for bits in (24, 29))  # significant bits
-EXPONENT_OF_ONE = int64(1023 << 52)  # of a float64
-HIGHEST_POWER = int64(2046 << 52)  # less a power's pattern: its reciprocal's
+EXPONENT_OF_ONE = int64(floats.EXPONENT_BIAS << floats.FRACTION_BITS)
+HIGHEST_POWER = int64(2 * EXPONENT_OF_ONE)  # less a power's pattern: its reciprocal's
 
 
 @kernel

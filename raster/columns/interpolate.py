@@ -270,7 +270,9 @@ def product_sum(*pairs):
     exponent = np.maximum(np.maximum(np.maximum(*bounds[:2]), bounds[2]), np.frexp(SMALLEST)[1] - 1)
     shift = WEIGHT_BITS - 1 - exponent
     total = sum(np.trunc(np.ldexp(np.where(finite, term, 0.0), shift)) for term in terms)
-    return np.where(finite, cut(np.ldexp(total, -shift), WEIGHT_BITS), np.nan), np.ldexp(1.0, -shift)
+    with np.errstate(over="ignore"):
+        result = cut(np.ldexp(total, -shift), WEIGHT_BITS)
+    return np.where(finite, result, np.nan), np.ldexp(1.0, -shift)
 
 
 def coordinate_difference(a, b):
@@ -279,7 +281,7 @@ def coordinate_difference(a, b):
     largest = np.maximum(np.maximum(np.abs(a), np.abs(b)), SMALLEST)
     shift = WEIGHT_BITS + 1 - np.frexp(np.where(finite, largest, 1.0))[1]
     parts = [np.trunc(np.ldexp(np.where(finite, v, 0.0), shift)) for v in (a, b)]
-    with np.errstate(invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         return np.where(finite, cut(np.ldexp(parts[0] - parts[1], -shift), WEIGHT_BITS), a - b)
 
 

@@ -3,8 +3,6 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from tests.reference import fixed
 
 MOST_WEIGHT = 2.0**16  # Assumed: a limit that no picture reaches
@@ -61,7 +59,7 @@ def rest_of(a, b):
 
 def single_of(inverse_w):
     """A vertex's |w|, the nearest single. Assumed: the largest one for a larger w."""
-    return float(np.float32(min(abs(1.0 / inverse_w), LARGEST_SINGLE)))
+    return fixed.to_single(min(abs(1.0 / inverse_w), LARGEST_SINGLE))
 
 
 def weight_factors(inverse_w):
@@ -159,8 +157,15 @@ def product_sum(*pairs):
     if not all(math.isfinite(term) for term in terms):
         return (terms[0] + terms[1]) + terms[2]  # infinite, or no number
     unit = max(-100, *(highest(a) + highest(b) for a, b in pairs)) - 23
-    total = sum(math.trunc(math.ldexp(term, -unit)) for term in terms)
-    return fixed.keep_significant_bits(math.ldexp(float(total), unit), WEIGHT_BITS)
+    return kept_sum(sum(math.trunc(math.ldexp(term, -unit)) for term in terms), unit)
+
+
+def kept_sum(total, unit):
+    """24 bits of 2^unit times a whole number. Source: docs/numbers.md N5.1; Assumed: infinite beyond."""
+    try:
+        return fixed.keep_significant_bits(math.ldexp(float(total), unit), WEIGHT_BITS)
+    except OverflowError:
+        return math.copysign(math.inf, total)
 
 
 def coordinate_difference(a, b):
@@ -170,8 +175,7 @@ def coordinate_difference(a, b):
     if not (math.isfinite(a) and math.isfinite(b)):
         return a - b
     unit = max(-100, highest(a), highest(b)) - 24
-    total = math.trunc(math.ldexp(a, -unit)) - math.trunc(math.ldexp(b, -unit))
-    return fixed.keep_significant_bits(math.ldexp(float(total), unit), WEIGHT_BITS)
+    return kept_sum(math.trunc(math.ldexp(a, -unit)) - math.trunc(math.ldexp(b, -unit)), unit)
 
 
 def signed_reciprocal(value):

@@ -2,13 +2,11 @@
 
 from math import floor, isqrt
 
-import numpy as np
-
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage
 from tests.reference import interpolate, roughness, sample
-from tests.reference.fixed import clamp
+from tests.reference.fixed import clamp, to_single
 
 CONVENTIONAL = (
     Operation.TEXTURE_1D,
@@ -71,7 +69,7 @@ def mapped(texel, mapping, bits=8):
 
 def dot(a, b):
     """``a0 b0 + a1 b1 + a2 b2``, the second's singles. Source: docs/numbers.md section 12."""
-    return interpolate.product_sum(*zip(a[:3], (float(np.float32(v)) for v in b), strict=True))
+    return interpolate.product_sum(*zip(a[:3], (to_single(v) for v in b), strict=True))
 
 
 def spherical(texel):

@@ -481,7 +481,8 @@ def composite_to_window(v, composite, height):
     """Window x, y (up), depth units and 1/w.
 
     Measured: single precision toward zero (NV2A, Viewport captures, 1832971 of 1833172 pixels); the transform
-    unit's reciprocal (Depth_buffer_fixed_function z24_Cn_FZn_Mffffff: 48089 depths).
+    unit's reciprocal (Depth_buffer_fixed_function z24_Cn_FZn_Mffffff: 48089 depths); w itself for weights
+    (FloorQuad_V0, 33 texels).
     """
     *coordinates, w = v.clip
     reciprocal = float(lighting_unit.transform_reciprocal(Fraction(w) if math.isfinite(w) else w))
@@ -489,7 +490,8 @@ def composite_to_window(v, composite, height):
         fixed.keep_significant_bits(fixed.keep_significant_bits(c * reciprocal, 24) + fixed.to_single(o), 24)
         for c, o in zip(coordinates, composite.offset, strict=True)
     )
-    return x, height - y, z, reciprocal
+    own = 1.0 / w if math.isfinite(reciprocal) and reciprocal else reciprocal
+    return x, height - y, z, own
 
 
 def viewport_to_window(v, viewport, width, height):

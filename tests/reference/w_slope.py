@@ -40,7 +40,9 @@ def block_slope(triangle, w, inverse_w, x, y):
 
 
 def nearness(triangle, inverse_w, x, y):
-    """A pixel's sum of weights before they are divided, uncut: the larger, the nearer to the eye."""
+    """A pixel's sum of weights before they are divided, uncut: the larger, the nearer to the eye. Inferred:
+    that it chooses the block (TriH, TriV, RoofQuad, ClipF, ClipW).
+    """
     factors = interpolate.weight_factors(inverse_w)
     a, b, c = (n_i * f for n_i, f in zip(coverage.edge_values(triangle, x, y), factors, strict=True))
     return (a + b) + c
