@@ -14,9 +14,11 @@ from fixedpipe.raster.kernel import bits_of, float_of, kernel
 
 EXPONENT = int64(floats.EXPONENT)
 FRACTION = int64(floats.FRACTION)
-KEEP_24, KEEP_29 = (int64(floats.kept(bits)) for bits in (24, 29))  # significant bits
-EXPONENT_OF_ONE = int64(floats.EXPONENT_BIAS << floats.FRACTION_BITS)
-HIGHEST_POWER = int64(2 * EXPONENT_OF_ONE)  # less a power's pattern: its reciprocal's
+KEEP_12, KEEP_15, KEEP_24, KEEP_29 = (
+    int64(floats.kept(bits)) for bits in (12, 15, 24, 29)
+)  # significant bits
+# What rounds a pattern to so many bits; of twelve, a half and 2**-9 more of the last (``reciprocal_24``).
+HALF_OF_15, HALF_OF_12 = int64(1 << 37), int64((1 << 40) + (1 << 32))
 
 
 @kernel
@@ -79,23 +81,17 @@ def reciprocal_29(inverse):
 
 @kernel
 def reciprocal_24(total):
-    """1/total to 24 significant bits as the chip makes it: a line over each 128th of an octave gives twelve
-    bits, and one Newton step, whose remainder is rounded to 2**-24, the rest; then it is cut.
+    """1/total to 24 significant bits as the chip makes it: twelve bits of the reciprocal of its first
+    fifteen, and one Newton step, whose remainder is rounded to 2**-24; then it is cut.
 
     Measured: 1541 of 1552 sums of weights whose reciprocal shows in a picture (FloorQuad's texels, Fog_gen,
-    DotZW and others; the eleven have other open bits), 1100 with a truncated reciprocal. Inferred: that a
-    line of 128 pieces gives the twelve bits: to nearest, two of 126 sums that tell are not met.
+    DotZW and others; the eleven have other open bits), 1100 with a truncated reciprocal. Inferred: how the
+    twelve bits are rounded; to nearest, two of 228 sums that tell them are not met.
     """
-    bits = bits_of(total)
-    m = float_of((bits & FRACTION) | EXPONENT_OF_ONE)
-    piece = np.floor(m * 128.0)
-    along = np.floor(m * 65536.0) - piece * 512.0
-    inverse = 1.0 / (piece * (piece + 1.0))
-    start = np.floor((piece + 1.0) * inverse * 2.0**23 + 0.5)  # 2**16 128/piece, to nearest
-    slope = np.floor(inverse * 2.0**21 + 0.5)  # 2**14 128 times 1/piece - 1/(piece + 1)
-    x = np.floor((start * 128.0 - slope * along) * 2.0**-11 + 0.5) * 2.0**-12
-    rest = np.floor((1.0 - m * x) * 2.0**24 + 0.5) * 2.0**-24
-    return truncate_24(x + x * rest) * float_of(HIGHEST_POWER - (bits & EXPONENT))
+    near = float_of((bits_of(total) + HALF_OF_15) & KEEP_15)
+    x = float_of((bits_of(1.0 / near) + HALF_OF_12) & KEEP_12)
+    rest = np.floor((1.0 - total * x) * 2.0**24 + 0.5) * 2.0**-24
+    return truncate_24(x + x * rest)
 
 
 @kernel

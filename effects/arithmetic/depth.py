@@ -92,10 +92,10 @@ ITERATED = (
         id="weight-reciprocal",
         stage=STAGE,
         numbers="N4.10",
-        formula="1/s, s of 24 bits: x in 12 bits by lines over 128ths of an octave, t = 1 - s x rounded "
-        "to 2^-24, T24(x + x t)",
+        formula="1/s, s of 24 bits: x = 1/(s rounded to 15 bits), rounded to 12 at a half less 2^-9, "
+        "t = 1 - s x rounded to 2^-24, T24(x + x t)",
         in_words=True,
-        evidence="Measured: 1541 of 1552 sums, the others have other open bits; Inferred: the lines",
+        evidence="Measured: 1541 of 1552 sums, the others have other open bits; Inferred: x",
         captures=("W_buffering/WBuf24D_FloorQuad_V0_ZB0_ZS0", "Fog_gen/FogGen_FF-exp-planar"),
         inputs={"s": "single"},
         output="double",

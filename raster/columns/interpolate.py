@@ -163,21 +163,15 @@ def weighed_edges(n, inverse_w):
     return e, cut(np.ldexp(total, -shift), WEIGHT_BITS)
 
 
-_PIECES = np.arange(128, 257)
-STARTS = np.floor(2.0**23 / _PIECES[:-1] + 0.5)  # of 128/128 to 128/255, 16 bits of fraction
-SLOPES = np.floor(2.0**21 * (1.0 / _PIECES[:-1] - 1.0 / _PIECES[1:]) + 0.5)  # in 14 bits of fraction
-
-
 def reciprocal_24(total):
-    """1/total of positive totals in 24 significant bits: twelve bits of a line over each 128th of an octave,
-    then a Newton step whose remainder is rounded to 2^-24 (docs/numbers.md, N4.9).
+    """1/total of positive totals in 24 significant bits: twelve bits of the reciprocal of the first fifteen,
+    rounded at a half less 2^-9, then a Newton step whose remainder is rounded to 2^-24 (docs/numbers.md,
+    N4.10).
     """
     half, exponent = np.frexp(total)
-    m = 2.0 * half
-    steps = np.floor(m * 65536.0).astype(np.int64) - 65536
-    piece, along = steps >> 9, steps & 511
-    x = np.floor((128.0 * STARTS[piece] - SLOPES[piece] * along) / 2048.0 + 0.5) / 4096.0
-    rest = np.floor((1.0 - m * x) * 2.0**24 + 0.5) / 2.0**24
+    near = np.floor(half * 2.0**15 + 0.5) / 2.0**15
+    x = np.floor(2048.0 / near + (0.5 + 2.0**-9)) / 4096.0  # in [1/2, 1]
+    rest = np.floor((1.0 - 2.0 * half * x) * 2.0**24 + 0.5) / 2.0**24
     return np.ldexp(cut(x + x * rest, WEIGHT_BITS), 1 - exponent)
 
 

@@ -17,9 +17,11 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import THREE
 from fixedpipe.raster.fixed import (
     EXPONENT,
-    EXPONENT_OF_ONE,
     FRACTION,
-    HIGHEST_POWER,
+    HALF_OF_12,
+    HALF_OF_15,
+    KEEP_12,
+    KEEP_15,
     KEEP_24,
     KEEP_29,
     power_below,
@@ -107,23 +109,16 @@ def rest_to_largest(q0, q1, q2):
 @kernel
 def reciprocals_24(total):
     """``fixed.reciprocal_24`` of each lane."""
-    bits = bits_of_lanes(total)
-    m = floats_of_lanes((bits & FRACTION) | EXPONENT_OF_ONE)
-    piece = floored(m * 128.0)
-    along = floored(m * 65536.0) - piece * 512.0
-    inverse = 1.0 / (piece * (piece + 1.0))
-    start = floored((piece + 1.0) * inverse * 2.0**23 + 0.5)
-    slope = floored(inverse * 2.0**21 + 0.5)
-    x = floored((start * 128.0 - slope * along) * 2.0**-11 + 0.5) * 2.0**-12
-    rest = floored((1.0 - m * x) * 2.0**24 + 0.5) * 2.0**-24
-    return keep_24(x + x * rest) * floats_of_lanes(HIGHEST_POWER - (bits & EXPONENT))
+    near = floats_of_lanes((bits_of_lanes(total) + HALF_OF_15) & KEEP_15)
+    x = floats_of_lanes((bits_of_lanes(1.0 / near) + HALF_OF_12) & KEEP_12)
+    rest = floored((1.0 - total * x) * 2.0**24 + 0.5) * 2.0**-24
+    return keep_24(x + x * rest)
 
 
 @kernel
 def weight_sum(e0, e1, e2):
-    """``interpolate.weight_sum`` of each lane."""
-    largest = maximum(maximum(absolute(e0), TINY), maximum(absolute(e1), absolute(e2)))
-    exponent = bits_of_lanes(largest) & EXPONENT
+    """``interpolate.weight_sum`` of lanes inside a triangle: none is negative, and one is not 0."""
+    exponent = bits_of_lanes(maximum(maximum(e0, e1), e2)) & EXPONENT
     unit = floats_of_lanes(exponent - int64(24 << 52))
     units = floats_of_lanes(int64(2070 << 52) - exponent)  # 1 / unit
     return keep_24(((truncated(e0 * units) + truncated(e1 * units)) + truncated(e2 * units)) * unit)
@@ -140,9 +135,19 @@ def weights_of(a0, a1, a2, f0, f1, f2):
 
 
 @kernel
+def are_exact(n, right, area):
+    """Whether edge functions have 24 bits at every pixel of a run: every multiple of what divides them, and
+    what they are made of, up to the area. Then every sum of them is the area.
+    """
+    (n0, n1, n2), (right0, right1, right2) = n, right
+    bits = (int64(n0) | int64(n1) | int64(n2)) | (int64(right0) | int64(right1) | int64(right2))
+    return area < 2.0**24 * float64(bits & -bits)
+
+
+@kernel
 def area_weights(a0, a1, a2, reciprocal):
-    """Weights of vertices 0 and 2 of a triangle without perspective whose area is below 2**24: what
-    ``weights_of`` gives, as every sum is the area.
+    """Weights of vertices 0 and 2 of a triangle without perspective whose edge functions ``are_exact``: what
+    ``weights_of`` gives.
     """
     return rest_to_largest(keep_24(a0 * reciprocal), keep_24(a1 * reciprocal), keep_24(a2 * reciprocal))
 
@@ -157,7 +162,7 @@ def run_weights(floats, position, count, n, right, factors):
     a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2  # exact: integers below 2**53
     step0, step1, step2 = right0 * 16.0, right1 * 16.0, right2 * 16.0
     area = (n0 + n1) + n2
-    if f0 == 1.0 and f1 == 1.0 and f2 == 1.0 and area < 2.0**24:
+    if f0 == 1.0 and f1 == 1.0 and f2 == 1.0 and are_exact(n, right, area):
         reciprocal = f64x16(reciprocal_24(area))
         for i in range(0, count, 16):
             w0, w2 = area_weights(a0, a1, a2, reciprocal)

@@ -6,7 +6,7 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import THREE
 from fixedpipe.raster.fixed import reciprocal_24
 from fixedpipe.raster.kernel import kernel, separate_loop
-from fixedpipe.raster.vector.interpolate import area_weights, weights_of
+from fixedpipe.raster.vector.interpolate import are_exact, area_weights, weights_of
 from fixedpipe.raster.vector.lanes import (
     any_lane,
     f64x16,
@@ -37,7 +37,9 @@ def run_color_weights(ints, position, count, n, right):
     A weight differs from x by less than 2**-20: edge functions cut to 24 bits by 2**-23 of them, their sum by
     2**-21 and its reciprocal, which errs by 2**-22, as much, a cut weight by 2**-24, and what two others
     leave of one by what these three err. So it has the floor of x where no step of 1/256 lies within NEAR.
-    Sixteen pixels of which one lies that near are computed as ``run_weights`` does.
+    Where edge functions ``are_exact`` only what two others leave may lie below x, and only where the area
+    times its reciprocal is above one. Sixteen pixels of which one lies that near are computed as
+    ``run_weights`` does.
     """
     separate_loop()
     (n0, n1, n2), (right0, right1, right2) = n, right
@@ -46,6 +48,8 @@ def run_color_weights(ints, position, count, n, right):
     reciprocal = reciprocal_24(area)
     steps = area <= LARGEST_AREA and max(abs(right0), abs(right2)) * reciprocal <= STEEPEST
     scale = reciprocal * _ONE if steps else 0.0
+    exact = are_exact(n, right, area)
+    beyond = int32(0 if exact and area * reciprocal <= 1.0 else NEAR)
     ramp = ramp_f64x16()
     along0, along2 = to_int32(floored(ramp * (right0 * scale))), to_int32(floored(ramp * (right2 * scale)))
     first0, first2 = n0 * scale, n2 * scale
@@ -54,14 +58,14 @@ def run_color_weights(ints, position, count, n, right):
         u0 = along0 + int32(first0 + ahead * (right0 * scale))
         u2 = along2 + int32(first2 + ahead * (right2 * scale))
         above0, above2 = (u0 + int32(NEAR)) & int32(_FRACTION), (u2 + int32(NEAR)) & int32(_FRACTION)
-        near = (above0 < int32(2 * NEAR)) | (above2 < int32(2 * NEAR))
+        near = (above0 < int32(NEAR) + beyond) | (above2 < int32(NEAR) + beyond)
         if steps and not any_lane(near):
             store(out0, position + i, u0 >> int32(_PER_STEP))
             store(out2, position + i, u2 >> int32(_PER_STEP))
             continue
         a0, a1 = ramp * right0 + (n0 + ahead * right0), ramp * right1 + (n1 + ahead * right1)
         a2 = ramp * right2 + (n2 + ahead * right2)
-        if area < 2.0**24:
+        if exact:
             w0, w2 = area_weights(a0, a1, a2, f64x16(reciprocal))
         else:
             w0, w2 = weights_of(a0, a1, a2, 1.0, 1.0, 1.0)

@@ -99,8 +99,8 @@ def test_a_formula_is_what_an_operation_computes(name, exact):
         if not exact:
             run = of_the_machine(state, coordinates, texels, GEFORCE_3)
         made, registers, alive, depth = run
-        # A machine's dot products lose three times 2**-23 of their largest product, which is below 2**4 here; a
-        # reflection multiplies that by twice a component of the normal, below 2**3.
+        # A machine's dot products lose three times 2**-23 of their largest product, which is below 2**4
+        # here; a reflection multiplies that by twice a component of the normal, below 2**3.
         close = {"rtol": 0, "atol": 1e-12 if exact else 2.0**-14}
         if operation.made:
             expected = evaluated(operation.made, exact, **given)
