@@ -98,9 +98,10 @@ def model_draws(inputs, names, color, secondary, state):
 
 
 def unit(vector):
-    """The vector divided by its length, in single precision."""
-    v = single(vector)
-    return tuple(single(v / np.sqrt(v @ v)).tolist())
+    """The vector times its length's reciprocal, every step in single precision, as the programs do it."""
+    x, y, z = v = np.asarray(vector, np.float32)
+    length = np.sqrt(x * x + y * y + z * z)
+    return tuple((v * (np.float32(1.0) / length)).tolist())
 
 
 def color(rgb):

@@ -18,7 +18,6 @@ from fixedpipe.pipeline.state import Light, Lighting, Material, PolygonState, Te
 from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Shade_model"
-OPEN = "single pixels on ties of weights, by the last bits of 1/w"
 
 PREFIXES = ("Fixed", "FixedTex", "W_Fixed", "W_FixedTex", "Prog", "ProgTex", "ProgLM")
 MODELS = {"Flat": ShadeModel.FLAT, "Smooth": ShadeModel.SMOOTH}
@@ -110,7 +109,9 @@ def _mesh(primitive, vertices, prefix):
     }
     if prefix.startswith("Prog"):
         return scenes.window_mesh(vertex_programs.perspective(points), primitive, **arrays)
-    w = 0.5 + 0.05 * np.arange(count) if prefix.startswith("W_") else np.ones(count)
+    w = np.ones(count)
+    if prefix.startswith("W_"):  # the program adds up single-precision numbers
+        w = np.add.accumulate(np.float32([0.5] + [0.05] * (count - 1)), dtype=np.float32)
     return Mesh(scenes.single(np.column_stack([points, w])), primitive, **arrays)
 
 
