@@ -56,11 +56,12 @@ s, t, r, q are the last stage's coordinates, R, G, B, A the bytes of the texel t
 byte as two's complement; dots are the dot products of the group's stages in order, qs their q. A dot
 product is `{dot}`, with x, y, z the texel's red, green and blue, mapped as the table says. a1 to a4, scale,
 bias and eye are the program's numbers. Lookups and their filters round as section 7 of
-[numbers.md](numbers.md) says, and texture shaders before them nothing but `byte` and `sum`, which on machines
-cuts each term to the last of 24 bits of the largest. A depth is cut to a whole number on machines, and ends
-the fragment below 0, above the greatest depth and where the divisor is 0; units is the greatest depth, 1 on
-the NV2A, whose coordinates are in depth units, and 1 in the ideal, whose depths are 0 to 1. Of a group that
-gives two texels the second stage looks up at dots.
+[numbers.md](numbers.md) says, and texture shaders before them nothing but `byte`, `sum`, which on machines
+cuts each term to the last of 24 bits of the largest, `dot`, which cuts products and their sum as N12.7 there
+says, and `quotient`, which multiplies with a reciprocal (N12.9). A depth is cut to a whole number on
+machines, and ends the fragment below 0, above the greatest depth and where the divisor is 0; units is the
+greatest depth, 1 on the NV2A, whose coordinates are in depth units, and 1 in the ideal, whose depths are 0
+to 1. Of a group that gives two texels the second stage looks up at dots.
 
 """
 _WHO = """\

@@ -9,9 +9,9 @@ from numba import float64, int32, int64, types, uint64, void
 
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.fixed import step_24
-from fixedpipe.raster.floats import SINGLE_BITS, SMALLEST, TAU
+from fixedpipe.raster.floats import SINGLE_BITS, TAU
 from fixedpipe.raster.kernel import kernel, separate_loop
+from fixedpipe.raster.portable.interpolate import coordinate_difference, product_step, product_sum
 
 _ROWS, _TRIANGLES = (types.Array(kind, 2, "C", readonly=True) for kind in (float64, int32))
 _UNIT_OF_ONE = 2.0 ** (1 - SINGLE_BITS)
@@ -85,12 +85,12 @@ def _divided_change(along, rows, first, step, position, out):
 
 @kernel
 def _as_machines(v0, v1, v2, q0, q2):
-    """A coordinate by docs/numbers.md, section 6: terms cut to the 24 bits of the largest; and their unit."""
-    a, b = q0 * (v0 - v1), q2 * (v2 - v1)
-    if not (np.isfinite(v1) and np.isfinite(a) and np.isfinite(b)):
+    """A coordinate by docs/numbers.md, section 6, and the unit that its terms are cut to."""
+    d0, d2 = coordinate_difference(v0, v1), coordinate_difference(v2, v1)
+    if not (np.isfinite(v1) and np.isfinite(q0 * d0) and np.isfinite(q2 * d2)):
         return np.nan, _UNIT_OF_ONE
-    unit, units = step_24(max(max(max(abs(v1), abs(a)), abs(b)), SMALLEST))
-    return ((np.trunc(v1 * units) + np.trunc(a * units)) + np.trunc(b * units)) * unit, unit
+    unit, _ = product_step(v1, 1.0, q0, d0, q2, d2)
+    return product_sum(v1, 1.0, q0, d0, q2, d2), unit
 
 
 @kernel(void(_ALONG, float64[:, ::1], _ROWS, int64, float64[:, ::1], float64[:, ::1], float64[:, ::1]))

@@ -12,9 +12,8 @@ import numpy as np
 from numba import float64, int32, int64, types, uint8, uint64, void
 
 from fixedpipe.pipeline.enums import FrontFace
-from fixedpipe.raster.fixed import truncate_24
-from fixedpipe.raster.floats import REST_STEP, REST_STEPS
 from fixedpipe.raster.kernel import kernel, separate_loop
+from fixedpipe.raster.portable.interpolate import iteration_weights, weight_factors
 
 # Subpixels in a pixel, of all compiled kernels. Not the profile's: kernels do not notice where that changes.
 PIXEL = 1 << 4
@@ -103,12 +102,6 @@ def _derivatives(mesh, where, perspective, right, down):
         down[0, i], down[1, i] = _change(along, p, w, total)
 
 
-@kernel
-def _rest_of(a, b):
-    """What two weights leave of one."""
-    return truncate_24((1.0 - np.trunc(a * REST_STEPS) * REST_STEP) - np.trunc(b * REST_STEPS) * REST_STEP)
-
-
 @kernel(void(_MESH, _WHERE, float64[:, ::1]))
 def _machine_weights(mesh, where, q):
     """The machines' weights q0 and q2, [2, k] (docs/numbers.md, section 4)."""
@@ -118,16 +111,7 @@ def _machine_weights(mesh, where, q):
         t = uint64(triangle[i])
         (n0, n1, n2), _, _ = _edges(mesh, t, px[i], py[i])
         w0, w1, w2 = _inverse_w(mesh, t)
-        e0, e1, e2 = n0 * w0, n1 * w1, n2 * w2
-        reciprocal = truncate_24(1.0 / ((e0 + e1) + e2))
-        q0, q1, q2 = truncate_24(e0 * reciprocal), truncate_24(e1 * reciprocal), truncate_24(e2 * reciprocal)
-        c0 = int64(q0 >= 0.5) + int64(q0 >= 0.25)
-        c1 = int64(q1 >= 0.5) + int64(q1 >= 0.25)
-        c2 = int64(q2 >= 0.5) + int64(q2 >= 0.25)
-        first = c0 >= c1 and c0 > c2
-        last = c2 >= c0 and (c2 > c1 or (c2 == c1 and c0 == c1))
-        q[0, i] = _rest_of(q1, q2) if first else q0
-        q[1, i] = _rest_of(q0, q1) if last else q2
+        q[0, i], q[1, i] = iteration_weights(n0, n1, n2, weight_factors(w0, w1, w2))
 
 
 @kernel(void(_MESH, _WHERE, _REALS, int64, float64, float64, float64[::1]))

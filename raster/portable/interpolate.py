@@ -155,33 +155,41 @@ def weight_class(q):
     return 2.0 if q >= 0.5 else (1.0 if q >= 0.25 else 0.0)
 
 
-@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE))
-def emit_iteration_weights(floats, position, count, n, step, factors):
-    """Weights of vertices 0 and 2 of ``count`` pixels to the right of the one whose edge functions are ``n``,
-    with 24 significant bits, into Q0 and Q2; the vertex with the largest one takes what the two others leave.
-    ``factors`` are ``weight_factors``.
+@kernel
+def iteration_weights(n0, n1, n2, factors):
+    """Weights of vertices 0 and 2 with 24 significant bits from edge functions, float64, and their
+    ``weight_factors``; the vertex with the largest one takes what the two others leave.
 
     Measured: as colours' weights 153600 of 153600, 28618 of 28618 and 64522 of 64522 pixels (Depth_buffer
     M00ffff, Line_width Fill, Alpha_func captures); in perspective 17 pictures of W_buffering's FloorQuad_V0,
     230809 texels.
     """
+    e0 = truncate_24(truncate_24(n0) * factors[0])
+    e1 = truncate_24(truncate_24(n1) * factors[1])
+    e2 = truncate_24(truncate_24(n2) * factors[2])
+    reciprocal = reciprocal_24(weight_sum(e0, e1, e2))
+    q0 = truncate_24(e0 * reciprocal)
+    q1 = truncate_24(e1 * reciprocal)
+    q2 = truncate_24(e2 * reciprocal)
+    c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
+    first = (c0 >= c1) & (c0 > c2)
+    last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
+    return rest_of(q1, q2) if first else q0, rest_of(q0, q1) if last else q2
+
+
+@kernel(void(float64[:, ::1], int64, int64, THREE, THREE, THREE))
+def emit_iteration_weights(floats, position, count, n, step, factors):
+    """``iteration_weights`` of ``count`` pixels to the right of the one whose edge functions are ``n``, into
+    Q0 and Q2.
+    """
     separate_loop()
-    (n0, n1, n2), (step0, step1, step2), (f0, f1, f2) = n, step, factors
+    (n0, n1, n2), (step0, step1, step2) = n, step
     at = uint64(position)
     for i in range(count):
         k = float64(int32(i))
-        e0 = truncate_24(truncate_24(n0 + k * step0) * f0)
-        e1 = truncate_24(truncate_24(n1 + k * step1) * f1)
-        e2 = truncate_24(truncate_24(n2 + k * step2) * f2)
-        reciprocal = reciprocal_24(weight_sum(e0, e1, e2))
-        q0 = truncate_24(e0 * reciprocal)
-        q1 = truncate_24(e1 * reciprocal)
-        q2 = truncate_24(e2 * reciprocal)
-        c0, c1, c2 = weight_class(q0), weight_class(q1), weight_class(q2)
-        first = (c0 >= c1) & (c0 > c2)
-        last = (c2 >= c0) & ((c2 > c1) | ((c2 == c1) & (c0 == c1)))
-        floats[R.Q0, at + uint64(i)] = rest_of(q1, q2) if first else q0
-        floats[R.Q2, at + uint64(i)] = rest_of(q0, q1) if last else q2
+        q0, q2 = iteration_weights(n0 + k * step0, n1 + k * step1, n2 + k * step2, factors)
+        floats[R.Q0, at + uint64(i)] = q0
+        floats[R.Q2, at + uint64(i)] = q2
 
 
 @kernel(void(float64[:, ::1], int64, int64, THREE, float64))
@@ -246,14 +254,23 @@ def cut_sum(v1, p0, p2):
 
 
 @kernel
-def product_sum(a0, b0, a1, b1, a2, b2):
-    """The sum of three products to 24 bits: each is cut, toward zero, 2**-23 below the largest product of two
-    factors' highest bits. A number alone is one times itself.
+def product_step(a0, b0, a1, b1, a2, b2):
+    """The unit that three products are cut to, 2**-23 of the largest product of two factors' highest bits,
+    and how many of it make one. A number alone is one times itself.
 
-    Measured: DotZW, 65536 of 65536; ClipPlane, whose last 3 pixels the products' own highest bits lose.
+    Measured: ClipPlane, whose last 3 pixels the products' own highest bits lose.
     """
     power = max(power_below(a0) * power_below(b0), power_below(a1) * power_below(b1))
-    step, steps = step_24(max(max(power, power_below(a2) * power_below(b2)), SMALLEST))
+    return step_24(max(max(power, power_below(a2) * power_below(b2)), SMALLEST))
+
+
+@kernel
+def product_sum(a0, b0, a1, b1, a2, b2):
+    """The sum of three products to 24 bits: each is cut, toward zero, to ``product_step``'s unit.
+
+    Measured: DotZW, 65536 of 65536.
+    """
+    step, steps = product_step(a0, b0, a1, b1, a2, b2)
     total = (np.trunc(a0 * b0 * steps) + np.trunc(a1 * b1 * steps)) + np.trunc(a2 * b2 * steps)
     return truncate_24(total * step)
 
@@ -262,7 +279,7 @@ def product_sum(a0, b0, a1, b1, a2, b2):
 def coordinate_difference(a, b):
     """a - b of vertices' coordinates to 24 bits: both are cut one bit below the 24 of the larger.
 
-    Measured: DotZW, 52 of 65536 quotients, beside a corner with 0.1 where the next has 1.
+    Measured: DotZW, 48 of 65536 quotients, between corners of 0.1 and 1.
     """
     largest = max(max(abs(a), abs(b)), SMALLEST)
     if not largest < np.inf:

@@ -15,11 +15,10 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import float_depth, power_below
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, TAU
 from fixedpipe.raster.kernel import bits_of, kernel, separate_function, separate_loop
-from fixedpipe.raster.portable.interpolate import coordinate_difference, product_sum
+from fixedpipe.raster.portable.interpolate import coordinate_difference, product_step, product_sum
 from fixedpipe.raster.vector.interpolate import (
     EXACT_FROM,
     LARGEST_COORDINATE,
-    coordinate_step,
     power_of,
     terms_of,
 )
@@ -69,7 +68,7 @@ def guessed_steps(q0, q2, v1, d0, d2):
     """How many units make one, for the coordinate of one fragment; 0 where ``beside_texels`` may not be
     asked.
     """
-    step, steps = coordinate_step(q0, q2, v1, d0, d2)
+    step, steps = product_step(v1, 1.0, q0, d0, q2, d2)
     largest = step * 2.0**23
     usual = largest >= EXACT_FROM and largest < LARGEST_COORDINATE * 4.0
     return steps if usual and max(abs(d0), abs(d2)) * steps < _LARGEST_STEPS else 0.0

@@ -27,11 +27,10 @@ from fixedpipe.raster.fixed import (
     power_below,
     reciprocal_24,
     reciprocal_29,
-    step_24,
 )
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, REST_STEP, REST_STEPS, SMALLEST
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
-from fixedpipe.raster.portable.interpolate import TINY, coordinate_difference, depth_difference
+from fixedpipe.raster.portable.interpolate import TINY, coordinate_difference, depth_difference, product_step
 from fixedpipe.raster.vector.lanes import (
     absolute,
     all_lanes,
@@ -506,13 +505,6 @@ def terms_of(q0, q2, v1, d0, d2):
 
 
 @kernel
-def coordinate_step(q0, q2, v1, d0, d2):
-    """The unit that one fragment's terms are cut to, and how many make one."""
-    power = max(power_below(q0) * power_below(d0), power_below(q2) * power_below(d2))
-    return step_24(max(max(power, power_below(v1)), SMALLEST))
-
-
-@kernel
 def sum_beside(q0, q2, own, d0, d2):
     """Whether a guess of how many units of ``terms_of`` make one holds for sixteen fragments, and the sum of
     their cut terms if so.
@@ -559,7 +551,7 @@ def iterate_floats(lists, segments, triangles, coordinates, unit, component, flo
             continue
         i = begin
         while i < end:
-            step, steps = coordinate_step(q0[i], q2[i], c1, c0, c2)
+            step, steps = product_step(c1, 1.0, q0[i], c0, q2[i], c2)
             own, e0, e2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
             holds = True
             while holds and i < end:

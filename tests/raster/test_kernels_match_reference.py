@@ -72,7 +72,7 @@ from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import rows
 from fixedpipe.raster.arrays import Segments
 from fixedpipe.raster.columns import interpolate as columns_interpolate
-from fixedpipe.raster.fixed import divide, reciprocal_24, reciprocal_29, truncate_24
+from fixedpipe.raster.fixed import divide, reciprocal_24, reciprocal_29, signed_reciprocal, truncate_24
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.arrays import Edges
 from fixedpipe.raster.portable.combine import final_combiner, general_combiner
@@ -832,6 +832,43 @@ def kernel_color_weights(n, inverse_w):
     color_weights(floats, count, ints, 8)
     columns = (ints[rows.W0], ints[rows.W2], floats[rows.Q0], floats[rows.Q2])
     return [((a, 256 - a - b, b), p, q) for a, b, p, q in zip(*(c.tolist() for c in columns), strict=True)]
+
+
+# What the captures leave 2**47 / sum, of 24 bits: the sum, the least and the greatest (0: none is told). From
+# texels of FloorQuad_V0, RoofQuad and WallQuad, quotients of DotZW and pictures of Fog_gen; a truncated
+# reciprocal misses the first sixteen, one whose twelve bits are to nearest 0xC92544's and 0xD0ACDB's.
+RECIPROCALS = (
+    *(
+        (0x890B02, 15670145, 0),
+        (0x897AA4, 15620440, 15620440),
+        (0x8F9586, 0, 14956279),
+        (0x9074CA, 14865984, 0),
+    ),
+    *(
+        (0xA4F39C, 0, 13018870),
+        (0xA9BF97, 0, 12650979),
+        (0xAE8B91, 12303311, 12303311),
+        (0xC1D949, 0, 11078138),
+    ),
+    *(
+        (0xDEA128, 9645997, 9645998),
+        (0xEC9575, 0, 9077051),
+        (0xF38F9B, 0, 8817026),
+        (0xFF7E2C, 8405259, 8405259),
+    ),
+    *((0x86A121, 15951074, 0), (0x9E6666, 13557347, 0), (0xD5C761, 0, 10045351), (0xFD4544, 8479010, 0)),
+    *((0x89EA47, 15571050, 15571052), (0x9C4000, 13743895, 13743895), (0xC92544, 10676266, 10676266)),
+    *((0xCB8000, 10552745, 10552745), (0xD0ACDB, 10291033, 0), (0xED8000, 9042036, 9042036)),
+)
+
+
+@pytest.mark.parametrize(("total", "least", "greatest"), RECIPROCALS, ids=lambda v: f"{v:x}")
+def test_reciprocals_lie_where_the_captures_leave_room(total, least, greatest):
+    value = float(total)
+    column = columns_interpolate.reciprocal_24(np.array([value]))[0]
+    for found in (reciprocal_24(value), column, interpolate.reciprocal(value)):
+        assert least <= found * 2.0**47 <= (greatest or 2**24)
+        assert signed_reciprocal(-value) == -found
 
 
 def test_color_weights_of_all_small_edge_values():

@@ -59,6 +59,10 @@ FLOOR = [(851, -549), (9388, -549), (28939, 7248)], (FAR, FAR, NEAR)
 FLOOR_1 = [(851, -549), (28939, 7248), (-18699, 7248)], (FAR, NEAR, NEAR)
 WALL = [(10197, -429), (10197, 8108), (2400, 27659)], (FAR, FAR, NEAR)
 WALL_1 = [(10197, -429), (2400, 27659), (2400, -19979)], (FAR, NEAR, NEAR)
+TALL = [(2568, 8), (5760, 8), (2568, 168)], (325.0, 58.0, 325.0)  # its TriV and TriH
+TALL_1 = [(2584, 328), (5776, 328), (2584, 488)], (325.0, 58.0, 325.0)
+WIDE = [(2568, 8), (2728, 8), (2568, 3200)], (325.0, 325.0, 58.0)
+WIDE_1 = [(2888, 24), (3048, 24), (2888, 3216)], (325.0, 325.0, 58.0)
 
 
 @pytest.mark.parametrize(
@@ -70,8 +74,17 @@ WALL_1 = [(10197, -429), (2400, 27659), (2400, -19979)], (FAR, NEAR, NEAR)
         (FLOOR_1, (150, 32), 73585.95741, 73585.96188),
         (WALL, (150, 0), 199541.0145, 199541.02771),
         (WALL_1, (261, 0), 9748.96189, 9748.96637),
+        # Of which both weights change: along x vertex 0's lower row, vertex 2's upper one, the lower block.
+        (TALL, (150, 0), 403283.155156, 403283.156599),
+        (TALL_1, (150, 0), 421475.652272, 421475.668919),
+        # Vertex 2's right column (WBuf24F).
+        (WIDE, (150, 0), 439380.432519, 439380.516078),
+        (WIDE_1, (150, 0), 459200.405962, 459200.413565),
     ],
-    ids=["floor 0", "floor 1", "clipped floor 0", "clipped floor 1", "wall 0", "clipped wall 1"],
+    ids=[
+        *("floor 0", "floor 1", "clipped floor 0", "clipped floor 1", "wall 0", "clipped wall 1"),
+        *("tall 0", "tall 1", "wide 0", "wide 1"),
+    ],
 )
 def test_slopes_of_w_lie_where_the_captures_leave_room(triangle, corner, low, high):
     for found in slopes(*triangle, (*corner, 640, 480)):

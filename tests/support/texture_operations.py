@@ -6,7 +6,10 @@ dots the dot products of the group's stages, qs their q; a1 to a4, scale, bias a
 
 from dataclasses import dataclass
 from math import floor, frexp, trunc
+from struct import pack, unpack
 from typing import Any
+
+from tests.reference.interpolate import signed_reciprocal
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ OPERATIONS = (
     Operation(
         "dot_product_depth_replace, 2 stages",
         _group("dot_product_depth_replace", 2),
-        given=("depth", "dots[0]/dots[1]*units"),
+        given=("depth", "quotient(dots[0], dots[1])*units"),
     ),
     Operation("dot_product_3d, 3 stages", _group("dot_product_3d", 3), _THREE),
     Operation("dot_product_cube_map, 3 stages", _group("dot_product_cube_map", 3), _THREE),
@@ -100,7 +103,7 @@ OPERATIONS = (
     ),
 )
 # What the words of the formulas stand for, on machines and in the ideal.
-DOT = "(s*x + t*y) + r*z"
+DOT = "dot((s, t, r), (x, y, z))"
 MAPPED = {"texN": ("V/255", "V/255"), "expand(texN)": ("(V - 128)/127", "(2*V - 255)/255")}
 BYTE = ("min((floor(4096*saturated(v)) + 1)*255 >> 12, 255)", "255*saturated(v)")
 
@@ -115,13 +118,26 @@ def _sum_of_cut(*terms: float) -> float:
     return sum(trunc(term / unit) for term in terms) * unit
 
 
+def _dot_of_cut(p: Any, q: Any) -> float:
+    """Of products with the nearest singles, each cut 23 bits below the largest product of their factors'
+    highest bits, to 24 bits.
+    """
+    pairs = [(a, unpack("f", pack("f", b))[0]) for a, b in zip(p, q, strict=True)]
+    bounds = [frexp(a)[1] + frexp(b)[1] - 2 for a, b in pairs if a and b]
+    unit = 2.0 ** (max([-100, *bounds]) - 23)
+    total = sum(trunc(a * b / unit) for a, b in pairs)
+    dropped = max(abs(total).bit_length() - 24, 0)
+    return (abs(total) >> dropped << dropped) * (unit if total > 0 else -unit)
+
+
 def words(exact: bool) -> dict[str, Any]:
     """What the words of a formula stand for."""
     known: dict[str, Any] = {
         "floor": floor,
         "saturated": _saturated,
         "signed": lambda v: v - 256 if v > 127 else v,
-        "dot": lambda p, q: (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2],
+        "dot": (lambda p, q: (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2]) if exact else _dot_of_cut,
+        "quotient": lambda a, b: a / b if exact else a * signed_reciprocal(b),
         "zip": zip,
         "sum": (lambda *terms: sum(terms)) if exact else _sum_of_cut,
         "min": min,
