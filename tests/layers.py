@@ -68,7 +68,7 @@ PACKAGES = {
         ),
     },
     "pipeline/ideal": {
-        "raster": "codes floats kernel witness fixed",
+        "raster": "codes floats kernel witness portable",
         "pipeline": (
             "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
             "native"
