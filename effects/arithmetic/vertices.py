@@ -150,9 +150,27 @@ def _short(chance):
 
 
 _LIT = "Source: envytools' model of the NV10; Measured: Lighting_normals, Material_alpha: all pixels"
+_LIT_SUMS = "Measured: 49 of 54 captures exact; with products cut before their sums 27"
+_QUOTIENTS = ("Lighting_control", "Lighting_spotlight", "Specular", "Specular_back")
 _LIGHTING = ("Lighting_normals", "Lighting_range", "Material_alpha", "Material_color_source")
 _SHORT = (0.0, -0.0, 1.0, -1.0, 1.5, 1.9998779296875, 2.0, -0.75, 2.0**-100, -(2.0**100), INFINITY, -INFINITY)
 _FINITE = tuple(x for x in _SHORT if math.isfinite(x))
+_SUMS = (
+    *tuple(
+        (a, b, c)
+        for a in (0.99993896484375, -2.5, 0.0)
+        for b in (-2.5, 0.99993896484375)
+        for c in (3.0, 0.0, 2.5)
+    ),
+    (INFINITY, 1.0, 0.0),
+    (-INFINITY, 1.0, 0.0),
+    (1.5, 0.0, -INFINITY),
+)
+
+
+def _three_short(chance):
+    return tuple(float(chip_floats.to_lighting(ordinary(chance, 10))) for _ in "abc")
+
 
 UNITS = (
     Rule(
@@ -272,7 +290,36 @@ UNITS = (
             (INFINITY, 1.0, 0.0),
             (-INFINITY, 1.0, 0.0),
         ),
-        draw=lambda chance: tuple(float(chip_floats.to_lighting(ordinary(chance, 10))) for _ in "abc"),
+        draw=_three_short,
+    ),
+    Rule(
+        id="lighting-multiply-add",
+        stage="Vertices",
+        numbers="N2.25",
+        formula="|a| < 2^i, |b| < 2^j, |c| < 2^m, the least: a without its last m + 1 - i - j of 14 bits, "
+        "or c without its last i + j - m - 1; a b + c exact, cut to 14",
+        in_words=True,
+        evidence=_LIT_SUMS,
+        captures=_QUOTIENTS,
+        inputs={"a": "single", "b": "single", "c": "single"},
+        output="single",
+        compute=_quiet(lambda a, b, c: chip_floats.multiply_add(a, b, c, LIGHTING_BITS)),
+        edges=_SUMS,
+        draw=_three_short,
+    ),
+    Rule(
+        id="lighting-add-product",
+        stage="Vertices",
+        numbers="N2.25",
+        formula="a b + c: the exact product and c cut to 15 bits of the larger, their sum to 14",
+        in_words=True,
+        evidence=_LIT_SUMS,
+        captures=_QUOTIENTS,
+        inputs={"a": "single", "b": "single", "c": "single"},
+        output="single",
+        compute=_quiet(lambda a, b, c: chip_floats.add_product(a, b, c, LIGHTING_BITS)),
+        edges=_SUMS,
+        draw=_three_short,
     ),
     Rule(
         id="lighting-reciprocal",

@@ -91,33 +91,47 @@ def total(terms, significant_bits, guard_bits=SUM_GUARD_BITS):
     return np.where(np.isfinite(largest), _in_range(finite, significant_bits), np.abs(sum(terms)))
 
 
-def _sum_cut_at(unit, a, b, c, significant_bits):
-    """a b + c: the exact product and c are cut, toward zero, to multiples of ``unit``, and their exact sum to
-    ``significant_bits``. With an infinity or NaN it is a product and then a sum.
-    """
+_NO_BOUND = -1000  # below the exponents of products of single-precision numbers
+
+
+def _where_finite(result, a, b, c, significant_bits):
+    """``result`` cut to its bits; with an infinity or NaN among the numbers, a product and then a sum."""
     finite = np.isfinite(a) & np.isfinite(b) & np.isfinite(c)
-    unit = np.where(finite, unit, ONE)
-    result = truncated(sum(np.trunc(x / unit) for x in (a * b, c)) * unit, significant_bits)
-    plain = total((product(a, b, significant_bits), c), significant_bits, 0)
-    return np.where(finite, _in_range(result, significant_bits), plain)
+    result = _in_range(truncated(np.where(finite, result, ZERO), significant_bits), significant_bits)
+    return np.where(finite, result, total((product(a, b, significant_bits), c), significant_bits, 0))
+
+
+def _bound(column):
+    """The least e with |column| < 2^e; of 0 and of what is not finite, less than any number's."""
+    return np.where(np.isfinite(column) & (column != 0), np.frexp(column)[1], _NO_BOUND)
+
+
+def _multiple(column, exponent):
+    """The column cut, toward zero, to multiples of 2^exponent."""
+    unit = np.ldexp(ONE, exponent)
+    return np.trunc(column / unit) * unit
 
 
 def multiply_add(a, b, c, significant_bits):
-    """a b + c, its terms cut at the last bit that the result has."""
-    a, b, c = (np.asarray(x, np.float64) for x in (a, b, c))
-    _, exponent = np.frexp(a * b + c)
-    return _sum_cut_at(np.ldexp(ONE, exponent - significant_bits), a, b, c, significant_bits)
-
-
-def guarded_multiply_add(a, b, c, significant_bits):
-    """a b + c, its terms cut one bit below ``significant_bits`` of the larger bound, where a product of
-    numbers below 2^i and 2^j counts as below 2^(i + j).
+    """a b + c, its terms brought to one place before the multiplication: that of a b is the sum of the
+    factors' bounds, c's a bit above its own, and a or c loses the bits by which its place is the lower one.
+    Neither the product nor the sum loses more before the result is cut.
     """
     a, b, c = (np.asarray(x, np.float64) for x in (a, b, c))
-    bound, of_product = np.frexp(c)[1], np.frexp(a)[1] + np.frexp(b)[1]
-    larger = np.maximum(of_product, np.where(c == 0, of_product, bound))
-    bound = np.where(a * b == 0, bound, larger)
-    return _sum_cut_at(np.ldexp(ONE, bound - significant_bits - 1), a, b, c, significant_bits)
+    lower = _bound(c) + 1 - (_bound(a) + _bound(b))
+    lower = np.where((a == 0) | (b == 0) | (c == 0), 0, lower)
+    kept_a, kept_c = (
+        _multiple(x, _bound(x) - significant_bits + np.maximum(lost, 0))
+        for x, lost in ((a, lower), (c, -lower))
+    )
+    return _where_finite(kept_a * b + kept_c, a, b, c, significant_bits)
+
+
+def add_product(a, b, c, significant_bits):
+    """a b + c: the exact product and c, each cut a bit below the last one of the larger, and their sum."""
+    a, b, c = (np.asarray(x, np.float64) for x in (a, b, c))
+    last = np.maximum(_bound(a * b), _bound(c)) - significant_bits - 1
+    return _where_finite(_multiple(a * b, last) + _multiple(c, last), a, b, c, significant_bits)
 
 
 def _mantissa(column, bits):

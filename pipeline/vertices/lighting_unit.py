@@ -15,7 +15,7 @@ from fixedpipe.pipeline.vertices.arithmetic import ONE, ZERO, Column, normalize,
 from fixedpipe.pipeline.vertices.chip_floats import (
     LIGHTING_BITS,
     TRANSFORM_BITS,
-    guarded_multiply_add,
+    add_product,
     lighting_reciprocal,
     multiply_add,
     product,
@@ -55,6 +55,10 @@ def _plus_scalar(a, b):
 
 def _multiply_add(a, b, c):
     return multiply_add(a, b, c, LIGHTING_BITS)
+
+
+def _add_product(a, b, c):
+    return add_product(a, b, c, LIGHTING_BITS)
 
 
 def _dot(a, b):
@@ -161,7 +165,7 @@ def _spot(spot, vector, strength):
     x = np.minimum(to_lighting(x), ONE)
     a, b, c = _register(spot.coefficients)
     above = _plus_scalar(x, a)
-    below = _multiply_add(x, b, c)
+    below = _multiply_add(b, x, c)
     return _times(_times(strength, above), lighting_reciprocal(below)), above <= 0
 
 
@@ -188,7 +192,7 @@ def _highlight(light, material, lighting, geometry, normal, direction):
         return to_lighting(single(power(cosine, material.shininess))), None, x < 0
     a, b, c = _register(coefficients[3:])
     above = _multiply_add(square, a, xx)
-    below = guarded_multiply_add(square, c, _times(xx, b), LIGHTING_BITS)
+    below = _multiply_add(square, c, _times(xx, b))
     return above, lighting_reciprocal(below), (x < 0) | (above < 0)
 
 
@@ -232,10 +236,11 @@ def _start(lighting, material, side, sources, vertex_colors):
         if emission is None:
             return _register(np.float64(material.emission[c]) + lit[c] for c in range(3))
         if (lighting.front_sources if side == Face.FRONT else lighting.back_sources) is not None:
-            emission = [_times(e, r) for e, r in zip(emission, _register(material.emission[:3]), strict=True)]
+            factors = _register(material.emission[:3])
+            return [_add_product(e, f, r) for e, f, r in zip(emission, factors, _register(lit), strict=True)]
         return [_plus(r, e) for r, e in zip(_register(lit), emission, strict=True)]
     emission = _register(material.emission[:3]) if emission is None else emission
-    return [_plus(e, _times(a, s)) for e, a, s in zip(emission, ambient, _register(scene[:3]), strict=True)]
+    return [_add_product(a, s, e) for e, a, s in zip(emission, ambient, _register(scene[:3]), strict=True)]
 
 
 def _face(lighting, side, geometry, color, secondary, folded):
@@ -253,13 +258,11 @@ def _face(lighting, side, geometry, color, secondary, folded):
             follows = vertex_colors[getattr(sources, name)]
             register = _light_color(light, name, side, material if follows is None else None)
             for c in range(3):
-                term = _times(getattr(strengths, name), register[c])
+                factors = getattr(strengths, name), register[c]
                 if follows is not None:
-                    term = _times(term, follows[c])
-                if name == "specular" and not folded:
-                    shine[c] = _plus(shine[c], term)
-                else:
-                    primary[c] = _plus(primary[c], term)
+                    factors = _times(*factors), follows[c]
+                sums = shine if name == "specular" and not folded else primary
+                sums[c] = _add_product(*factors, sums[c])
     alphas = (to_lighting(single(np.float64(material.diffuse[3]))), color[3], secondary[3])
     return [*primary, alphas[sources.diffuse]], shine
 

@@ -275,6 +275,8 @@ ONE_BY_ONE = {
     "enter-lighting": of_unit(lighting_unit.to_lighting),
     "lighting-product": of_unit(lighting_unit.times),
     "lighting-sum": of_unit(lighting_unit.plus),
+    "lighting-multiply-add": of_unit(lambda a, b, c: lighting_unit.multiply_add(a, b, c, 14)),
+    "lighting-add-product": of_unit(lambda a, b, c: lighting_unit.add_product(a, b, c, 14)),
     "lighting-reciprocal": of_unit(lighting_unit.lighting_reciprocal),
     "lighting-inverse-square-root": of_unit(lighting_unit.lighting_inverse_root),
     "window-coordinate": window,

@@ -99,26 +99,31 @@ def total(terms, bits, guard=5):
     return cut(sum(multiple(x, unit) for x in terms), bits)
 
 
-def sum_cut_at(unit, a, b, c, bits):
-    """Measured: a product is not cut before its sum (Specular, Lighting_control, Lighting_spotlight)."""
-    return cut(multiple(a * b, unit) + multiple(c, unit), bits)
+def bound(x):
+    """The least e with |x| < 2^e. Source: the binary representation."""
+    return exponent(x) + 1
 
 
 def multiply_add(a, b, c, bits):
-    """Inferred: terms are cut at the last bit of the result (Specular, Lighting_spotlight captures)."""
+    """Measured: a loses what it would shift out before it is multiplied, or c (Specular, Lighting_control,
+    Lighting_spotlight captures).
+    """
     if any(special(x) for x in (a, b, c)):
         return total((product(a, b, bits), c), bits, 0)
-    exact = a * b + c
-    return exact if exact == 0 else sum_cut_at(Fraction(2) ** (exponent(exact) - bits + 1), a, b, c, bits)
+    if a * b != 0 and c != 0:
+        lower = bound(c) + 1 - (bound(a) + bound(b))
+        if lower > 0:
+            a = multiple(a, Fraction(2) ** (bound(a) - bits + lower))
+        else:
+            c = multiple(c, Fraction(2) ** (bound(c) - bits - lower))
+    return cut(a * b + c, bits)
 
 
-def guarded_multiply_add(a, b, c, bits):
-    """Measured: terms are cut a bit below the larger bound's (Lighting_control, Lighting_accumulation)."""
+def add_product(a, b, c, bits):
+    """Measured: an adder with one bit more takes the whole product (Specular, Specular_back captures)."""
     if any(special(x) for x in (a, b, c)):
         return total((product(a, b, bits), c), bits, 0)
-    tops = [exponent(a) + exponent(b) + 1] if a * b != 0 else []
-    tops += [exponent(c)] if c != 0 else []
-    return sum_cut_at(Fraction(2) ** (max(tops) - bits), a, b, c, bits) if tops else Fraction(0)
+    return total((a * b, c), bits, 1)
 
 
 def limits(x, value):
@@ -295,7 +300,7 @@ def highlight(light, material, lighting, normal, viewer, direction, power):
     a, b, c = register(coefficients[3:])
     xx = times(x, x)
     above = multiply_add(square, a, xx, LIGHTING)
-    under = guarded_multiply_add(square, c, times(xx, b), LIGHTING)
+    under = multiply_add(square, c, times(xx, b), LIGHTING)
     return Fraction(0) if below_zero(x) or below_zero(above) else (above, lighting_reciprocal(under))
 
 
@@ -322,7 +327,7 @@ def strengths(light, material, lighting, normal, viewer, point, power):
             x = to_lighting(x)
             x = x if special(x) and math.isnan(x) else min(x, Fraction(1))
             a, b, c = register(light.spot.coefficients)
-            above, under = plus_scalar(x, a), multiply_add(x, b, c, LIGHTING)
+            above, under = plus_scalar(x, a), multiply_add(b, x, c, LIGHTING)
             strength = times(times(strength, above), lighting_reciprocal(under))
             dark = dark or above <= 0
         strength = Fraction(0) if dark else strength
@@ -362,11 +367,12 @@ def start(lighting, material, side, follows):
             return register([float(e) + o for e, o in zip(material.emission[:3], own, strict=True)])
         if (lighting.front_sources if side == Face.FRONT else lighting.back_sources) is not None:
             factors = register(material.emission[:3])  # Measured: Material_color_source, 15 of 15 captures
-            emission = [times(e, f) for e, f in zip(emission, factors, strict=True)]
+            own = register(own)
+            return [add_product(e, f, o, LIGHTING) for e, f, o in zip(emission, factors, own, strict=True)]
         return [plus(o, e) for o, e in zip(register(own), emission, strict=True)]
     emission = register(material.emission[:3]) if emission is None else emission
     scene = register(scene[:3])
-    return [plus(e, times(a, s)) for e, a, s in zip(emission, ambient, scene, strict=True)]
+    return [add_product(a, s, e, LIGHTING) for e, a, s in zip(emission, ambient, scene, strict=True)]
 
 
 def light_color(light, name, side, material):
@@ -401,13 +407,13 @@ def light_vertex(vertex, side, inverse, position, normal, color, secondary, powe
         amounts = strengths(light, material, lighting, eye_normal, viewer, point, power)
         for name in ("ambient", "diffuse", "specular"):
             values = light_color(light, name, side, None if follows[name] else material)
-            terms = [times(amounts[name], value) for value in values]
+            factors = [(amounts[name], value) for value in values]
             if follows[name]:
-                terms = [times(t, f) for t, f in zip(terms, follows[name], strict=True)]
+                factors = [(times(*f), v) for f, v in zip(factors, follows[name], strict=True)]
             if name == "specular" and not folded:
-                shine = [plus(s, t) for s, t in zip(shine, terms, strict=True)]
+                shine = [add_product(*f, s, LIGHTING) for f, s in zip(factors, shine, strict=True)]
             else:
-                primary = [plus(p, t) for p, t in zip(primary, terms, strict=True)]
+                primary = [add_product(*f, p, LIGHTING) for f, p in zip(factors, primary, strict=True)]
     alpha = (to_lighting(single(material.diffuse[3])), color[3], secondary[3])[sources.diffuse]
     result = [*primary, alpha, *(shine if separate else secondary[:3]), secondary[3]]
     return [1.0 if special(c) and math.isnan(c) else float(c) for c in result]

@@ -47,4 +47,4 @@ def case(name, inputs):
     state = lit_scenes.state(lighting, secondary_color=SecondaryColor.FROM_VERTEX)
     draws = lit_scenes.model_draws(inputs, (lit_scenes.GRID,), VERTEX_DIFFUSE, VERTEX_SPECULAR, state)
     background = scenes.background(0xFF202020, 0xFF909090, 24)
-    return Case(commands=(scenes.clear(0xFF232623), *background, *draws), explanation=lit_scenes.HALF_VECTORS)
+    return Case(commands=(scenes.clear(0xFF232623), *background, *draws))

@@ -19,7 +19,6 @@ from fixedpipe.pipeline.enums import (
 from fixedpipe.pipeline.state import Lighting, Material
 
 SUITE = "Specular"
-OPEN = "the last bits of highlights' quotients"
 
 CLEAR_FLAGS, CLEAR_PARAMETERS, DARK, BLACK, LIGHT = 0xFE323232, 0xFE313131, 0xFF202020, 0xFF000000, 0xFF909090
 NORMAL_LENGTHS = (0.972, 0.973, 1.0, 1.008, 1.009)

@@ -14,7 +14,6 @@ from fixedpipe.pipeline.enums import Face, FrontFace, SecondaryColor
 from fixedpipe.pipeline.state import Lighting, Material, PolygonState
 
 SUITE = "Specular_back"
-OPEN = "the last bits of highlights' quotients"
 
 CLEAR_FLAGS, CLEAR_PARAMETERS, DARK, BLACK, LIGHT = 0xFE323232, 0xFE313131, 0xFF202020, 0xFF000000, 0xFF909090
 WHITE = lit_scenes.WHITE

@@ -49,17 +49,21 @@ def test_a_product_and_a_sum_at_once_are_cut_as_specified(a, b, c):
     with np.errstate(all="ignore"):
         a, b, c = (chip_floats.to_lighting(chip_floats.single(v))[()] for v in (a, b, c))
         x, y, z = (exact(float(v)) for v in (a, b, c))
-        for name in ("multiply_add", "guarded_multiply_add"):
+        for name in ("multiply_add", "add_product"):
             got, wanted = (getattr(module, name) for module in (chip_floats, reference))
             assert same(got(a, b, c, 14), wanted(x, y, z, 14))
 
 
-def test_a_product_beside_a_sum_keeps_bits_more():
-    """Source: docs/numbers.md, section 2: of 2.499695 bits to 2^-14 or 2^-13 count; alone to 2^-12."""
-    x, b, c = 1 - 2.0**-13, -2.5, 3.0
-    assert float(chip_floats.multiply_add(x, b, c, 14)) == 0.5 + 5 * 2.0**-14
-    assert float(chip_floats.guarded_multiply_add(x, b, c, 14)) == 0.5 + 3 * 2.0**-13
-    assert float(chip_floats.total((chip_floats.product(x, b, 14), c), 14, 0)) == 0.5 + 2.0**-11
+def test_a_product_beside_a_sum_loses_what_its_first_factor_is_shifted_by():
+    """Source: docs/numbers.md, N2.25. 3 lies a bit above the place of (1 - 2^-14) 2.5, whose first factor
+    loses its last bit. Cut before the sum the product would be 2.5 - 2^-12.
+    """
+    odd, even, b, c = 1 - 2.0**-14, 1 - 2.0**-13, -2.5, 3.0
+    assert float(chip_floats.multiply_add(odd, b, c, 14)) == 0.5 + 2.5 * 2.0**-13
+    assert float(chip_floats.multiply_add(even, b, c, 14)) == 0.5 + 2.5 * 2.0**-13
+    assert float(chip_floats.multiply_add(b, odd, c, 14)) == 0.5 + 2.0**-13
+    assert float(chip_floats.add_product(odd, b, c, 14)) == 0.5 + 2.0**-12
+    assert float(chip_floats.total((chip_floats.product(odd, b, 14), c), 14, 0)) == 0.5 + 2.0**-12
 
 
 @settings(max_examples=300)
