@@ -39,7 +39,6 @@ COEFFICIENTS = {  # of the SpecParams cases, by the names that they have there
 EYE_DISTANCE = scenes.XDK_EYE
 TOWARDS_VIEWER = (0.0, 0.0, -1.0)
 EYE_DIRECTION = (0.0, 0.0, 0.0)
-SINGLE_PIXELS = "single pixels between vertices whose colours are the chip's"
 
 
 def view(depth_maximum=16777215.0, near=1.0, far=200.0):

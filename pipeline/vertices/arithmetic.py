@@ -7,8 +7,6 @@ Python floats stay out of the columns, because they raise where IEEE 754 says in
 
 import numpy as np
 
-from fixedpipe.raster.floats import SINGLE_BITS, keep_significant_bits
-
 Column = np.ndarray | np.float64
 
 ZERO = np.float64(0.0)
@@ -37,21 +35,6 @@ def weighted_sum(coefficients, columns):
 def transform(matrix, columns):
     """Matrix times column vector: one weighted sum for each row."""
     return [weighted_sum(row, columns) for row in matrix]
-
-
-def transform_single(matrix, columns):
-    """Matrix times column vector in single precision: matrix rounded, every product and sum truncated."""
-    return [_single_sum([np.float64(np.float32(c)) for c in row], columns) for row in matrix]
-
-
-def _single_sum(coefficients, columns):
-    total = None
-    for coefficient, column in zip(coefficients, columns, strict=True):
-        if coefficient == 0:
-            continue
-        term = keep_significant_bits(column * coefficient, SINGLE_BITS)
-        total = term if total is None else keep_significant_bits(total + term, SINGLE_BITS)
-    return ZERO if total is None else total
 
 
 def dot(a, b):

@@ -188,3 +188,9 @@ def lighting_inverse_root(column):
 def transform_dot(a, b):
     """The transform unit's sum of products of vectors of three or four columns."""
     return total([product(x, y, TRANSFORM_BITS) for x, y in zip(a, b, strict=True)], TRANSFORM_BITS)
+
+
+def transform_matrix(matrix, columns):
+    """Matrix times column vector in the transform unit, both as it reads registers and vertices."""
+    columns = [single(column) for column in columns]
+    return [transform_dot(columns, [single(np.float64(m)) for m in row]) for row in matrix]

@@ -24,6 +24,7 @@ from fixedpipe.pipeline.vertices.chip_floats import (
     total,
     transform_dot,
     transform_inverse_root,
+    transform_matrix,
     transform_reciprocal,
 )
 
@@ -96,9 +97,8 @@ def _difference(a, b):
 
 
 def _geometry(lighting, vertex, inverse, position, normal):
-    position, normal = [single(c) for c in position], [single(c) for c in normal]
-    rows = [[single(np.float64(m)) for m in row] for row in vertex.modelview]
-    eye = [transform_dot(position, row) for row in rows]
+    normal = [single(c) for c in normal]
+    eye = transform_matrix(vertex.modelview, position)
     columns = [[single(inverse[row][j]) for row in range(3)] for j in range(3)]
     normal = [transform_dot(normal, column) for column in columns]
     if vertex.rescale_normal:

@@ -16,9 +16,9 @@ from fixedpipe.pipeline.vertices.arithmetic import (
     positive,
     stacked_units,
     transform,
-    transform_single,
 )
 from fixedpipe.pipeline.vertices.assembly import assemble
+from fixedpipe.pipeline.vertices.chip_floats import transform_matrix
 from fixedpipe.pipeline.vertices.clip import clip, clip_lines, clip_planes
 from fixedpipe.pipeline.vertices.colors import (
     color_byte,
@@ -227,7 +227,7 @@ def eye_and_clip(vertex, position):
     """Eye and clip coordinates of object coordinates, four columns each (sections 2.10.2, 2.11)."""
     eye = transform(vertex.modelview, position)
     if vertex.composite is not None:
-        return eye, transform_single(vertex.composite.matrix, position)
+        return eye, transform_matrix(vertex.composite.matrix, position)
     return eye, transform(vertex.projection, eye)
 
 

@@ -62,17 +62,11 @@ def transform(matrix, vector):
     return [weighted_sum(row, vector) for row in matrix]
 
 
-def transform_single(matrix, vector):
-    """Matrix times vector in single precision. Measured: products and sums toward zero (NV2A, Viewport)."""
-    result = []
-    for row in matrix:
-        row = [fixed.to_single(c) for c in row]
-        terms = [fixed.keep_significant_bits(v * c, 24) for c, v in zip(row, vector, strict=True) if c != 0]
-        total = terms[0] if terms else 0.0
-        for term in terms[1:]:
-            total = fixed.keep_significant_bits(total + term, 24)
-        result.append(total)
-    return result
+def composite_product(matrix, position):
+    """The composite matrix times a position. Measured: the transform unit's sums (Lighting_spotlight)."""
+    position = [lighting_unit.single(c) for c in position]
+    rows = [[lighting_unit.single(c) for c in row] for row in matrix]
+    return [float(lighting_unit.transform_dot(position, row)) for row in rows]
 
 
 def dot(a, b):
@@ -583,7 +577,7 @@ def radius(v):
 def clip_coordinates(vertex_state, position, eye):
     """x, y, z and w before the division. Source: OpenGL 1.2.1 section 2.10; Measured: NV2A's composite."""
     if vertex_state.composite is not None:
-        return transform_single(vertex_state.composite.matrix, position)
+        return composite_product(vertex_state.composite.matrix, position)
     return transform(vertex_state.projection, eye)
 
 

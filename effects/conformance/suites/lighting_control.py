@@ -112,5 +112,5 @@ def case(name, inputs):
     background = scenes.background(0xFF202020, 0xFF000000, 24, corners=corners)
     return Case(
         commands=(scenes.clear(0xFF232623), *background, *draws),
-        explanation="" if program else lit_scenes.SINGLE_PIXELS,
+        explanation="" if program else "a single pixel between vertices whose colours are the chip's",
     )

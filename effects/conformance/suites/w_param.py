@@ -15,7 +15,7 @@ from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import BlendFactor, PolygonMode, PrimitiveType, TextureTarget
 from fixedpipe.pipeline.state import Blending, DepthClamp, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
-from fixedpipe.pipeline.vertices.arithmetic import transform_single
+from fixedpipe.pipeline.vertices.chip_floats import transform_matrix
 from fixedpipe.pipeline.vertices.projection import composite_coordinates
 from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 
@@ -241,7 +241,7 @@ def _zero(shape, perspective):
     lower, left = (EDGE, -EDGE, 0.0, 1.0), (-EDGE, -EDGE, 0.0, 1.0)
     corners = [upper, right, lower, left] if shape == "_quad" else [upper, right, left, lower, left, right]
     composite = scenes.xdk_vertex().composite
-    columns = transform_single(composite.matrix, scenes.single(corners).T)
+    columns = transform_matrix(composite.matrix, scenes.single(corners).T)
     columns[3] = np.maximum(columns[3], 2.0**-64)
     x, y, z, _ = composite_coordinates(columns, composite.offset, HEIGHT)
     w = columns[3] if perspective else np.ones(len(corners))
