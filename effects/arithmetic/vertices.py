@@ -366,7 +366,7 @@ WINDOW = (
         stage="Vertices",
         numbers="N2.6",
         formula="T24(T24(x * reciprocal(w)) + offset)",
-        evidence="Measured: TopLeftRaster_Fixed; Viewport, 1832971 of 1833172 pixels",
+        evidence="Measured: TopLeftRaster_Fixed; Viewport, 2138672 of 2138672 pixels",
         captures=(
             "Vertex_shader_rounding_tests/TopLeftRaster_Fixed",
             "Viewport",

@@ -165,13 +165,14 @@ def weighed_edges(n, inverse_w):
 
 def reciprocal_24(total):
     """1/total of positive totals in 24 significant bits: twelve bits of the reciprocal of the first fifteen,
-    rounded at a half less 2^-9, then a Newton step whose remainder is rounded to 2^-24 (docs/numbers.md,
-    N4.10).
+    rounded at a half less 2^-9, then a Newton step whose remainder is rounded to 2^-24, halves toward zero
+    (docs/numbers.md, N4.10).
     """
     half, exponent = np.frexp(total)
     near = np.floor(half * 2.0**15 + 0.5) / 2.0**15
     x = np.floor(2048.0 / near + (0.5 + 2.0**-9)) / 4096.0  # in [1/2, 1]
-    rest = np.floor((1.0 - 2.0 * half * x) * 2.0**24 + 0.5) / 2.0**24
+    rest = (1.0 - 2.0 * half * x) * 2.0**24
+    rest = np.copysign(np.ceil(np.abs(rest) - 0.5), rest) / 2.0**24
     return np.ldexp(cut(x + x * rest, WEIGHT_BITS), 1 - exponent)
 
 

@@ -110,8 +110,9 @@ def reciprocals_24(total):
     """``fixed.reciprocal_24`` of each lane."""
     near = floats_of_lanes((bits_of_lanes(total) + HALF_OF_15) & KEEP_15)
     x = floats_of_lanes((bits_of_lanes(1.0 / near) + HALF_OF_12) & KEEP_12)
-    rest = floored((1.0 - total * x) * 2.0**24 + 0.5) * 2.0**-24
-    return keep_24(x + x * rest)
+    rest = (1.0 - total * x) * 2.0**24
+    nearest = select(rest > 0.0, 0.0 - floored(0.5 - rest), floored(rest + 0.5))
+    return keep_24(x + x * (nearest * 2.0**-24))
 
 
 @kernel

@@ -474,7 +474,7 @@ def snap(device, extent, profile):
 def composite_to_window(v, composite, height):
     """Window x, y (up), depth units and 1/w.
 
-    Measured: single precision toward zero (NV2A, Viewport captures, 1832971 of 1833172 pixels); the transform
+    Measured: single precision toward zero (NV2A, Viewport captures, 2138672 of 2138672 pixels); the transform
     unit's reciprocal (Depth_buffer_fixed_function z24_Cn_FZn_Mffffff: 48089 depths); w itself for weights
     (FloorQuad_V0, 33 texels).
     """
@@ -568,7 +568,7 @@ def fog_coordinate(mesh, i, state, eye):
 
 
 def radius(v):
-    """Measured: the transform unit's length, FogGen_FF-linear-radial, 305552 of 305556 pixels."""
+    """Measured: the transform unit's length, FogGen_FF-linear-radial, 305553 of 305556 pixels."""
     squared = lighting_unit.transform_dot(v, v)
     root = lighting_unit.transform_inverse_root(squared)
     return lighting_unit.product(squared, root, lighting_unit.TRANSFORM)

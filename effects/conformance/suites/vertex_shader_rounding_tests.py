@@ -33,10 +33,6 @@ SHOWN = ((248, 168, 128, 128), (392, 168, 128, 32), (248, 312, 32, 128), (392, 3
 LARGE = 1024  # edge of the surface that is larger than the screen, pixels
 PASSES, HALF = 4, 127 / 255  # of Compositing, and the factor of alpha in each. Source: 0.5, cut to a byte
 
-ON_AN_EDGE = (
-    "the squares' edges lie on a boundary of the snapping grid, up to the unknown vertices' last bits"
-)
-
 # What the combiners put out where TopLeftRaster draws: 0xAARRGGBB.
 RASTER_COLOR, RASTER_BACKGROUND = 0xFF337788, 0xFF202224
 
@@ -288,8 +284,7 @@ def case(name, inputs):
     if name in ADJACENT:
         return Case(commands=_adjacent(ADJACENT[name]))
     if name in PROJECTED:
-        on_an_edge = abs(PROJECTED[name] - 0.5625) < 0.0002
-        return Case(commands=_projected(PROJECTED[name]), explanation=ON_AN_EDGE if on_an_edge else "")
+        return Case(commands=_projected(PROJECTED[name]))
     for cases, commands in (
         (SUBSCREEN, _subscreen),
         (SUPERSCREEN, _superscreen),
