@@ -1,7 +1,8 @@
 """Triangles whose corners lie further off than a machine's guard band, as polygons whose corners do not: what
 of them is near the screen. And lines through infinity, as lines that end outside of it.
 
-Measured: the chip keeps the direction of a corner at 1e35 pixels (W_param rcc_w_zero_inf__z-3.08e-33).
+Measured: the chip keeps the direction of a corner at 1e35 pixels, which has no weight near the screen
+(W_param rcc_w_zero_inf__z-3.08e-33, all pixels).
 """
 
 from fractions import Fraction
@@ -14,6 +15,10 @@ from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.profiles import NV2A
 
 BAND = 8000  # pixels beyond the screen; less than the guard band, so that nothing moves there
+# How far from the other ones a single far corner is put, in its direction, pixels: a power of two, so that
+# edge functions keep few bits. Measured: W_param, 50 of 50 captures; 2^14 pixels leave 1040 of them wrong,
+# 2^17 15.
+REACH = Fraction(2) ** 16
 LEAST_W, MOST_W = 2.0**-64, 2.0**64  # Measured: w is clamped as RCC clamps (Front_face)
 MOST = 2.0**124  # pixels; Inferred: in 1/16 pixel the largest number. From there on a corner is at (1, 1)
 
@@ -37,6 +42,29 @@ def _clipped(polygon):
                 kept.append([(d * b - e * a) / (d - e) for a, b in zip(v, following, strict=True)])
         polygon = kept
     return polygon
+
+
+def _fan(polygon):
+    return [[polygon[0], polygon[i], polygon[i + 1]] for i in range(1, len(polygon) - 1)]
+
+
+def _shortened(triangle):
+    """A triangle of homogeneous corners, one of them far, as two that end ``REACH`` pixels along both of its
+    edges; None of any other. The first one's corners are in the triangle's order; in the second, of which the
+    screen has a strip less than a pixel wide, the end of the first edge has what the other two leave of one.
+    """
+    far = [i for i, corner in enumerate(triangle) if not _is_near([c / corner[3] for c in corner])]
+    if len(far) != 1 or any(corner[3] < 0 for corner in triangle):
+        return None
+    end, after, before = (triangle[(far[0] + k) % 3] for k in range(3))
+    ends = []
+    for start in (after, before):
+        away = max(abs(end[axis] / end[3] - start[axis] / start[3]) for axis in range(2))
+        share = REACH / away  # of the edge in device coordinates
+        share = share * start[3] / (end[3] * (1 - share) + share * start[3])  # and in homogeneous ones
+        ends.append([(1 - share) * a + share * b for a, b in zip(start, end, strict=True)])
+    first = [ends[0], after, before]
+    return [first[-far[0] :] + first[: -far[0]], [ends[1], ends[0], before]]
 
 
 def _is_near(corner):
@@ -84,19 +112,19 @@ def near_part(corners, name, split):
     split    which corners make each triangle
     """
     rows = []
-    for triangle in split:
-        polygon = [_clamped(corners[i]) for i in triangle]
-        if not all(_is_near(corner) for corner in polygon):
-            exact = [[Fraction(v) for v in corner] for corner in polygon]
+    for order in split:
+        triangle = [_clamped(corners[i]) for i in order]
+        parts = [triangle]
+        if not all(_is_near(corner) for corner in triangle):
+            exact = [[Fraction(v) for v in corner] for corner in triangle]
             homogeneous = [[x * w, y * w, z * w, w, *values] for x, y, z, w, *values in exact]
-            clipped = [v for v in _clipped(homogeneous) if v[3] > 0]
-            unit = _middle([w for _, _, _, w, *_ in clipped])
-            polygon = [
-                [float(v) for v in (x / w, y / w, z / w, w / unit, *values)]
-                for x, y, z, w, *values in clipped
+            parts = _shortened(homogeneous) or _fan([v for v in _clipped(homogeneous) if v[3] > 0])
+            unit = _middle([w for part in parts for _, _, _, w, *_ in part])
+            parts = [
+                [[float(v) for v in (x / w, y / w, z / w, w / unit, *values)] for x, y, z, w, *values in part]
+                for part in parts
             ]
-        for i in range(1, len(polygon) - 1):
-            rows += [polygon[0], polygon[i], polygon[i + 1]]
+        rows += [corner for part in parts for corner in part]
     rows = np.array(rows).reshape(-1, len(corners[0]))
     values = rows[:, 4:]
     return window_mesh(

@@ -20,7 +20,6 @@ from fixedpipe.pipeline.vertices.projection import composite_coordinates
 from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 
 SUITE = "W_param"
-OPEN = "corners beyond the guard band"
 
 LEAST, MOST = np.float32(5.421011e-20), np.float32(1.8446744e19)  # about what RCC clamps to
 INFINITE = 2.0**65  # beyond what the chip tells from infinity
