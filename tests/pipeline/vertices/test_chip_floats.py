@@ -106,3 +106,12 @@ def test_one_has_an_exact_reciprocal_in_the_transform_unit_alone():
     """Source: envytools (xf_rcp, pgraph_celsius_lt_rcp)."""
     assert float(chip_floats.transform_reciprocal(np.float64(1.0))) == 1.0
     assert float(chip_floats.lighting_reciprocal(np.float64(1.0))) == 8191 / 8192
+
+
+def test_a_matrix_s_sum_keeps_five_bits_below_its_largest_term():
+    """Measured: Lighting_spotlight's w, 7 less 3.5e-9; a sum cut to 24 bits alone would be 7 - 2^-21."""
+    row = (0.0, 0.0, 1.0, 7.0)
+    (w,) = chip_floats.transform_matrix([row], [np.float64(c) for c in (0.0, 0.0, -3.5e-9, 1.0)])
+    assert float(w) == 7.0
+    (w,) = chip_floats.transform_matrix([row], [np.float64(c) for c in (0.0, 0.0, -(2.0**-26), 1.0)])
+    assert float(w) == 7.0 - 2.0**-21
