@@ -151,6 +151,7 @@ def _short(chance):
 
 _LIT = "Source: envytools' model of the NV10; Measured: Lighting_normals, Material_alpha: all pixels"
 _LIT_SUMS = "Measured: 52 of 54 captures exact; with products cut before their sums 28"
+_LIT_COLORS = "Measured: 52 of 54 captures exact; with its product cut to 14 bits 49"
 _QUOTIENTS = ("Lighting_control", "Lighting_spotlight", "Specular", "Specular_back")
 _LIGHTING = ("Lighting_normals", "Lighting_range", "Material_alpha", "Material_color_source")
 _SHORT = (0.0, -0.0, 1.0, -1.0, 1.5, 1.9998779296875, 2.0, -0.75, 2.0**-100, -(2.0**100), INFINITY, -INFINITY)
@@ -313,7 +314,7 @@ UNITS = (
         numbers="N2.25",
         formula="a b + c: the exact product and c cut to 15 bits of the larger, their sum to 14",
         in_words=True,
-        evidence=_LIT_SUMS,
+        evidence=_LIT_COLORS,
         captures=_QUOTIENTS,
         inputs={"a": "single", "b": "single", "c": "single"},
         output="single",

@@ -16,8 +16,8 @@ from fixedpipe.pipeline.profiles import NV2A
 
 BAND = 8000  # pixels beyond the screen; less than the guard band, so that nothing moves there
 # How far from the other ones a single far corner is put, in its direction, pixels: a power of two, so that
-# edge functions keep few bits. Measured: W_param, 50 of 50 captures; 2^14 pixels leave 1040 of them wrong,
-# 2^17 15.
+# edge functions keep few bits. Measured: W_param, 50 of 50 captures; with 2^14 1040 pixels of five are wrong,
+# with 2^17 15 of one.
 REACH = Fraction(2) ** 16
 LEAST_W, MOST_W = 2.0**-64, 2.0**64  # Measured: w is clamped as RCC clamps (Front_face)
 MOST = 2.0**124  # pixels; Inferred: in 1/16 pixel the largest number. From there on a corner is at (1, 1)
