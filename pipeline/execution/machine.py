@@ -5,7 +5,7 @@ Clears and Draws wait in a queue (``fixedpipe.pipeline.native.queue``) until som
 
 import threading
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from numbers import Integral
 from typing import Any, Literal, TypeAlias, get_args
@@ -243,6 +243,7 @@ class Machine:
         finally:  # what was reached before an error is drawn
             self._flush()
         return Result(
+            self.profile,
             self.framebuffer,
             dict(self.surfaces),
             dict(self.textures),
@@ -293,7 +294,7 @@ class Machine:
             draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
             if draw is None and self._draws_columns(state, target, frame.engine):
                 self._queue.flush()
-                drawn, lost = self._drawn_by_columns(command, target, position, sample)
+                drawn, lost = self._drawn_by_columns(command, target, position, sample, frame.record)
                 self._queue.fragments += len(drawn.x)
                 if frame.record and number == 0:
                     frame.records.append(drawn)
@@ -310,6 +311,8 @@ class Machine:
             if frame.record:
                 self._queue.flush()
                 drawn = recorded_fragments(draw, target, self.batch)
+                if draw.primitives is not None:
+                    drawn = replace(drawn, places=draw.primitives.places())
                 self._queue.fragments += len(drawn.x)
                 frame.records += [drawn] if number == 0 else []  # a pbuffer's first sample's
             else:
@@ -323,7 +326,7 @@ class Machine:
         given = state, self.profile, target, self.textures
         return needs_columns(*given) or not (covers_by_kernels() or are_native(widths_of(*given)))
 
-    def _drawn_by_columns(self, command, target, position, sample):
+    def _drawn_by_columns(self, command, target, position, sample, records):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
         state, profile = canonical(command.state), self.profile
         size = target.width, target.height
@@ -338,7 +341,8 @@ class Machine:
         given = primitives, covered, state, profile, target, self.textures
         passed = column_draw(*given, self.witness, otherwise)
         columns = (covered.triangle, covered.x, covered.y, passed)
-        return Fragments(*(np.asarray(column, np.int32) for column in columns)), lost
+        places = primitives.places() if records else None
+        return Fragments(*(np.asarray(column, np.int32) for column in columns), places=places), lost
 
     def _clear(self, command, frame):
         for surface, _ in self._targets(command.draw_buffer):

@@ -10,6 +10,7 @@ from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.pictures import Pictured, deep_picture
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
 from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
+from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.textures.images import Texture
 
 
@@ -20,7 +21,8 @@ class Fragments:
     the group's number instead, counted row by row from the lower left.
 
     ``covered``: how many of the machine's samples a primitive covers where it is smooth; None, or 0: it is
-    not. Per pixel they are in draw order.
+    not. Per pixel they are in draw order. ``places``: where the Draw's triangles are, as
+    ``WindowPrimitives.places`` digests it; None: lines, points or a rectangle, or nothing is left to draw.
     """
 
     triangle: NDArray[np.int32]
@@ -28,12 +30,14 @@ class Fragments:
     y: NDArray[np.int32]
     passed: NDArray[np.int32]
     covered: NDArray[np.int32] | None = None
+    places: tuple[bytes, bytes] | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Result(Pictured):
     """What running commands gave. A notebook shows its picture, ``save`` writes it.
 
+    profile       the machine that drew
     framebuffer   the window's framebuffer, top row first (the same object in every Result of one Machine)
     surfaces      the pbuffers' framebuffers by name (the same objects likewise)
     textures      texture objects by name, as they are afterwards, bottom row first
@@ -47,6 +51,7 @@ class Result(Pictured):
     minmaxes      its minmaxes likewise
     """
 
+    profile: Profile
     framebuffer: Framebuffer
     surfaces: dict[str, Framebuffer]
     textures: dict[str, Texture]

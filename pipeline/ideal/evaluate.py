@@ -35,6 +35,7 @@ from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.ideal.buffers import IdealBuffers, accumulate, clear, read_pixels, saturate
 from fixedpipe.pipeline.ideal.per_fragment import write, write_tested, writes_color, writes_depth
+from fixedpipe.pipeline.ideal.primitives import check_primitives, primitives_of
 from fixedpipe.pipeline.ideal.rectangles import draw_rectangle
 from fixedpipe.pipeline.ideal.result import IdealResult
 from fixedpipe.pipeline.ideal.shade import plan_for, shade
@@ -45,7 +46,6 @@ from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
-from fixedpipe.pipeline.vertices.stage import process
 
 # Fragments shaded at a time, and so many times by a thread before all is written: what is computed stays in
 # the cache, and no value changes.
@@ -54,14 +54,15 @@ _CHUNK, _AT_ONCE = 1 << 13, 2
 _DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 
-def _draw(command, written, textures, plans, size, depth_bits, record, threads):
-    """A Draw's fragments, of its own coverage or those of a guide's ``record`` that passed: shaded by all
-    threads, and written in order.
+def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
+    """A Draw's fragments, of its own coverage or those of a ``guide``, the machine and its Fragments, that
+    passed: shaded by all threads, and written in order.
     """
-    state, guided = command.state, record is not None
-    primitives = process(command.mesh, state, IDEAL, *size)
+    state, guided = command.state, guide is not None
+    machine, record = guide if guided else (IDEAL, None)
+    primitives = primitives_of(command, machine, *size)
     if guided:
-        _check_triangles(command, record, primitives)
+        check_primitives(command, record, primitives, machine)
         if not writes_color(state) and not writes_depth(state):
             return
     else:
@@ -109,15 +110,6 @@ def _draw(command, written, textures, plans, size, depth_bits, record, threads):
             threads.run(share)
         for fragments in done:
             (write if guided else write_tested)(state, written, *fragments)
-
-
-def _check_triangles(command, record, primitives):
-    highest = int(record.triangle.max(initial=-1, where=record.passed != 0))
-    if highest >= len(primitives.triangles):
-        raise ValueError(
-            f"{command.label}: the guide drew triangle {highest}, but this mesh gives "
-            f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
-        )
 
 
 def _drew_otherwise(guide, draws):
@@ -201,7 +193,8 @@ class _Evaluation:
     def draw(self, command):
         written = self.buffers.buffer(command.state.draw_buffer)
         size, record = (self.width, self.height), self.next_record()
-        given = self.textures, self.plans, size, self.depth_bits, record, self.threads
+        guide = None if record is None else (self.guide.profile, record)
+        given = self.textures, self.plans, size, self.depth_bits, guide, self.threads
         _draw(command, written, *given)
 
     def rectangle(self, command):

@@ -27,6 +27,7 @@ from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.ideal.buffers import IdealBuffers, accumulate, clear, saturate
 from fixedpipe.pipeline.ideal.evaluate import evaluate_watched
 from fixedpipe.pipeline.ideal.per_fragment import write
+from fixedpipe.pipeline.ideal.primitives import primitives_of
 from fixedpipe.pipeline.ideal.rectangles import rectangle, shade_rectangle
 from fixedpipe.pipeline.ideal.shade import plan_for, shade
 from fixedpipe.pipeline.ideal.textures import with_ideal
@@ -35,7 +36,6 @@ from fixedpipe.pipeline.inspection.pixel import Touch, Witness
 from fixedpipe.pipeline.inspection.recording import RecordedFrame
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.validation.frames import frame_of
-from fixedpipe.pipeline.vertices.stage import process
 
 # What fragments read of other pixels, or what one pixel alone cannot tell: then the whole ideal runs, once.
 _READ_ELSEWHERE = (CopyTexImage, CopyTexSubImage, CopyPixels, HostStep)
@@ -131,7 +131,7 @@ class IdealPixel:
 
     def _draw(self, command, textures, touch, passed, witness):
         frame, state, seen = self.ideal.frame, command.state, []
-        primitives = process(command.mesh, state, IDEAL, frame.width, frame.height)
+        primitives = primitives_of(command, frame.profile, frame.width, frame.height)
         mesh, plan = mesh_of(primitives), plan_for(state, textures, self._plans)
         target = self.buffers.buffer(state.draw_buffer)
         for triangle, written in zip(touch.triangles, passed, strict=True):

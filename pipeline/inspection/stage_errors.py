@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.ideal.primitives import primitives_of
 from fixedpipe.pipeline.ideal.shade import plan_for, shade
 from fixedpipe.pipeline.ideal.weights import mesh_of, weigh
 from fixedpipe.pipeline.inspection.ideal import RecordedIdeal, record_ideal
 from fixedpipe.pipeline.inspection.recording import record
-from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.validation.frames import frame_of
-from fixedpipe.pipeline.vertices.stage import process
 from fixedpipe.raster.columns import numbers
 
 
@@ -54,7 +53,7 @@ class _Beside:
         self.chunk = self.draw = self.triangle = None
         if type(command) is Draw:
             frame, meant = self.ideal.frame, self.ideal.commands[self.number]
-            primitives = process(meant.mesh, meant.state, IDEAL, frame.width, frame.height)
+            primitives = primitives_of(meant, frame.profile, frame.width, frame.height)
             self.draw = meant.state, self.ideal.textures[self.number], primitives, mesh_of(primitives)
 
     def _iteration(self, triangle, **columns):

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from hashlib import blake2b
 
 import numpy as np
 
@@ -15,6 +16,13 @@ _FEW = 64  # vertices
 def no_strokes():
     """The ``strokes`` of primitives that are all triangles."""
     return np.zeros((0, STROKE_SIZE), np.int32)
+
+
+def _digest(*columns):
+    found = blake2b(digest_size=8)
+    for column in columns:
+        found.update(column)
+    return found.digest()
 
 
 def is_constant(colors):
@@ -84,6 +92,16 @@ class WindowPrimitives:
         in_range = named.size == 0 or (named.min() >= 0 and named.max() < len(self.x))
         near = all(((column > -_FARTHEST) & (column < _FARTHEST)).all() for column in (self.x, self.y))
         return bool(in_range and near and ((w >= W_SMALLEST) & (w <= W_LARGEST)).all())
+
+    def places(self):
+        """Digests of where the corners of all triangles are: of depths and 1/w, and of x and y, which depend
+        on the subpixel grid as well. Equal digests are equal triangles in the same order. None where some
+        primitives are lines or points.
+        """
+        if len(self.strokes):
+            return None
+        corners = self.triangles[:, :3].ravel()
+        return _digest(self.z[corners], self.inverse_w[corners]), _digest(self.x[corners], self.y[corners])
 
     def knowing(self, *, orderly, **known):
         """The same primitives, with ``orderly`` and these of ``constant_color`` and ``projective`` known."""

@@ -16,9 +16,11 @@ from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.ideal.primitives import primitives_of
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
 from fixedpipe.pipeline.state import ColorTable, DepthTest
 from fixedpipe.pipeline.validation.validate import validate
+from fixedpipe.pipeline.vertices.stage import process
 from tests.accept import loads_for_each_polygon
 
 # Each figure on the first machine of each of its methods.
@@ -62,6 +64,40 @@ def test_later_passes_test_for_equal_depth_and_write_none(figure_id):
         if draw.state.blending is not None:
             assert draw.state.depth_test == DepthTest(draw.state.depth_test.function, write=False)
             assert draw.state.depth_test.function.name == "EQUAL"
+
+
+def has_own_places(machine):
+    """Whether a machine's triangles may lie elsewhere, or be others, than the ideal's own."""
+    own, its = IDEAL.arithmetic, PROFILES[machine].arithmetic
+    return (its.guard_band, its.device_origin) != (own.guard_band, own.device_origin)
+
+
+# Each figure with its machines that have places of their own; with its others in the long proofs alone, since
+# most of their time goes into textures.
+PLACED = [
+    pytest.param(f.id, tuple(m for m in f.machines if has_own_places(m) is own), marks=marks)
+    for own, marks in ((True, ()), (False, pytest.mark.slow))
+    for f in FIGURES.values()
+    if any(has_own_places(m) is own for m in f.machines)
+]
+
+
+@pytest.mark.parametrize(("figure_id", "machines"), PLACED)
+def test_in_its_own_size_the_ideal_takes_the_machine_s_triangles(figure_id, machines):
+    figure = FIGURES[figure_id]
+    width, height = figure.dimensions(figure.size)
+    for machine in machines:
+        profile = PROFILES[machine]
+        frames = figure.commands(profile), figure.commands(IDEAL, None, figure.method(machine))
+        # What a HostStep draws is known when pixels have been read: execute_ideal refuses it then.
+        drawn, meant = ([c for c in frame if isinstance(c, Draw)] for frame in frames)
+        for own, ideal in zip(drawn, meant, strict=True):
+            machines_own = process(own.mesh, own.state, profile, width, height)
+            taken = primitives_of(ideal, profile, width, height)
+            if machines_own.places() is None:  # lines: the ideal has polygons in their place (H16)
+                assert len(machines_own.triangles) <= len(taken.triangles)
+            else:
+                assert machines_own.places() == taken.places(), f"{own.label}, on the {profile.name}"
 
 
 @pytest.mark.parametrize(("figure_id", "machine"), EVERYWHERE)

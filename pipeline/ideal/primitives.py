@@ -1,0 +1,51 @@
+"""The triangles that the ideal evaluates: those that a machine drew, with vertices in real numbers."""
+
+from functools import lru_cache
+
+from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.vertices.stage import process
+
+
+def primitives_of(command, machine, width, height):
+    """WindowPrimitives of a Draw with real colours and coordinates, at the places where ``machine``, a
+    Profile, has them: cut where its guard band ends, counted from where its rows are.
+
+    The subpixel grid stays the ideal's own, which its kernels have built in.
+    """
+    its = machine.arithmetic
+    return process(command.mesh, command.state, _ideal_with(its.guard_band, its.device_origin), width, height)
+
+
+@lru_cache(maxsize=64)
+def _ideal_with(guard_band, device_origin):
+    """The ideal with what decides where a machine's vertices are. Always the same object, and the ideal
+    itself where nothing differs: vertex plans are kept by the profile's identity.
+    """
+    own = IDEAL.arithmetic
+    if (guard_band, device_origin) == (own.guard_band, own.device_origin):
+        return IDEAL
+    evidence = "Inferred: the machine's that the ideal is compared with"
+    return IDEAL.changed(evidence=evidence, guard_band=guard_band, device_origin=device_origin)
+
+
+def check_primitives(command, record, primitives, machine):
+    """Raise ValueError where a guide's ``record`` of a Draw is of other triangles than ``primitives``.
+
+    Where the machine drew lines or points, which the ideal has not, its frame may have polygons in their
+    place, one for each number: the numbers alone are compared.
+    """
+    drawn = record.triangle.max(initial=-1, where=record.passed != 0)
+    if drawn >= len(primitives.triangles):
+        raise ValueError(
+            f"{command.label}: the guide drew triangle {drawn}, but this mesh gives "
+            f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
+        )
+    if record.places is None:
+        return
+    same_grid = machine.arithmetic.subpixel_bits == IDEAL.arithmetic.subpixel_bits
+    compared = slice(2 if same_grid else 1)
+    if record.places[compared] != primitives.places()[compared]:
+        raise ValueError(
+            f"{command.label}: the guide's triangles are at other places than this mesh's; guide a frame by "
+            "the same meshes in the same views."
+        )
