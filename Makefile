@@ -5,6 +5,8 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11; do \
 BIN := .venv/bin
 READY := .venv/.ready
 OUT ?= out
+CHECKS ?= yes
+MACHINES ?=
 # Tests run in a process per processor (eight at most: each has every kernel in memory). A process that has none left
 # takes half of those that another has before it, so most of a file's tests stay together, with what they share.
 # Measured with two processes: 2 % longer than if the work were shared out evenly; by whole files, 28 %.
@@ -22,6 +24,8 @@ endif
 
 help:
 	@echo "make figures            render and check every figure into $(OUT)/; $(OUT)/index.html is a gallery"
+	@echo "                        (CHECKS=no: without checks; MACHINES='paper NV2A': on these alone, paper being each"
+	@echo "                        figure's own)"
 	@echo "make conformance        redraw the captures of FIXEDPIPE_CAPTURES; $(OUT)/conformance.html shows the rest"
 	@echo "make test               prove it: everything that takes seconds (make test-all: minutes as well)"
 	@echo "make check              style: ruff check, ruff format --check; types of what users call: mypy"
@@ -52,8 +56,9 @@ $(READY): pyproject.toml constraints.txt
 	--editable '.[dev,bench]' 2>&1) || { status=$$?; printf '%s\n' "$$said" >&2; exit $$status; }
 	@touch $@
 
+# With CHECKS=no nothing is checked; MACHINES names those that draw, of which `paper` is the one of a figure's paper.
 figures: $(READY)
-	$(BIN)/fixedpipe figures --check --out $(OUT)
+	$(BIN)/fixedpipe figures $(if $(filter no,$(CHECKS)),,--check) $(MACHINES:%=--profile %) --out $(OUT)
 
 conformance: $(READY)
 	$(BIN)/fixedpipe conformance --html $(OUT)/conformance.html --json $(OUT)/conformance.json

@@ -11,6 +11,9 @@ from fixedpipe.effects.cli.options import refuse_beside, set_option, threads_opt
 from fixedpipe.effects.cli.progress import error_console
 from fixedpipe.pipeline.sentences import count
 
+# What --profile calls the machine that a figure's paper used.
+PAPER = "paper"
+
 
 @click.command(short_help="Render figures, check them, make a gallery.")
 @click.argument("figure_ids", metavar="[ID …]", nargs=-1)
@@ -18,7 +21,14 @@ from fixedpipe.pipeline.sentences import count
 @click.option("--check", is_flag=True, help="Run the acceptance checks; exit status 1 if one fails.")
 @click.option("--out", metavar="DIR", default="out", show_default=True, help="Folder of the gallery.")
 @click.option("--png", metavar="DIR", help="Write every picture as PNG, F004-4-OCTANE.png, there as well.")
-@click.option("--profile", metavar="NAME", help="One machine, or IDEAL; else every one that can draw it.")
+@click.option(
+    "--profile",
+    "profiles",
+    metavar="NAME",
+    multiple=True,
+    help="A machine, IDEAL, or paper: the one that the figure's paper used. May be given several times. Else "
+    "every machine that can draw the figure.",
+)
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a figure's panels, pixels.")
 @click.option("--again", is_flag=True, help="Draw what did not change since it was drawn, too.")
 @click.option(
@@ -27,16 +37,20 @@ from fixedpipe.pipeline.sentences import count
 @set_option
 @threads_option
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
-def figures(figure_ids, list_only, check, out, png, profile, size, again, jobs, settings, threads, json_file):
+def figures(
+    figure_ids, list_only, check, out, png, profiles, size, again, jobs, settings, threads, json_file
+):
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
 
     Writes a gallery, index.html, with a JSON file for each figure and its pictures. A figure that the folder
     has, whose sources, machines, size and packages are what they were, is not drawn again; what the folder
     has of another is replaced, with all of its machines. Several figures are drawn in several processes, the
-    cheapest and then the longest first. Of all figures, --profile
-    takes those that the machine can draw. With --set a figure is a variant, whose files have names of their
-    own and say what was changed. PNG files have 16 bits a component where the machine has more than 8; a
-    difference of nothing has no file.
+    cheapest and then the longest first. Of all figures, --profile takes those that one of the machines can
+    draw. With --set a figure is a variant, whose files have names of their own and say what was changed. PNG
+    files have 16 bits a component where the machine has more than 8; a difference of nothing has no file.
+
+    Where a figure fails, all others are drawn. Its card in the gallery and the command's last lines say what
+    failed, and the exit status is 1. When the disc is full no other figure is begun; what is drawn stays.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.options import changes_of
@@ -56,17 +70,15 @@ def figures(figure_ids, list_only, check, out, png, profile, size, again, jobs, 
         click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
         return
     chosen = [choose("figure", i, FIGURES) for i in dict.fromkeys(figure_ids)] or list(FIGURES.values())
-    if profile is not None:
-        exact = choose("profile", profile, PROFILES).arithmetic.exact
-        if exact and check:
-            raise Refusal(f"--check compares machines with {profile}; leave it out, or give a machine.")
-        chosen = [figure for figure in chosen if figure_ids or exact or profile in figure.machines]
-        if not chosen:
-            raise Refusal(
-                f"No figure can be drawn on {profile}; fixedpipe figures --list has their machines."
-            )
+    for name in profiles:
+        if name != PAPER and choose("profile", name, PROFILES).arithmetic.exact and check:
+            raise Refusal(f"--check compares machines with {name}; leave it out, or give a machine.")
     with refusals():
-        machines = {f.id: f.machines if profile is None else _only(f, profile) for f in chosen}
+        machines = {f.id: _machines(f, profiles, bool(figure_ids)) for f in chosen}
+    chosen = [figure for figure in chosen if machines[figure.id]]
+    if not chosen:
+        named = " or ".join(profiles)
+        raise Refusal(f"No figure can be drawn on {named}; fixedpipe figures --list has their machines.")
     if settings and not figure_ids:
         raise Refusal("--set changes a figure; name it, as in fixedpipe figures F004-4 --set alpha_x=0.15.")
     if settings and check:
@@ -84,9 +96,10 @@ def figures(figure_ids, list_only, check, out, png, profile, size, again, jobs, 
             own = f"{figure.id}'s own is {name}={known.kind.show(known.default)}"
             said = own if known.default is not None else f"{figure.id} has no {name} of its own"
             click.echo(f"{said}. {known.does}", err=True)
-    from fixedpipe.effects.reports.figure_files import files_of, set_aside, tidy, unchanged, write_page
+    from fixedpipe.effects.reports.figure_failures import failures_of, in_words
+    from fixedpipe.effects.reports.figure_files import files_of, set_aside, tidy, unchanged
     from fixedpipe.effects.reports.figure_inputs import inputs_of
-    from fixedpipe.effects.reports.figure_pool import Order, draw_all
+    from fixedpipe.effects.reports.figure_pool import Order, draw_all, draw_here
     from fixedpipe.effects.reports.figure_record import steps
     from fixedpipe.pipeline.native.threads import default_threads
 
@@ -122,14 +135,15 @@ def figures(figure_ids, list_only, check, out, png, profile, size, again, jobs, 
             drawn = draw_all(inside, jobs, max(1, processors // jobs), step, compiling)
         else:
             inside = [orders[figure.id] for figure in cheapest_first(left)]
-            drawn = ((order, order.draw(step, changes[order.id])) for order in inside)
+            drawn = draw_here(inside, step, changes)
         for order, record in drawn:
             records[order.id] = record
-            write_page(folder, FIGURES)
-    write_page(folder, FIGURES)
-    records = [records[figure.id] for figure in chosen]
-    if json_path:
-        write_whole(json_path, (json.dumps(records, indent=2) + "\n").encode())
+            _write_page(folder, FIGURES)
+    missing = [figure.id for figure in chosen if figure.id not in records]
+    records = [records[figure.id] for figure in chosen if figure.id in records]
+    failures = [f"{record['id']}: {sentence}" for record in records for sentence in in_words(record)]
+    failures += [f"{i}: not begun, because the disc is full" for i in missing]
+    failures += _write_page(folder, FIGURES)
     # Of all figures hundreds pass; the gallery has them.
     passed, failed = _print_checks(records, only_failed=not figure_ids)
     if check:
@@ -139,7 +153,26 @@ def figures(figure_ids, list_only, check, out, png, profile, size, again, jobs, 
     click.echo(f"{kept}; open {folder / 'index.html'}")
     if failed:
         click.echo(f"{count(failed, 'acceptance check')} failed.", err=True)
+    if failures:
+        whole = sum(not failures_of(record) for record in records)
+        click.echo(f"{whole} of {count(len(chosen), 'figure')} are whole. What failed:", err=True)
+        click.echo("\n".join(failures), err=True)
+    if json_path:
+        write_whole(json_path, (json.dumps(records, indent=2) + "\n").encode())
+    if failed or failures:
         sys.exit(1)
+
+
+def _write_page(folder, figures):
+    """Write the gallery's page of ``figures``; returns what stood in the way, none or one sentence."""
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.reports.figure_files import write_page
+
+    try:
+        write_page(folder, figures)
+    except Refusal as refusal:
+        return [str(refusal)]
+    return []
 
 
 def _plan(chosen, machines, check, own_sizes, jobs):
@@ -163,10 +196,17 @@ def _plan(chosen, machines, check, own_sizes, jobs):
     return f"{what}: {'about' if check else 'less than'} {time} on {cores}."
 
 
-def _only(figure, machine):
-    """The machine, where the figure can be drawn on it; otherwise a ValueError that says where it can."""
-    figure.method(machine)
-    return (machine,)
+def _machines(figure, profiles, is_named):
+    """The machines of ``profiles`` that can draw the figure; none given: all that can. Where the figure was
+    asked for by its name and none of them can, a ValueError says where it can be drawn.
+    """
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    wanted = dict.fromkeys(figure.machines[0] if name == PAPER else name for name in profiles)
+    able = tuple(m for m in wanted if m in figure.machines or PROFILES[m].arithmetic.exact)
+    if wanted and is_named and not able:
+        figure.method(next(iter(wanted)))
+    return able if profiles else figure.machines
 
 
 @contextmanager

@@ -40,7 +40,7 @@ def write_figure(folder, rendered, inputs=None, named=None, threads=None):
     """
     made_from = {"inputs": inputs, "files": sorted(name for name, _ in rendered.pictures.files())}
     record = {**rendered.record, **made_from}
-    pictures, records = writable_folder(folder / PICTURES), writable_folder(folder / RECORDS)
+    pictures = writable_folder(folder / PICTURES)
     new = [(name, data) for name, data in rendered.pictures.files() if not _is_whole(pictures / name)]
     with ThreadPoolExecutor(threads or os.cpu_count()) as pool:  # Python waits while WebP is coded
         for (name, _), data in zip(new, pool.map(lambda file: file[1](), new), strict=True):
@@ -48,10 +48,15 @@ def write_figure(folder, rendered, inputs=None, named=None, threads=None):
     if named is not None:
         for name, image in rendered.named.items():
             write_whole(named / name, png(image))
-    # The record comes after what it names.
+    write_record(folder, record)  # after what it names
+    return record
+
+
+def write_record(folder, record):
+    """Write a figure's record in both forms; ``folder``: a Path. Raises Refusal when it cannot be written."""
+    records = writable_folder(folder / RECORDS)
     write_whole(records / f"{record['id']}.js", f"record({json.dumps(record)})\n".encode())
     write_whole(folder / f"{record['id']}.json", (json.dumps(record, indent=2) + "\n").encode())
-    return record
 
 
 def write_page(folder, figures):
@@ -60,12 +65,13 @@ def write_page(folder, figures):
 
 
 def unchanged(folder, identifier, inputs):
-    """The record of a figure in a folder, a Path, if it was made from ``inputs`` and all of its files are
-    there; else None.
+    """The record of a figure in a folder, a Path, if it was made from ``inputs``, nothing of it failed and
+    all of its files are there; else None.
     """
     try:
         record = json.loads((folder / f"{identifier}.json").read_bytes())
-        whole = record["inputs"] == inputs and (folder / RECORDS / f"{identifier}.js").is_file()
+        whole = record["inputs"] == inputs and not record["failures"]
+        whole = whole and (folder / RECORDS / f"{identifier}.js").is_file()
         if whole and all(_is_whole(folder / PICTURES / name) for name in record["files"]):
             return record
     except (OSError, ValueError, LookupError, TypeError, RecursionError):

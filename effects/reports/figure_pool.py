@@ -5,15 +5,18 @@ write is what one process alone writes.
 import multiprocessing
 import signal
 import sys
+from collections import deque
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import fixedpipe.effects.figures as figures
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_record
-from fixedpipe.effects.reports.figure_files import write_figure
+from fixedpipe.effects.reports.figure_failures import failure, failures_of
+from fixedpipe.effects.reports.figure_files import write_figure, write_record
 from fixedpipe.pipeline.native import readiness
 from fixedpipe.pipeline.native.compiling import watch_compiling
 from fixedpipe.pipeline.native.threads import limit_threads
@@ -39,11 +42,33 @@ class Order:
     inputs: str | None
 
     def draw(self, step, changes=None):
-        """Draw it and write its files; returns its record."""
+        """Draw it and write its files; returns its record. What goes wrong is among the record's failures."""
+        figure = figures.FIGURES[self.id]
         how = self.machines, self.size, self.threads, self.with_checks, step, changes
-        rendered = figure_record.render(figures.FIGURES[self.id], *how)
-        step(f"{rendered.record['id']}: writing")
-        return write_figure(self.folder, rendered, self.inputs, self.named, self.threads)
+        try:
+            rendered = figure_record.render(figure, *how)
+            step(f"{rendered.record['id']}: writing")
+            return write_figure(self.folder, rendered, self.inputs, self.named, self.threads)
+        except Exception as error:
+            return self.failed(error, changes)
+
+    def failed(self, error, changes=None):
+        """The record of a figure of which nothing was drawn because of ``error``, written where it can be."""
+        figure = figures.FIGURES[self.id]
+        how = self.machines, self.size or figure.size, changes or {}, self.with_checks
+        record = figure_record.record_of(figure, *how, [], [failure(error)])
+        with suppress(Refusal):
+            write_record(self.folder, record)
+        return record
+
+
+def draw_here(orders, step, changes):
+    """Draw Orders in this process, as ``draw_all`` does in others. ``changes``: of ``Order.draw``, by id."""
+    for order in orders:
+        record = order.draw(step, changes[order.id])
+        yield order, record
+        if _is_disc_full(record):
+            return
 
 
 def draw_all(orders, jobs, threads, step, compiling):
@@ -54,39 +79,41 @@ def draw_all(orders, jobs, threads, step, compiling):
     step       called with a line of text at the beginning of each step
     compiling  called with the name of each kernel that one of them compiles
 
-    However it ends, no process is left behind, and no file that is half written. Raises what drawing raised;
-    Refusal where a process ended by itself.
+    What goes wrong with a figure is in its record: an error, or a process that ended by itself, which another
+    replaces. Once the disc is full no other figure is begun. However it ends, no process is left behind, and
+    no file that is half written.
     """
     context, others = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())
     said = context.SimpleQueue()
-    pool = ProcessPoolExecutor(jobs, context, _begin, (said, threads))
+    # Each has one process, so that when it ends by itself it is known which figure it drew.
+    free = [ProcessPoolExecutor(1, context, _begin, (said, threads)) for _ in range(jobs)]
+    working = {}  # what is being done: by whom, and the Order; None: a compiler's work
     try:
-        first, *rest = orders
-        # One process draws the first figure without waiting for a compiler, which is another's, and has some
-        # tens of seconds to do. The portable engine tells a figure's ideal which fragments there are; the
-        # vector engine draws what a figure is checked by.
-        engines = ["portable", "vector"] if first.with_checks else ["portable"]
-        missing = [engine for engine in engines if jobs > 1 and not readiness.is_ready(engine)]
-        waiting = {pool.submit(_draw_at_once if missing else _draw, first): first}
-        waiting |= {pool.submit(readiness.make_ready, engine): None for engine in missing}
-        waiting |= {pool.submit(_draw, order): order for order in rest}
-        while any(waiting.values()):  # not for a compiler that no figure waits for
-            done, _ = wait(waiting, _SECONDS, FIRST_COMPLETED)
+        waiting = _tasks(orders, jobs)
+        while waiting or any(order for _, order in working.values()):  # not for a compiler alone
+            while waiting and free:
+                process, (function, argument, order) = free.pop(), waiting.popleft()
+                working[process.submit(function, argument)] = process, order
+            done, _ = wait(working, _SECONDS, FIRST_COMPLETED)
             _tell(said, step, compiling)
             for future in done:
-                order = waiting.pop(future)
+                process, order = working.pop(future)
                 try:
                     record = future.result()
-                except BrokenProcessPool:
-                    left = ", ".join([one.id for one in (order, *waiting.values()) if one][:jobs])
-                    raise Refusal(
-                        f"A process ended by itself, with {left} to be drawn: is there memory for {jobs} at "
-                        "once? Give --jobs 1."
-                    ) from None
+                except (BrokenProcessPool, SystemExit):  # killed, or told to end
+                    process.shutdown(wait=False)
+                    process = ProcessPoolExecutor(1, context, _begin, (said, threads))
+                    record = order and order.failed(_ended(order, jobs))
+                except Exception as error:  # a compiler's: who needs its kernel fails in its own name
+                    record = order and order.failed(error)
+                free.append(process)
                 if order:
                     yield order, record
+                    if _is_disc_full(record):
+                        waiting.clear()
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+        for process in (*free, *(process for process, _ in working.values())):
+            process.shutdown(wait=False, cancel_futures=True)
         ours = [process for process in multiprocessing.active_children() if process not in others]
         for process in ours:
             process.terminate()
@@ -95,6 +122,31 @@ def draw_all(orders, jobs, threads, step, compiling):
             while process.is_alive():  # ``readiness.end_with_parent`` says why once is not enough
                 process.terminate()
                 process.join(readiness.SECONDS_TO_CLEAN)
+
+
+def _tasks(orders, jobs):
+    """What processes are to do, in order: (function, its argument, the Order or None)."""
+    first, *rest = orders
+    # One process draws the first figure without waiting for a compiler, which is another's, and has some
+    # tens of seconds to do. The portable engine tells a figure's ideal which fragments there are; the vector
+    # engine draws what a figure is checked by.
+    engines = ["portable", "vector"] if first.with_checks else ["portable"]
+    missing = [engine for engine in engines if jobs > 1 and not readiness.is_ready(engine)]
+    tasks = deque([(_draw_at_once if missing else _draw, first, first)])
+    tasks.extend((readiness.make_ready, engine, None) for engine in missing)
+    tasks.extend((_draw, order, order) for order in rest)
+    return tasks
+
+
+def _is_disc_full(record):
+    return any(one["full_disc"] for one in failures_of(record))
+
+
+def _ended(order, jobs):
+    return Refusal(
+        f"The process that drew it ended by itself, as one does that the system ends because memory is short "
+        f"(there were {jobs}). Draw it alone: fixedpipe figures {order.id} --jobs 1."
+    )
 
 
 def _tell(said, step, compiling):
@@ -127,10 +179,4 @@ def _draw_at_once(order):
 
 
 def _draw(order):
-    try:
-        return order.draw(lambda text: _SAID.put(("step", text)))
-    except Refusal as refusal:
-        raise Refusal(f"{order.id}: {refusal}") from refusal
-    except Exception as error:
-        error.add_note(f"It happened while {order.id} was drawn.")
-        raise
+    return order.draw(lambda text: _SAID.put(("step", text)))

@@ -8,10 +8,11 @@ from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bibliography import citation
 from fixedpipe.effects.figures import Figure, Method, Renderer
 from fixedpipe.effects.refusal import refusals
+from fixedpipe.effects.reports.figure_failures import failure
 from fixedpipe.effects.reports.figure_passes import Passes
 from fixedpipe.effects.reports.pictures import LOSSLESS, NARROW, OF_GRID, WIDE, Pictures
 from fixedpipe.effects.technique import OWN, PAPERS
@@ -114,27 +115,44 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
         Other values of parameters, by name: a variant, whose files and record have a name of their own and
         say what was changed. Its acceptance is nobody's: checks hold for the figure's own values.
 
-    Raises Refusal for what a machine cannot hold.
+    What cannot be drawn or checked on one machine, for whatever reason, is among the record's ``failures``;
+    the others are drawn all the same.
     """
     size = size or figure.size
-    width, height = figure.dimensions(size)
-    across = figure.panel_width(size)
     changes = changes or {}
     drawing = _Drawing(figure, variant_name(figure, changes), size, threads, changes, step)
-    drawn, kept = [], {}
+    drawn, failures, kept = [], [], {}
     for machine in machines:
-        record = drawing.on(machine)
+        try:
+            record = drawing.on(machine)
+        except Exception as error:
+            failures.append(failure(error, machine))
+            continue
         if with_checks:
             step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
             method = figure.method(machine)
-            checks = _checks(figure, Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
             checked = {m["method"] for m in drawn}
+            try:
+                checks = figure.checks(Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
+            except Exception as error:
+                failures.append(failure(error, machine, "checked"))
+                checks = ()
             record["checks"] = [
                 c.record() for c in checks if c.on is Answer.MACHINE or method.name not in checked
             ]
         drawn.append(record)
+    record = record_of(figure, machines, size, changes, with_checks, drawn, failures)
+    return Rendered(record, drawing.pictures, drawing.named)
+
+
+def record_of(figure, machines, size, changes, with_checks, drawn, failures):
+    """The record of a figure: ``drawn``, a record for each machine that drew it, and ``failures``
+    (``figure_failures.failure``), one for each that did not. The others: as of ``render``, ``size`` a number.
+    """
+    width, height = figure.dimensions(size)
+    across = figure.panel_width(size)
     record = {
-        "id": drawing.name,
+        "id": variant_name(figure, changes),
         "title": figure.title,
         "caption": figure.caption,
         "must_see": figure.must_see,
@@ -152,12 +170,13 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
             for n, label in enumerate(figure.panels)
         ],
         "machines": drawn,
+        "failures": failures,
     }
     if changes:
         # What must be seen is of the figure's own values.
         del record["must_see"]
         record |= {"figure": figure.id, "set": plain_values(figure, changes)}
-    return Rendered(record, drawing.pictures, drawing.named)
+    return record
 
 
 def _citation(figure):
@@ -180,23 +199,12 @@ def _command(figure, machines, size, changes, with_checks):
     """What draws these pictures again."""
     words = ["fixedpipe", "figures", figure.id, *["--check"] * with_checks]
     if tuple(machines) != figure.machines:
-        words += ["--profile", machines[0]]
+        words += [word for machine in machines for word in ("--profile", machine)]
     if size != figure.size:
         words += ["--size", str(size)]
     for name, text in _texts(figure, changes).items():
         words += ["--set", f"{name}={text}"]
     return shlex.join(words)
-
-
-def _checks(figure, renderer):
-    """The figure's acceptance checks; where they end in an error, one that failed and has it as its reason:
-    the other machines and figures are drawn all the same.
-    """
-    try:
-        return figure.checks(renderer)
-    except Exception as error:
-        reason = f"{type(error).__name__}: {error}"
-        return (Check("errors of the checks themselves", 1.0, at_most=0.0, on=Answer.MACHINE, reason=reason),)
 
 
 @dataclass

@@ -1,6 +1,7 @@
 """A browser for the tests of the gallery: Chromium of the system, or Playwright's own."""
 
 import shutil
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -32,19 +33,25 @@ def made(tmp_path_factory):
 
 
 @pytest.fixture
-def visit(browser, made):
-    """Opens the made gallery: visit("#K12", width=420) gives the page, whose errors and whose requests that
-    leave the folder fail the test.
+def visit(visit_folder, made):
+    """Opens the made gallery: visit("#K12", width=420) gives the page."""
+    return partial(visit_folder, made.folder)
+
+
+@pytest.fixture
+def visit_folder(browser):
+    """Opens the gallery of a folder: visit_folder(folder, "#K12", width=420) gives the page, whose errors and
+    whose requests that leave the folder fail the test.
     """
     contexts, wrong = [], []
 
-    def opened(address="", width=1400, height=900, **options):
+    def opened(folder, address="", width=1400, height=900, **options):
         context = browser.new_context(viewport={"width": width, "height": height}, **options)
         context.set_default_timeout(HANGS)
         contexts.append(context)
         page = context.new_page()
-        home = (made.folder / "index.html").as_uri()
-        inside = made.folder.as_uri()
+        home = (folder / "index.html").as_uri()
+        inside = folder.as_uri()
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on("request", lambda r: r.url.startswith((inside, "blob:", "data:")) or wrong.append(r.url))
         page.goto(home + address)

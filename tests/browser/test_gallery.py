@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.browser.made_gallery import EDGE, HOSTILE, VARIANT
+from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.reports.figure_failures import failure
+from fixedpipe.effects.reports.gallery import gallery
+from tests.browser.made_gallery import EDGE, FIGURES, HOSTILE, VARIANT, Made, codes_of, drawn, figure
 
 FIGURE = "#F003-21/GEFORCE_3/machine"
 READY, FAILURE = ".stage[aria-busy=false]", ".figure > [role=alert]:not([hidden])"
@@ -122,7 +125,7 @@ def test_chips_narrow_by_paper_machine_method_and_verdict(visit):
     chip("machines differ").click()
     assert ids(page) == ["F003-21"]
     page.click("text=Show all")
-    chip("check failed").click()
+    chip("failed").click()
     assert ids(page) == ["F004-4"]
     page.click("text=Show all")
     chip("Zwicker 2016").click()
@@ -563,6 +566,59 @@ def test_a_phone_has_the_panels_one_below_the_other(visit, made):
         rows = drawn[panel * EDGE * step : (panel + 1) * EDGE * step]
         part = machine[:, panel * EDGE : (panel + 1) * EDGE]
         np.testing.assert_array_equal(found[rows][:, columns, :3], magnified(part, step))
+
+
+@pytest.fixture
+def failing(tmp_path):
+    """A folder with a figure that no machine drew, one that one of two did not, and a whole one."""
+    made = Made(tmp_path)
+    for name in ("pictures", "records"):
+        (tmp_path / name).mkdir()
+    codes = codes_of(np.random.default_rng(3), panels=1)
+    machine = drawn(made, "K12", "GEFORCE_3", "combiners", 8, {"machine": codes, "ideal": codes})
+    refused = failure(Refusal("no room for <b>three</b> units."), "NV2A")
+    broken = [failure(ZeroDivisionError("division by zero"), name) for name in ("GEFORCE_3", "NV2A")]
+    figure(made, "F003-21", "Nobody drew it", [], ("",), failures=broken)
+    figure(made, "K12", "One did not", [machine], ("",), failures=[refused])
+    figure(made, "F004-4", "Whole", [machine], ("",))
+    (tmp_path / "index.html").write_text(gallery(tmp_path, FIGURES), encoding="utf-8")
+    return tmp_path
+
+
+NOBODY = "Not drawn on the GeForce 3, NV2A: ZeroDivisionError: division by zero"
+ONE = "Not drawn on the NV2A: no room for <b>three</b> units."
+
+
+def test_a_card_says_what_failed(visit_folder, failing):
+    page = visit_folder(failing)
+    assert page.locator(".card:has([data-id='F003-21']) .failure").all_inner_texts() == [NOBODY]
+    assert page.locator(".card:has([data-id='K12']) .failure").all_inner_texts() == [ONE]
+    assert page.locator(".card:has([data-id='F004-4']) .failure").count() == 0
+    assert "3 figures" in page.inner_text("header.top") and "2 not whole" in page.inner_text("header.top")
+    page.locator(".chip:has-text('failed')").click()
+    assert ids(page) == ["F003-21", "K12"]
+
+
+def test_a_figure_s_page_says_what_failed_and_shows_what_was_drawn(visit_folder, failing):
+    page = stage(visit_folder(failing, "#K12"))
+    assert page.locator(".failures p").all_inner_texts() == [ONE]
+    assert page.locator(".failures details").count() == 0  # a sentence says all
+    assert seen(page).size
+    page.evaluate("location.hash = '#F003-21'")
+    page.wait_for_selector(".undrawn")
+    assert page.locator(".failures p").all_inner_texts() == [NOBODY]
+    page.click(".failures summary")
+    assert "ZeroDivisionError: division by zero" in page.inner_text(".failures pre")
+    assert not page.is_visible(".stage") and "What F003-21 shows." in page.inner_text(".below")
+    page.evaluate("location.hash = '#F004-4'")
+    page.wait_for_selector(".figure:not(.undrawn)")
+    assert page.locator(".failures p").count() == 0 and seen(stage(page)).size
+
+
+def test_without_script_the_plain_page_says_what_failed(visit_folder, failing):
+    page = visit_folder(failing, java_script_enabled=False)
+    assert page.locator("#F003-21 .failed").all_inner_texts() == [NOBODY]
+    assert page.locator("#K12 .failed").all_inner_texts() == [ONE]
 
 
 def test_without_script_the_plain_page_has_all_figures(visit, made):

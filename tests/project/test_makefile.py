@@ -35,6 +35,16 @@ def test_pip_is_heard_only_where_the_set_up_fails(tmp_path, status):
     assert done.stderr.count(NOISE) == 2 * status
 
 
-def test_figures_are_drawn_with_their_checks():
-    done = subprocess.run(["make", "-n", "figures"], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert "fixedpipe figures --check" in done.stdout
+@pytest.mark.parametrize(
+    ("asked", "called"),
+    [
+        ([], "fixedpipe figures --check --out out"),
+        (["CHECKS=no"], "fixedpipe figures --out out"),
+        (["CHECKS=no", "MACHINES=paper NV2A"], "fixedpipe figures --profile paper --profile NV2A --out out"),
+    ],
+)
+def test_figures_are_drawn_with_their_checks_unless_told_otherwise(asked, called):
+    done = subprocess.run(
+        ["make", "-n", "figures", *asked], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert called in " ".join(done.stdout.split())

@@ -118,14 +118,32 @@ function sources(record) {
     citation.bibtex ? el("details", {}, el("summary", {}, "BibTeX"), copyable("BibTeX", citation.bibtex)) : null);
 }
 
+// What could not be drawn or checked, and where in the program it happened.
+function failuresOf(record, figure) {
+  const traces = new Map((record.failures || []).filter((one) => one.trace).map((one) => [one.what, one.trace]));
+  return [
+    ...figure.failures.map((sentence) => el("p", { class: "failed" }, sentence)),
+    ...[...traces].map(([what, trace]) =>
+      el("details", {}, el("summary", {}, `Where it happened: ${what}`), copyable("the trace", trace))),
+  ];
+}
+
+// `drawn`: the machine that is shown; null where none drew the figure.
 function below(record, drawn, figure, set) {
+  const again = record.command ? section("Draw it again", "command", copyable("the command", record.command)) : null;
+  if (!drawn) {
+    return [
+      el("p", { class: "caption" }, record.caption), mustSee(record, figure),
+      el("div", { class: "beside" }, el("div", {}, again, sources(record))),
+    ];
+  }
   return [
     el("p", { class: "caption" }, record.caption),
     el("div", { class: "beside" }, mustSee(record, figure), measured(record, drawn)),
     machineTable(record, drawn, set),
     passesOf(record, drawn),
     el("div", { class: "beside" },
-      el("div", {}, record.command ? section("Draw it again", "command", copyable("the command", record.command)) : null, sources(record)),
+      el("div", {}, again, sources(record)),
       parametersOf(record, drawn)),
   ];
 }

@@ -49,6 +49,7 @@ function makeFigure(set, go, announce) {
   const say = button("say pixel", "v", () => loupe.say());
   const bottom = el("div", { class: "below" });
   const failure = el("p", { class: "failed", role: "alert", hidden: true });
+  const failures = el("div", { class: "failures" });
 
   const element = el("article", { class: "figure" },
     el("nav", { "aria-label": "Figures" }, up, el("span", { class: "steps" }, before, after)),
@@ -57,7 +58,7 @@ function makeFigure(set, go, announce) {
       bar("Machine", el("label", {}, el("span", { class: "of" }, "machine A"), machine), el("label", {}, el("span", { class: "of" }, "B"), other)),
       viewBar,
       bar("Beside", how.wipe, how.pair, el("label", {}, el("span", { class: "of" }, "with"), against))),
-    failure,
+    failures, failure,
     el("div", { class: "frame" }, stage.element, loupe.element),
     el("div", { class: "bars under" },
       bar("Zoom", button("\u2212", "", () => stage.zoomBy(-1), { title: "smaller" }), zoomText, button("+", "", () => stage.zoomBy(1)),
@@ -132,6 +133,12 @@ function makeFigure(set, go, announce) {
     stage.element.setAttribute("aria-busy", "true");
     try {
       const record = await recordOf(next.id);
+      failures.replaceChildren(...failuresOf(record, FIGURES.get(next.id)));
+      element.classList.toggle("undrawn", !record.machines.length);
+      if (!record.machines.length) {
+        bottom.replaceChildren(...below(record, null, FIGURES.get(next.id), set).filter(Boolean));
+        return;
+      }
       const drawn = record.machines.find((one) => one.profile === next.machine) || record.machines[0];
       const beside = record.machines.find((one) => one.profile === next.other && one !== drawn);
       const pictures = await picturesOf(drawn, beside);
@@ -218,6 +225,7 @@ function makeFigure(set, go, announce) {
     link(before, step(-1), (id) => `\u2190 ${id}`);
     link(after, step(1), (id) => `${id} \u2192`);
     if (isNew) {
+      failures.replaceChildren();
       bottom.replaceChildren();
       [lensOn, followed] = [false, null];
     }

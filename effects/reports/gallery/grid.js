@@ -4,7 +4,7 @@ function thumbnail(figure) {
   const address = `pictures/${figure.thumbnail}`;
   const wide = figure.width / figure.height;
   return el("span", { class: "thumbnail", style: `--panels: ${figure.panels}; aspect-ratio: ${figure.width} / ${figure.height}` },
-    el("img", {
+    figure.thumbnail && el("img", {
       src: `${address}-480.webp`, srcset: `${address}-480.webp 480w, ${address}.webp 960w`,
       sizes: `min(100vw, ${Math.round(Math.max(1, wide) * 150)}px)`,
       loading: "lazy", decoding: "async", alt: "", width: figure.width, height: figure.height,
@@ -19,8 +19,9 @@ function cardOf(figure, state) {
     el("a", { href: address, "data-id": figure.id },
       thumbnail(figure),
       el("span", { class: "name" }, el("b", {}, figure.id), " ", figure.title),
+      figure.failures.map((what) => el("span", { class: "facts failed failure" }, what)),
       el("span", { class: "facts" },
-        machines === 1 ? nameOf(figure.machines[0]) : `${machines} machines`,
+        machines === 1 ? nameOf(figure.machines[0]) : machines ? `${machines} machines` : "",
         figure.machines_differ ? ", differ" : machines > 1 ? ", same bits" : "",
         figure.failed ? el("span", { class: "failed" }, ` · ${figure.failed} failed`) : "")));
 }
@@ -66,7 +67,7 @@ function makeGrid(set) {
       (s) => s.paper === key, (s) => ({ paper: s.paper === key ? "" : key }), INDEX.papers[key].title));
   const flags = [
     chip("machines differ", (s) => s.differ, (s) => ({ differ: !s.differ }), "not all machines of the figure draw the same bits"),
-    chip("check failed", (s) => s.failed, (s) => ({ failed: !s.failed })),
+    chip("failed", (s) => s.failed, (s) => ({ failed: !s.failed }), "a check failed, or a machine did not draw the figure"),
   ];
   const methodList = el("details", { class: "methods" }, el("summary", {}, "Methods"), group("method", methods));
   const clear = el("button", {

@@ -10,6 +10,7 @@ from urllib.parse import quote
 
 from fixedpipe.effects.bibliography import plain
 from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.reports.figure_failures import failures_of, in_words
 from fixedpipe.effects.reports.gallery.plain import plain_page
 from fixedpipe.effects.reports.style import PALETTE
 
@@ -35,6 +36,8 @@ def gallery(folder, figures):
             except (ValueError, KeyError, TypeError, AttributeError) as error:
                 raise Refusal(f"{path} is not what fixedpipe wrote; delete it and render again.") from error
     says = f"{len(records)} figure{'s' * (len(records) != 1)}, drawn bit for bit{_version_of(records)}"
+    if failed := sum(bool(failures_of(record)) for record in records):
+        says += f", {failed} not whole"
     index = {
         "says": says,
         "docs": docs,
@@ -98,7 +101,6 @@ def _version_of(records):
 def _summary(record):
     """What the grid shows of a figure, and its search and chips ask."""
     machines = record["machines"]
-    first = machines[0]
     return {
         "id": record["id"],
         "title": record["title"],
@@ -113,7 +115,9 @@ def _summary(record):
         "methods": list(dict.fromkeys(m["method"] for m in machines)),
         "machines_differ": sum(m["same_bits_as"] is None for m in machines) > 1,
         "failed": sum(not check["passed"] for m in machines for check in m["checks"]),
-        "thumbnail": first["pictures"]["machine"]["digest"],
+        "failures": in_words(record),
+        # None where no machine drew it.
+        "thumbnail": machines[0]["pictures"]["machine"]["digest"] if machines else None,
     }
 
 

@@ -4,6 +4,8 @@ import json
 from html import escape
 from urllib.parse import quote
 
+from fixedpipe.effects.reports.figure_failures import in_words
+
 # In the order in which they stand.
 VIEWS = ("machine", "ideal", "reference", "difference", "reference_difference")
 
@@ -26,7 +28,7 @@ def plain_page(record, folder, docs):
     said = ". ".join(escape(str(citation[key])) for key in ("authors", "title", "year") if citation[key])
     return (
         f'<section id="{figure_id}"><h2><span>{figure_id}</span> {escape(record["title"])}</h2>'
-        f"<p>{escape(record['caption'])}</p>{_said(record)}"
+        f"<p>{escape(record['caption'])}</p>{_said(record)}{_failures(record)}"
         f"{''.join(_method(record, group, folder) for group in _methods(record))}"
         f"<p><code>{escape(record['command'])}</code></p>"
         f'<p class="quiet">{said} ({escape(", ".join(record["techniques"]))}){place} · '
@@ -43,6 +45,11 @@ def _said(record):
         f"<p><b>A variant of {escape(record['figure'])}:</b> {escape(changed)}. What must be seen, and what "
         "is checked, is of the figure's own values.</p>"
     )
+
+
+def _failures(record):
+    """What could not be drawn, a paragraph each."""
+    return "".join(f'<p class="failed">{escape(sentence)}</p>' for sentence in in_words(record))
 
 
 def _methods(record):

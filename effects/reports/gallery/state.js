@@ -78,7 +78,7 @@ function isMatch(figure, state) {
     any(state.machines, figure.machines) &&
     any(state.methods, figure.methods) &&
     (!state.differ || figure.machines_differ) &&
-    (!state.failed || figure.failed > 0)
+    (!state.failed || figure.failed > 0 || figure.failures.length > 0)
   );
 }
 

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -263,7 +264,7 @@ def test_a_failed_check_is_printed_with_its_bound_and_sets_exit_status_1(
     assert "a measured thing" in (tmp_path / "index.html").read_text()
 
 
-def test_checks_that_raise_fail_and_the_other_figures_are_drawn(tmp_path, monkeypatch):
+def test_checks_that_raise_are_said_and_the_other_figures_are_drawn(tmp_path, monkeypatch):
     with_check(monkeypatch, 0.25)
     broken = replace(FIGURES["K02"], acceptance=lambda figure, renderer: {}["no such panel"])
     monkeypatch.setattr(
@@ -273,11 +274,15 @@ def test_checks_that_raise_fail_and_the_other_figures_are_drawn(tmp_path, monkey
         "figures", "--check", "--profile", "GEFORCE_256", "--size", 16, "--jobs", 1, "--out", tmp_path
     )
     assert result.exit_code == 1
-    assert "1 acceptance check failed" in result.stderr and "1 acceptance check passed" in result.stdout
-    assert "KeyError: 'no such panel'" in (tmp_path / "K02.json").read_text()
+    assert "1 acceptance check passed" in result.stdout
+    assert result.stderr.splitlines()[-2:] == [
+        "1 of 2 figures are whole. What failed:",
+        "K02: Not checked on the GeForce 256: KeyError: 'no such panel'",
+    ]
     assert {path.name for path in tmp_path.glob("*.json")} == {"K02.json", "K12.json"}
-    (line,) = (line for line in result.stdout.splitlines() if "<=" in line)  # what passed is not printed
-    assert line.startswith("K02      FAILED errors of the checks themselves, GEFORCE_256")
+    record = json.loads((tmp_path / "K02.json").read_text())
+    assert len(record["machines"]) == 1 and "no such panel" in record["failures"][0]["trace"]
+    assert not any("<=" in line for line in result.stdout.splitlines())  # what passed is not printed
 
 
 def test_a_check_that_failed_is_shown_though_another_machine_drew_the_same_bits(tmp_path, monkeypatch):
@@ -323,17 +328,56 @@ def test_the_cheapest_figure_is_drawn_first_and_one_of_unknown_cost_last(tmp_pat
     assert [record["id"] for record in json.loads(results.read_text())] == ["F004-7", "K02", "K12"]
 
 
-def test_what_was_drawn_before_an_error_is_in_the_gallery(tmp_path, monkeypatch):
+def test_a_figure_that_fails_is_said_and_all_others_are_drawn(tmp_path, monkeypatch):
     def refused(*arguments, **parameters):
         raise ValueError("no more")
 
-    few_figures(monkeypatch, {"K02": 7.0, "K12": 3.0})
-    wrong = replace(FIGURES["K02"], methods=(Method("never", refused, ("GEFORCE_3",)),))
-    monkeypatch.setitem(fixedpipe.effects.figures.FIGURES, "K02", wrong)
-    arguments = "--profile", "GEFORCE_3", "--size", 8, "--jobs", 1, "--out", tmp_path
-    assert run("figures", *arguments).exit_code == 2
-    page = (tmp_path / "index.html").read_text()
-    assert 'id="K12"' in page and 'id="K02"' not in page
+    few_figures(monkeypatch, {"K02": 1.0, "K12": 3.0})
+    own = FIGURES["K02"].methods[0]
+    methods = replace(own, machines=("GEFORCE_256",)), Method("never", refused, ("GEFORCE_3",))
+    monkeypatch.setitem(fixedpipe.effects.figures.FIGURES, "K02", replace(FIGURES["K02"], methods=methods))
+    machines = "--profile", "GEFORCE_256", "--profile", "GEFORCE_3"
+    for again in range(2):  # what failed is drawn again
+        result = run("figures", *machines, "--size", 8, "--jobs", 1, "--out", tmp_path)
+        assert result.exit_code == 1
+        assert "K02: on the GeForce 3" in result.stderr
+        assert ("K12: on the GeForce 3" in result.stderr) is (again == 0)
+        assert result.stderr.splitlines()[-2:] == [
+            "2 of 3 figures are whole. What failed:",
+            "K02: Not drawn on the GeForce 3: no more",
+        ]
+        record = json.loads((tmp_path / "K02.json").read_text())
+        assert [m["profile"] for m in record["machines"]] == ["GEFORCE_256"]
+        assert record["failures"] == [
+            {
+                "profile": "GEFORCE_3",
+                "name": "GeForce 3",
+                "task": "drawn",
+                "what": "no more",
+                "trace": None,
+                "full_disc": False,
+            }
+        ]
+        page = (tmp_path / "index.html").read_text()
+        assert 'id="K12"' in page and 'id="K02"' in page and "Not drawn on the GeForce 3: no more" in page
+
+
+def test_the_paper_s_machine_and_another_are_drawn_where_they_can(tmp_path, monkeypatch):
+    few = Few({name: FIGURES[name] for name in ("F004-7", "K12")})
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", few)
+    machines = "--profile", "paper", "--profile", "NV2A"
+    assert run("figures", *machines, "--size", 8, "--jobs", 1, "--out", tmp_path).exit_code == 0
+    for name, figure in few.items():
+        record = kept.record(tmp_path, name)
+        others = ["NV2A"] * ("NV2A" in figure.machines)
+        assert [m["profile"] for m in record["machines"]] == [figure.machines[0], *others]
+        words = shlex.split(record["command"])
+        assert [words[i + 1] for i, word in enumerate(words) if word == "--profile"] == [
+            m["profile"] for m in record["machines"]
+        ]
+    assert "K12 cannot be drawn on TEXRAM" in refusal_of(
+        "figures", "K12", "--profile", "TEXRAM", "--out", tmp_path
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,13 @@
 """Figures in processes of their own, and figures that are not drawn again: the files are the same."""
 
+import errno
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+from collections import deque
 from concurrent.futures import Future
 from pathlib import Path
 from queue import SimpleQueue
@@ -16,6 +18,7 @@ from click.testing import CliRunner
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.figures.costs import SECONDS, longest_after_the_first
+from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_inputs, figure_pool
 from fixedpipe.pipeline.native import queue
 from fixedpipe.pipeline.native.preparation import Prepared
@@ -200,23 +203,79 @@ def test_the_first_figure_waits_for_no_compiler(tmp_path, monkeypatch):
     assert figure_pool._draw_at_once(order)["id"] == "K12"
 
 
-def test_what_a_process_refuses_names_its_figure(tmp_path):
+def test_a_record_that_cannot_be_written_is_said_and_the_others_are(tmp_path):
     (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "K12.json").mkdir()  # so that its record cannot be written
-    done = run("figures", "K02", "K12", *SMALL, "--jobs", 2, "--out", tmp_path / "out", status=2)
-    assert done.stderr.splitlines()[-1].startswith("fixedpipe: K12: ")
+    (tmp_path / "out" / "K12.json").mkdir()
+    done = run("figures", "K02", "K12", *SMALL, "--jobs", 2, "--out", tmp_path / "out", status=1)
+    assert re.fullmatch(r"K12: Not drawn: .*K12\.json cannot be written: .*", done.stderr.splitlines()[-1])
+    assert (tmp_path / "out" / "K02.json").is_file()
 
 
-def test_a_process_that_ends_by_itself_is_said(tmp_path):
-    order = figure_pool.Order("K12", ("GEFORCE_256",), 8, 1, False, tmp_path, None, None)
-    ends = _EndsTheProcess(*(getattr(order, name) for name in order.__dataclass_fields__))
-    with pytest.raises(ValueError, match=r"ended by itself, with K12 to be drawn.*--jobs 1"):
-        list(figure_pool.draw_all([ends], 1, 1, print, print))
+def order_of(identifier, folder):
+    return figure_pool.Order(identifier, ("GEFORCE_256",), 8, 1, False, folder, None, None)
 
 
-class _EndsTheProcess(figure_pool.Order):
-    def draw(self, step, changes=None):
-        os._exit(3)
+def exits(order):
+    os._exit(3)
+
+
+def is_killed(order):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def is_told_to_end(order):
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+@pytest.mark.parametrize("end", [exits, is_killed, is_told_to_end])
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_process_that_ends_by_itself_fails_its_own_figure_alone(tmp_path, monkeypatch, end, jobs):
+    orders = [order_of(identifier, tmp_path) for identifier in ("K02", "K12", "K14", "K04")]
+
+    def tasks(orders, jobs):
+        return deque((end if order.id == "K12" else figure_pool._draw, order, order) for order in orders)
+
+    monkeypatch.setattr(figure_pool, "_tasks", tasks)
+    records = {order.id: record for order, record in figure_pool.draw_all(orders, jobs, 1, print, print)}
+    assert records.keys() == {"K02", "K12", "K14", "K04"}
+    (failed,) = records["K12"].pop("failures")
+    assert re.search(r"ended by itself.*fixedpipe figures K12 --jobs 1", failed["what"])
+    assert not records["K12"]["machines"] and (tmp_path / "K12.json").is_file()
+    assert all(records[name]["machines"] and not records[name]["failures"] for name in ("K02", "K14", "K04"))
+
+
+def no_room(path, data):
+    try:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    except OSError as error:
+        raise Refusal(f"{path} cannot be written: {error.strerror}.") from error
+
+
+def test_on_a_full_disc_no_other_figure_is_begun_and_what_is_drawn_stays(drawn, monkeypatch):
+    folder, _ = drawn
+    before = contents(folder)
+    monkeypatch.setattr("fixedpipe.effects.reports.figure_files.write_whole", no_room)
+    done = run("figures", "K14", "K04", "K02", *SMALL, "--jobs", 1, "--out", folder, status=1)
+    first, *others = done.stderr.splitlines()[-4:]
+    assert first == "1 of 3 figures are whole. What failed:"
+    assert re.fullmatch(r"K14: Not drawn: .* cannot be written: No space left on device\.", others[0])
+    assert others[1] == "K04: not begun, because the disc is full"
+    assert others[2].endswith("index.html cannot be written: No space left on device.")
+    assert contents(folder) == before
+
+
+def full_after_the_first(order):
+    return order.failed(OSError(errno.ENOSPC, "full")) if order.id == "K12" else order.draw(print)
+
+
+def test_processes_begin_no_other_figure_on_a_full_disc(tmp_path, monkeypatch):
+    orders = [order_of(identifier, tmp_path) for identifier in ("K02", "K12", "K14", "K04")]
+
+    def tasks(orders, jobs):
+        return deque((full_after_the_first, order, order) for order in orders)
+
+    monkeypatch.setattr(figure_pool, "_tasks", tasks)
+    assert [order.id for order, _ in figure_pool.draw_all(orders, 1, 1, print, print)] == ["K02", "K12"]
 
 
 def interrupted(folder, interrupt):

@@ -1,0 +1,51 @@
+"""What of a figure could not be drawn, and why, as its record, its card and the command line say it."""
+
+import errno
+import traceback
+
+from fixedpipe.effects.refusal import Refusal
+from fixedpipe.pipeline.profiles import PROFILES
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+
+
+def failure(error, machine=None, task="drawn"):
+    """What a record says of an exception: ``profile`` and ``name`` of the machine (None: of all of the
+    figure's machines), the ``task`` that was not done, "drawn" or "checked", ``what`` in a sentence,
+    ``trace`` in Python's words (None: the sentence says all), and whether the disc is full.
+    """
+    is_said = isinstance(error, Refusal)
+    what = str(error) if is_said else f"{type(error).__name__}: {error}".rstrip(": ")
+    return {
+        "profile": machine,
+        "name": None if machine is None else PROFILES[machine].name,
+        "task": task,
+        "what": what,
+        "trace": None if is_said else "".join(traceback.format_exception(error)),
+        "full_disc": _is_of_a_full_disc(error),
+    }
+
+
+def _is_of_a_full_disc(error):
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in _FULL:
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def failures_of(record):
+    """A record's failures; one of an earlier version has none."""
+    return record.get("failures", [])
+
+
+def in_words(record):
+    """A record's failures as its figure's card has them, one sentence for all machines with the same."""
+    machines = {}
+    for failed in failures_of(record):
+        machines.setdefault((failed["task"], failed["what"]), []).append(failed["name"])
+    found = []
+    for (task, what), names in machines.items():
+        where = f" on the {', '.join(names)}" if all(names) else ""
+        found.append(f"Not {task}{where}: {what}")
+    return found
