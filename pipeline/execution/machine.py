@@ -61,6 +61,7 @@ from fixedpipe.pipeline.textures.words import stored_texture
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices import stage
+from fixedpipe.pipeline.vertices.view_volume import within_viewport
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from fixedpipe.raster.witness import nobody
 
@@ -287,20 +288,20 @@ class Machine:
     # Every command's method takes the command and the _Frame that it is of.
 
     def _draw(self, command, frame):
-        state = canonical(command.state)
+        size = self._current.width, self._current.height
+        state = within_viewport(command.mesh, canonical(command.state), *size)
         for number, (surface, place) in enumerate(self._targets(state.draw_buffer)):
             position, sample = sampled(place, self.profile)
             target = surface.buffer(state.draw_buffer)
             draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
             if draw is None and self._draws_columns(state, target, frame.engine):
                 self._queue.flush()
-                drawn, lost = self._drawn_by_columns(command, target, position, sample, frame.record)
+                drawn, lost = self._drawn_by_columns(command, state, target, position, sample, frame.record)
                 self._queue.fragments += len(drawn.x)
                 if frame.record and number == 0:
                     frame.records.append(drawn)
                 continue
             if draw is None:
-                size = self._current.width, self._current.height
                 # Vertices' colours are rounded where the fragment's width is known.
                 rounded = fragment_bits(self.profile, target) == NATIVE_BITS
                 given = command.mesh, state, self.profile, *size, position
@@ -326,10 +327,9 @@ class Machine:
         given = state, self.profile, target, self.textures
         return needs_columns(*given) or not (covers_by_kernels() or are_native(widths_of(*given)))
 
-    def _drawn_by_columns(self, command, target, position, sample, records):
+    def _drawn_by_columns(self, command, state, target, position, sample, records):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
-        state, profile = canonical(command.state), self.profile
-        size = target.width, target.height
+        profile, size = self.profile, (target.width, target.height)
         # Vertices' colours are rounded where the fragment's width is known.
         primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
         if profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS:

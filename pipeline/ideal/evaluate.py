@@ -46,6 +46,7 @@ from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
+from fixedpipe.pipeline.vertices.view_volume import within_viewport
 
 # Fragments shaded at a time, and so many times by a thread before all is written: what is computed stays in
 # the cache, and no value changes.
@@ -68,7 +69,8 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
     else:
         # Coverage has no use for colours, and its kernels take bytes.
         uncolored = replace(primitives, colors=np.zeros(primitives.colors.shape, np.uint8))
-        record = rasterize(uncolored, IDEAL, state.polygon, state.scissor, *size)
+        scissor = within_viewport(command.mesh, state, *size).scissor
+        record = rasterize(uncolored, IDEAL, state.polygon, scissor, *size)
     tests_alpha = state.alpha_test is not None and not guided
     colored = writes_color(state) or tests_alpha or state.texture_shader is not None
     deep = writes_depth(state) if guided else state.depth_test is not None

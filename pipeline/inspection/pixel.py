@@ -31,6 +31,7 @@ from fixedpipe.pipeline.native.coverage import Covered, covered_pixels, covered_
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.state import PassState, Scissor
 from fixedpipe.pipeline.vertices import stage
+from fixedpipe.pipeline.vertices.view_volume import within_viewport
 
 Witness = Callable[..., None]
 
@@ -202,10 +203,11 @@ class ReplayedPixel:
         yield from self._on_each(step, command.draw_buffer, change)
 
     def _draw(self, step, command, witness):
-        profile, state = self.frame.profile, command.state
+        profile, size = self.frame.profile, (self._shown.width, self._shown.height)
+        state = within_viewport(command.mesh, command.state, *size)
         if not self._inside(state.scissor):
             return
-        alone, size = self._alone(state), (self._shown.width, self._shown.height)
+        alone = self._alone(state)
 
         def change(buffers, position):
             several = len(self._targets) > 1

@@ -1,7 +1,7 @@
 """Clipping (section 2.11): Sutherland-Hodgman on all triangles that need it at once.
 
-Clipped are the near and far planes, the user planes and the guard band, never the sides of the view volume:
-the screen is a scissor. Measured: off-screen vertices are left alone by the NV2A.
+Filled triangles are clipped by the near and far planes, the user planes and the guard band, never by the
+sides of the view volume, which ``fixedpipe.pipeline.vertices.view_volume`` keeps otherwise.
 """
 
 from functools import partial
@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from fixedpipe.pipeline.enums import PrimitiveType, ProvokingVertex
-from fixedpipe.pipeline.vertices.arithmetic import weighted_sum
+from fixedpipe.pipeline.vertices.arithmetic import ONE, weighted_sum
 from fixedpipe.pipeline.vertices.assembly import split
 
 CLIP = slice(0, 4)
@@ -63,6 +63,15 @@ def clip_planes(user_planes, half_size, center, size, guard_band, depth_clamp):
         planes.append(partial(_low, axis, half_size[axis], low))
         planes.append(partial(_high, axis, half_size[axis], high))
     return planes
+
+
+# The sides of the view volume, in the order of ``clip_planes``' last four, whose places they take.
+VIEW_VOLUME_SIDES = (
+    partial(_low, 0, ONE, ONE),
+    partial(_high, 0, ONE, ONE),
+    partial(_low, 1, ONE, ONE),
+    partial(_high, 1, ONE, ONE),
+)
 
 
 def clip(triangles, columns, vertex_count, planes):

@@ -19,7 +19,7 @@ from fixedpipe.pipeline.vertices.arithmetic import (
 )
 from fixedpipe.pipeline.vertices.assembly import assemble
 from fixedpipe.pipeline.vertices.chip_floats import transform_matrix
-from fixedpipe.pipeline.vertices.clip import clip, clip_lines, clip_planes
+from fixedpipe.pipeline.vertices.clip import VIEW_VOLUME_SIDES, clip, clip_lines, clip_planes
 from fixedpipe.pipeline.vertices.colors import (
     color_byte,
     eye_normal,
@@ -41,6 +41,7 @@ from fixedpipe.pipeline.vertices.projection import (
 )
 from fixedpipe.pipeline.vertices.strokes import draws_points, point_sizes, stroked
 from fixedpipe.pipeline.vertices.texture_coordinates import unit_coordinates
+from fixedpipe.pipeline.vertices.view_volume import has_sides, is_filled
 from fixedpipe.raster.primitives.clip import MOST_VERTICES, clip_triangles, find_clipped
 from fixedpipe.raster.primitives.vertices import (
     CHUNK,
@@ -274,10 +275,10 @@ def _clipped_columns(mesh, triangles, columns, state, profile, width, height):
     else:
         half_size, center = _half_size_and_center(vertex, width, height)
         clamped = state.depth_clamp is not None or vertex.composite is not None
-        size = width, height
-        planes = clip_planes(
-            vertex.clip_planes, half_size, center, size, profile.arithmetic.guard_band, clamped
-        )
+        size, guard_band = (width, height), profile.arithmetic.guard_band
+        planes = clip_planes(vertex.clip_planes, half_size, center, size, guard_band, clamped)
+        if has_sides(vertex) and not is_filled(mesh, state.polygon):
+            planes[-4:] = VIEW_VOLUME_SIDES
         clipped = (clip if polygons else clip_lines)(triangles, columns, len(mesh.positions), planes)
         triangles, columns, origin, dropped = clipped
     return triangles, columns, origin, dropped

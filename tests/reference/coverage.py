@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from fixedpipe.pipeline.enums import Face, FrontFace
+from fixedpipe.pipeline.enums import Face, FrontFace, PolygonMode
 
 SUBPIXELS = 16  # Measured: 4 fraction bits of window coordinates (TopLeftRaster)
 
@@ -107,13 +107,32 @@ def is_culled(front_facing, cull_face):
 def scissor_rows_and_columns(scissor, width, height):
     """(columns, rows) that may be drawn, rows counted from the top; the screen itself is a scissor.
 
-    Source: OpenGL 1.2.1 section 4.1.2; Measured: tex_diff_pers captures (no clipping at the sides).
+    Source: OpenGL 1.2.1 section 4.1.2.
     """
     if scissor is None:
         return range(width), range(height)
     left, right = max(0, scissor.x), min(width, scissor.x + scissor.width)
     bottom, top = max(0, scissor.y), min(height, scissor.y + scissor.height)
     return range(left, max(left, right)), range(height - top, max(height - top, height - bottom))
+
+
+def polygon_rows_and_columns(state, width, height):
+    """(columns, rows) that a filled polygon may draw: those of the scissor box in the viewport, outside of
+    which the view volume has no polygon.
+
+    Source: OpenGL 1.2.1 sections 2.11, 4.1.2; Measured: tex_diff_pers captures (of a composite matrix, which
+    has no viewport, nothing is clipped at the sides).
+    """
+    columns, rows = scissor_rows_and_columns(state.scissor, width, height)
+    if {state.polygon.front_mode, state.polygon.back_mode} != {PolygonMode.FILL}:  # these were cut before
+        return columns, rows
+    view = state.vertex.viewport
+    left, bottom = view.x, view.y
+    right = left + (width if view.width is None else view.width)
+    top = bottom + (height if view.height is None else view.height)
+    first, last = max(columns.start, left), min(columns.stop, right)
+    highest, lowest = max(rows.start, height - top), min(rows.stop, height - bottom)
+    return range(first, max(first, last)), range(highest, max(highest, lowest))
 
 
 def spanned(triangle, columns, rows):

@@ -169,7 +169,7 @@ def offset_of(primitives, vertices, state, target, fraction):
     if state.w_buffering:
         if not polygon.offset_factor:
             return depth.limited_offset(polygon.offset_units)
-        columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
+        columns, rows = coverage.polygon_rows_and_columns(state, target.width, target.height)
         inverse_w = tuple(primitives.inverse_w[v] for v in vertices)
         steep = polygon.offset_factor * w_slope.slope(triangle, depths, inverse_w, columns, rows)
         return depth.limited_offset(polygon.offset_units + steep)
@@ -265,7 +265,11 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
     offset = 0.0
     if enabled and source[0] >= 0:
         offset = offset_of(primitives, source, state, target, profile.arithmetic.offset_fraction)
-    columns, rows = coverage.scissor_rows_and_columns(state.scissor, target.width, target.height)
+    size = target.width, target.height
+    if kind == TRIANGLE:
+        columns, rows = coverage.polygon_rows_and_columns(state, *size)
+    else:
+        columns, rows = coverage.scissor_rows_and_columns(state.scissor, *size)
     places = places_of(kind, state, profile, place)
     if kind == TRIANGLE and places is None:
         columns, rows = coverage.spanned(shape, columns, rows)
