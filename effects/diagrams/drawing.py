@@ -35,7 +35,6 @@ from fixedpipe.pipeline.state import (
     DepthTest,
     PassState,
     VertexState,
-    Viewport,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 
@@ -119,9 +118,9 @@ def _draw(label, view, positions, color, triangles, *, alpha=None, depth_test=No
     )
     vertex = VertexState(
         projection=orthographic(0.0, panel.width, 0.0, panel.height, 1.0, -1.0),
-        viewport=Viewport(panel.x, panel.y, panel.width, panel.height),
+        viewport=panel.viewport,
     )
-    state = PassState(vertex=vertex, scissor=panel.scissor, depth_test=depth_test, **settings)
+    state = PassState(vertex=vertex, depth_test=depth_test, **settings)
     return Draw(label=label, mesh=mesh, state=state)
 
 
@@ -289,7 +288,6 @@ def picture(label, view, corners, texture, *, depth_test=None):
     state = PassState(
         vertex=view.vertex,
         texture_units=(unit(texture, NEAREST, environment=REPLACE),),
-        scissor=view.panel.scissor,
         depth_test=depth_test,
     )
     return Draw(label=label, mesh=mesh, state=state)

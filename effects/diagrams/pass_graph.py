@@ -132,18 +132,23 @@ def textures_combined(combiners):
 
 def _scissor(scissor):
     """(x, y, width, height) of a scissor, or None: the whole window."""
-    return None if scissor is None else (scissor.x, scissor.y, scissor.width, scissor.height)
+    return None if scissor is None else _rectangle(scissor)
 
 
-def _window(command):
-    return command.x, command.y, command.width, command.height
+def _rectangle(box):
+    return box.x, box.y, box.width, box.height
+
+
+def _drawn_box(command):
+    """(x, y, width, height) of the part of the window that a Draw may draw into."""
+    return _scissor(command.state.scissor) or _rectangle(command.state.vertex.viewport)
 
 
 # What commands draw into, and what they read of the window.
 _DRAWN = {
     Clear: lambda command: _scissor(command.scissor),
     Accum: lambda command: _scissor(command.scissor),
-    Draw: lambda command: _scissor(command.state.scissor),
+    Draw: _drawn_box,
     DrawPixels: lambda command: _scissor(command.state.scissor),
     CopyPixels: lambda command: _scissor(command.state.scissor),
 }
@@ -197,7 +202,7 @@ class _Walk:
             self.commands.append(command)
 
     def _keep(self, command):
-        if _window(command) == self.box:
+        if _rectangle(command) == self.box:
             name = _KEPT[type(command)](command)
             # A texture and the host's pixels of one name and step are one picture.
             if self._version_of(name) not in self.kept:
@@ -219,7 +224,7 @@ class _Walk:
 def steps_of(commands: Iterable, panel) -> tuple[Step, ...]:
     """The Steps of a frame's ``commands`` that draw into a ``views.Panel``, in their order.
 
-    Commands that draw elsewhere, or without a scissor, take no part. What the host reads by the name of a
+    Commands that draw elsewhere, or into the whole window, take no part. What the host reads by the name of a
     texture that was kept in the same step is that picture.
     """
     walk = _Walk((panel.x, panel.y, panel.width, panel.height))

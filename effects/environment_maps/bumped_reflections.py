@@ -203,9 +203,7 @@ def _background(label, view, read, coordinates, combiners):
     square = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
     mesh = Mesh(square, PrimitiveType.QUADS, texture_coordinates=(coordinates,))
     panel = replace(view.vertex, modelview=_IDENTITY, projection=_IDENTITY)
-    state = PassState(
-        vertex=panel, texture_units=(read,), register_combiners=combiners, scissor=view.panel.scissor
-    )
+    state = PassState(vertex=panel, texture_units=(read,), register_combiners=combiners)
     return Draw(label=label, mesh=mesh, state=state)
 
 

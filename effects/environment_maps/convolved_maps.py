@@ -27,7 +27,7 @@ from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import CopyTexImage, Draw
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
 from fixedpipe.pipeline.pixel_transfer import ConvolutionFilter, PixelTransfer, SeparableFilter
-from fixedpipe.pipeline.state import PassState, Scissor, VertexState, Viewport
+from fixedpipe.pipeline.state import PassState, VertexState, Viewport
 
 TECHNIQUES = (Technique("H32", "an environment map filtered for every frame by hardware convolution", "1.6"),)
 
@@ -88,7 +88,6 @@ def filtered_copies(sources, names, size, kernel):
         state = PassState(
             vertex=VertexState(viewport=Viewport(0, 0, size, size)),
             texture_units=(unit(source, NEAREST, environment=REPLACE),),
-            scissor=Scissor(0, 0, size, size),
         )
         copy = CopyTexImage(
             label=f"copy {source} through the convolution",

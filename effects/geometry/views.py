@@ -32,8 +32,13 @@ class Panel:
             )
 
     @property
+    def viewport(self) -> Viewport:
+        """The viewport that the panel is."""
+        return Viewport(self.x, self.y, self.width, self.height)
+
+    @property
     def scissor(self) -> Scissor:
-        """The scissor rectangle that keeps a pass inside the panel."""
+        """The panel as the scissor box of what knows no viewport: Clear, Accum, rectangles of pixels."""
         return Scissor(self.x, self.y, self.width, self.height)
 
     def clear(self, color: tuple[float, float, float], label: str = "clear colour and depth") -> Clear:
@@ -70,8 +75,7 @@ class View:
     @property
     def vertex(self) -> VertexState:
         """The vertex state of every pass of this view: equal states, so that depths are equal too."""
-        p = self.panel
-        return VertexState(self.modelview, self.projection, Viewport(p.x, p.y, p.width, p.height))
+        return VertexState(self.modelview, self.projection, self.panel.viewport)
 
     def vertex_with(self, **settings: Any) -> VertexState:
         """The same with more of VertexState: lighting, clip planes."""

@@ -23,7 +23,6 @@ from fixedpipe.pipeline.state import (
     TextureEnvironment,
     TextureUnit,
     VertexState,
-    Viewport,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.textures.pixels import bytes_or_floats
@@ -68,7 +67,6 @@ def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blend
         vertex=view.vertex,
         texture_units=tuple(units),
         register_combiners=combiners,
-        scissor=view.panel.scissor,
         depth_test=depth_test,
         blending=blending,
         **settings,
@@ -136,10 +134,9 @@ def show(picture, panel, name, surface):
             label=f"show {name}",
             mesh=scaled.mesh(),
             state=PassState(
-                vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+                vertex=VertexState(viewport=panel.viewport),
                 texture_units=(unit(name, NEAREST),),
                 register_combiners=program(shown(TEXTURE0)),
-                scissor=panel.scissor,
             ),
         ),
     )

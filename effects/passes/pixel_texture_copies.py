@@ -164,7 +164,6 @@ def polygon(label, surface, view, texture=None, *, first=False, mask=RGBA, blend
     state = PassState(
         vertex=view.vertex,
         texture_units=units,
-        scissor=view.panel.scissor,
         stencil_test=MARK if first else None,
         depth_test=FIRST_PASS if first else LATER_PASS,
         blending=blending,

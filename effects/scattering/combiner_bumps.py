@@ -115,7 +115,6 @@ def _bump_state(panel, albedo, shines):
         vertex=rectangle(panel)[1],
         texture_units=(unit(NORMALS, NEAREST), unit(albedo, NEAREST)),
         register_combiners=program_of(shines),
-        scissor=panel.scissor,
         alpha_test=LIT_SIDE if shines else None,
     )
 

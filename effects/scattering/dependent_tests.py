@@ -47,7 +47,7 @@ from fixedpipe.pipeline.commands import (
     TexImage,
 )
 from fixedpipe.pipeline.enums import AccumOperation, InternalFormat, PrimitiveType
-from fixedpipe.pipeline.state import PassState, VertexState, Viewport
+from fixedpipe.pipeline.state import PassState, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (AnotherWay(("G06", "G11"), "on machines, pass by pass, in three kinds of sums"),)
@@ -158,7 +158,7 @@ def rectangle(panel, share=(1.0, 1.0), **arrays):
     """
     coordinates = (_CORNERS * 0.5 + 0.5) * np.array(share)
     mesh = Mesh(_CORNERS, PrimitiveType.QUADS, texture_coordinates=(coordinates,), **arrays)
-    return mesh, VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height))
+    return mesh, VertexState(viewport=panel.viewport)
 
 
 def textured(label, panel, texture, share=(1.0, 1.0), *, weight=1.0, blending=None):
@@ -176,7 +176,6 @@ def _texture_state(panel, texture, environment, blending):
     return PassState(
         vertex=rectangle(panel)[1],
         texture_units=(unit(texture, NEAREST, environment=environment),),
-        scissor=panel.scissor,
         blending=blending,
     )
 

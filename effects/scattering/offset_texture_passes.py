@@ -53,7 +53,6 @@ from fixedpipe.pipeline.state import (
     TextureEnvironment,
     TextureShaderStage,
     VertexState,
-    Viewport,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 
@@ -142,13 +141,13 @@ def _lit(setup, panel, light, view):
         model_ambient=(0.0, 0.0, 0.0, 1.0),
         color_material=ColorMaterial(Face.FRONT, ColorMaterialParameter.DIFFUSE),
     )
-    return VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height), lighting=lighting)
+    return VertexState(viewport=panel.viewport, lighting=lighting)
 
 
 def _drawn(setup, label, light, view, shown, **settings):
     """A Clear, and the squares that are ``shown``."""
     work = setup.work
-    state = PassState(vertex=_lit(setup, work, light, view), scissor=work.scissor, **settings)
+    state = PassState(vertex=_lit(setup, work, light, view), **settings)
     return (
         Clear(label="black", color=(0.0,) * 4, scissor=work.scissor),
         Draw(label=label, mesh=_squares(setup, view, shown), state=state),
@@ -193,7 +192,7 @@ def looked_up(setup, number, name):
     (place,) = mesh.texture_coordinates
     sets = place, place * np.array(share_of(setup))
     mesh = Mesh(mesh.positions, mesh.primitive, texture_coordinates=sets)
-    state = PassState(vertex=vertex, scissor=setup.work.scissor, **_lookup(setup, number, name))
+    state = PassState(vertex=vertex, **_lookup(setup, number, name))
     return (Draw(label=f"{name} at p + S'_{number}", mesh=mesh, state=state),)
 
 

@@ -108,7 +108,6 @@ def gathered(setup, number, view, name, into):
         texture_units=tuple(unit(t, NEAREST) for t in (seen_texture(number), name, NORMALS, ALBEDO)),
         texture_shader=_STAGES,
         register_combiners=program_of(setup.field, into.weight),
-        scissor=into.panel.scissor,
         alpha_test=combiner_bumps.LIT_SIDE if setup.field.specular else None,
         blending=into.blending,
     )
@@ -125,7 +124,6 @@ def looked_up(setup, number, name):
         texture_units=(unit(seen_texture(number), NEAREST), unit(name, NEAREST)),
         texture_shader=_STAGES[:2],
         register_combiners=program(shown(TEXTURE1)),
-        scissor=setup.work.scissor,
     )
     return (Draw(label=f"{name}[S_{number}]", mesh=mesh, state=state),)
 

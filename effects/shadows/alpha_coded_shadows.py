@@ -112,7 +112,6 @@ from fixedpipe.pipeline.state import (
     TexGen,
     TextureEnvironment,
     VertexState,
-    Viewport,
 )
 from fixedpipe.pipeline.textures.images import texture_1d, texture_2d
 
@@ -473,8 +472,7 @@ def with_one_unit(
 def show_alpha(panel):
     """Destination alpha made visible: a white square times it takes the panel's colours' place."""
     state = PassState(
-        vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
-        scissor=panel.scissor,
+        vertex=VertexState(viewport=panel.viewport),
         blending=Blending(BlendFactor.DST_ALPHA, BlendFactor.ZERO),
         color_mask=ONLY_RGB,
     )

@@ -76,7 +76,7 @@ def lit_lighting(thing, view, lamp, shading):
 def draw_object(label, thing, view, *, lighting=None, clip_planes=(), **settings):
     """One object in a view. ``clip_planes``: in eye coordinates; ``settings``: more of PassState."""
     vertex = view.vertex_with(lighting=lighting, clip_planes=tuple(clip_planes))
-    state = PassState(vertex=vertex, scissor=view.panel.scissor, **settings)
+    state = PassState(vertex=vertex, **settings)
     return Draw(label=f"{label}: {thing.name}", mesh=thing.mesh, state=state)
 
 

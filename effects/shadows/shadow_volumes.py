@@ -45,7 +45,6 @@ from fixedpipe.pipeline.state import (
     PolygonState,
     StencilTest,
     VertexState,
-    Viewport,
 )
 from fixedpipe.raster.kernel import kernel
 
@@ -316,7 +315,6 @@ def _count(label, mesh, view, face, **operation):
     state = PassState(
         vertex=view.vertex,
         polygon=PolygonState(cull_face=face),
-        scissor=view.panel.scissor,
         stencil_test=StencilTest(ComparisonFunction.ALWAYS, **operation),
         depth_test=_TESTED,
         color_mask=NO_COLOR,
@@ -359,9 +357,7 @@ def show_volumes(label, volumes, view, color, alpha):
     """
     if not 0.0 <= alpha <= 1.0:
         raise ValueError(f"A side covers {alpha!r} of what is behind it; give a part from 0 to 1.")
-    state = PassState(
-        vertex=view.vertex, scissor=view.panel.scissor, depth_test=_TESTED, blending=_TRANSLUCENT
-    )
+    state = PassState(vertex=view.vertex, depth_test=_TESTED, blending=_TRANSLUCENT)
     mesh = volume_mesh(volumes, caps=False, color=(*checked_rgb(color), alpha))
     return Draw(label=label, mesh=mesh, state=state)
 
@@ -377,8 +373,7 @@ def show_counts(panel, colors):
         test = StencilTest(ComparisonFunction.LEQUAL if last else ComparisonFunction.EQUAL, reference=n)
         surface = plane().moved(0.0, 0.0, 1.0)
         state = PassState(
-            vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
-            scissor=panel.scissor,
+            vertex=VertexState(viewport=panel.viewport),
             stencil_test=test,
             depth_test=_BEFORE_ALL,
             blending=MULTIPLY_DESTINATION,

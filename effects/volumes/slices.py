@@ -228,7 +228,6 @@ class Slices:
             vertex=self.view.vertex,
             texture_units=tuple(units),
             register_combiners=combiners,
-            scissor=self.view.panel.scissor,
             **{"depth_test": LATER_PASS, **settings},
         )
         return Draw(label=label, mesh=self.mesh, state=state)

@@ -20,7 +20,7 @@ from fixedpipe.effects.scattering.visibility import BACK
 from fixedpipe.effects.scattering.visibility_textures import coordinates, texels_seen
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType
-from fixedpipe.pipeline.state import AlphaTest, PassState, VertexState, Viewport
+from fixedpipe.pipeline.state import AlphaTest, PassState, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 
 RED, WHITE = (0.75, 0.14, 0.10), (0.8, 0.8, 0.8)
@@ -55,9 +55,8 @@ def scene(profile, size, *, texels, ridges, flank, direction, bits):
         texture_coordinates=(np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]),),
     )
     state = PassState(
-        vertex=VertexState(viewport=Viewport(left.x, left.y, left.width, left.height)),
+        vertex=VertexState(viewport=left.viewport),
         texture_units=units,
-        scissor=left.scissor,
         alpha_test=AlphaTest(ComparisonFunction.GREATER, 0.5),
     )
     light = unit_vector(_LIGHT, "The light's direction")

@@ -20,7 +20,7 @@ from fixedpipe.effects.scattering import environment_light, height_field, visibi
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import PrimitiveType, TextureFilter, WrapMode
-from fixedpipe.pipeline.state import PassState, VertexState, Viewport
+from fixedpipe.pipeline.state import PassState, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 
 HALF_HEIGHT = 1.12
@@ -85,8 +85,7 @@ def _behind(panel, brightness):
     )
     colors = np.stack([low, low, middle, middle, middle, middle, high, high])
     state = PassState(
-        vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
-        scissor=panel.scissor,
+        vertex=VertexState(viewport=panel.viewport),
     )
     mesh = Mesh(corners, PrimitiveType.QUADS, colors=colors)
     return Draw(label="the environment behind it", mesh=mesh, state=state)

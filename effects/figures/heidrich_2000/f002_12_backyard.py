@@ -19,7 +19,7 @@ from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import PrimitiveType, TextureFilter
-from fixedpipe.pipeline.state import PassState, Sampler, VertexState, Viewport
+from fixedpipe.pipeline.state import PassState, Sampler, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 
 ASPECT = (8, 5)
@@ -48,8 +48,7 @@ def _sky_behind(panel):
     low, high = (np.array(c) for c in (backyard.HORIZON, backyard.ZENITH))
     colors = np.stack([low, low, 0.5 * (low + high), 0.5 * (low + high)])
     state = PassState(
-        vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
-        scissor=panel.scissor,
+        vertex=VertexState(viewport=panel.viewport),
     )
     return Draw(label="the sky", mesh=Mesh(corners, PrimitiveType.QUADS, colors=colors), state=state)
 
@@ -97,7 +96,6 @@ def scene(profile, size, *, light, directions, bounces):
             state = PassState(
                 vertex=view.vertex,
                 texture_units=units,
-                scissor=panel.scissor,
                 depth_test=FIRST_PASS if first else LATER_PASS,
                 blending=None if first else ADD,
                 stencil_test=None if first else shadow_volumes.NOT_SHADOWED,

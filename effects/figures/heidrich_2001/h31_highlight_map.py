@@ -60,7 +60,6 @@ def lit_pass(surface, view, lights, diffuse, k_s, shininess):
     lighting = Lighting(sources, material, material, _BLACK, local_viewer=True)
     state = PassState(
         vertex=view.vertex_with(lighting=lighting),
-        scissor=view.panel.scissor,
         depth_test=FIRST_PASS,
         polygon=mirror_passes.FRONT,
     )

@@ -79,7 +79,8 @@ def checks(figure, renderer):
     # With a map that the window holds.
     commands = figure.commands(renderer.profile, _SIZE, renderer.method, ratio=1)
     times = [
-        sum(isinstance(c, Draw) and c.state.scissor == panel.scissor for c in commands) // len(scene.objects)
+        sum(isinstance(c, Draw) and c.state.vertex.viewport == panel.viewport for c in commands)
+        // len(scene.objects)
         for panel in row_of_panels(2, _SIZE)
     ]
     times.append(scene_passes(commands, scene) - sum(times))

@@ -15,7 +15,7 @@ from fixedpipe.effects.scenes.marble import MAP_SIZE, MARBLE
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import TextureEnvironmentMode
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
-from fixedpipe.pipeline.state import PassState, TextureEnvironment, VertexState, Viewport
+from fixedpipe.pipeline.state import PassState, TextureEnvironment, VertexState
 
 # The paper's board, then all others that draw at all.
 MACHINES = ("GEFORCE_256", *(key for key in PROFILES if key not in ("GEFORCE_256", "IDEAL")))
@@ -36,11 +36,10 @@ def scene(profile, size, *, height_field, height_scale, photograph):
                 label=f"show {name}",
                 mesh=surfaces.plane().mesh(),
                 state=PassState(
-                    vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+                    vertex=VertexState(viewport=panel.viewport),
                     texture_units=(
                         unit(name, NEAREST, environment=TextureEnvironment(TextureEnvironmentMode.REPLACE)),
                     ),
-                    scissor=panel.scissor,
                 ),
             ),
         )

@@ -90,7 +90,7 @@ def _normals_tip(length):
 def _facets(view, corners, colors):
     """Quads of corners [4 n, 3], each of its own colour, in their order."""
     mesh = Mesh(corners, PrimitiveType.QUADS, colors=colors)
-    state = PassState(vertex=view.vertex, scissor=view.panel.scissor)
+    state = PassState(vertex=view.vertex)
     return Draw(label="the displacement map", mesh=mesh, state=state)
 
 

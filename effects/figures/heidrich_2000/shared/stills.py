@@ -9,7 +9,7 @@ from fixedpipe.effects.geometry.views import BACKGROUND
 from fixedpipe.effects.passes.draws import NEAREST, REPLACE, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.pipeline.commands import Draw, TexImage
-from fixedpipe.pipeline.state import PassState, VertexState, Viewport
+from fixedpipe.pipeline.state import PassState, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 
 
@@ -26,9 +26,8 @@ def still(picture, panel, name, profile):
             label=f"show {name}",
             mesh=plane().with_repeats(width / columns, height / rows).mesh(),
             state=PassState(
-                vertex=VertexState(viewport=Viewport(panel.x, panel.y, panel.width, panel.height)),
+                vertex=VertexState(viewport=panel.viewport),
                 texture_units=(unit(name, NEAREST, environment=REPLACE),),
-                scissor=panel.scissor,
             ),
         ),
     )
