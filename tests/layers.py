@@ -68,7 +68,7 @@ PACKAGES = {
         ),
     },
     "pipeline/ideal": {
-        "raster": "codes floats kernel witness portable",
+        "raster": "codes floats rows kernel witness primitives portable",
         "pipeline": (
             "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
             "native"

@@ -21,8 +21,8 @@ class Fragments:
     the group's number instead, counted row by row from the lower left.
 
     ``covered``: how many of the machine's samples a primitive covers where it is smooth; None, or 0: it is
-    not. Per pixel they are in draw order. ``places``: where the Draw's triangles are, as
-    ``WindowPrimitives.places`` digests it; None: lines, points or a rectangle, or nothing is left to draw.
+    not. Per pixel they are in draw order. ``places``: where the Draw's primitives are, as
+    ``WindowPrimitives.places`` digests it; None: a rectangle of pixels, or nothing is left to draw.
     """
 
     triangle: NDArray[np.int32]

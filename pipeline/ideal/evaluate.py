@@ -70,11 +70,12 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
         # Coverage has no use for colours, and its kernels take bytes.
         uncolored = replace(primitives, colors=np.zeros(primitives.colors.shape, np.uint8))
         scissor = within_viewport(command.mesh, state, *size).scissor
-        record = rasterize(uncolored, IDEAL, state.polygon, scissor, *size)
+        record = rasterize(uncolored, IDEAL, state.polygon, scissor, *size, line=state.line)
     tests_alpha = state.alpha_test is not None and not guided
     colored = writes_color(state) or tests_alpha or state.texture_shader is not None
     deep = writes_depth(state) if guided else state.depth_test is not None
-    mesh, width, plan = mesh_of(primitives), size[0], plan_for(state, textures, plans)
+    mesh, width = mesh_of(primitives, state.line, machine), size[0]
+    plan = plan_for(state, textures, plans)
 
     def shaded(part):
         """Pixels, colours and depths of what is alive in a slice of the record."""

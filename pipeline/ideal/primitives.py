@@ -1,4 +1,4 @@
-"""The triangles that the ideal evaluates: those that a machine drew, with vertices in real numbers."""
+"""The primitives that the ideal evaluates: those that a machine drew, with vertices in real numbers."""
 
 from functools import lru_cache
 
@@ -8,44 +8,43 @@ from fixedpipe.pipeline.vertices.stage import process
 
 def primitives_of(command, machine, width, height):
     """WindowPrimitives of a Draw with real colours and coordinates, at the places where ``machine``, a
-    Profile, has them: cut where its guard band ends, counted from where its rows are.
+    Profile, has them: cut where its guard band ends, counted from where its rows are, its lines and points.
 
     The subpixel grid stays the ideal's own, which its kernels have built in.
     """
     its = machine.arithmetic
-    return process(command.mesh, command.state, _ideal_with(its.guard_band, its.device_origin), width, height)
+    placed = _ideal_with(its.guard_band, its.device_origin, its.diamond_exit_lines)
+    return process(command.mesh, command.state, placed, width, height)
+
+
+_PLACE = "guard_band", "device_origin", "diamond_exit_lines"
 
 
 @lru_cache(maxsize=64)
-def _ideal_with(guard_band, device_origin):
-    """The ideal with what decides where a machine's vertices are. Always the same object, and the ideal
-    itself where nothing differs: vertex plans are kept by the profile's identity.
+def _ideal_with(*values):
+    """The ideal with what decides where a machine's vertices are (``_PLACE``). Always the same object, and
+    the ideal itself where nothing differs: vertex plans are kept by the profile's identity.
     """
-    own = IDEAL.arithmetic
-    if (guard_band, device_origin) == (own.guard_band, own.device_origin):
+    if values == tuple(getattr(IDEAL.arithmetic, name) for name in _PLACE):
         return IDEAL
     evidence = "Inferred: the machine's that the ideal is compared with"
-    return IDEAL.changed(evidence=evidence, guard_band=guard_band, device_origin=device_origin)
+    return IDEAL.changed(evidence=evidence, **dict(zip(_PLACE, values, strict=True)))
 
 
 def check_primitives(command, record, primitives, machine):
-    """Raise ValueError where a guide's ``record`` of a Draw is of other triangles than ``primitives``.
-
-    Where the machine drew lines or points, which the ideal has not, its frame may have polygons in their
-    place, one for each number: the numbers alone are compared.
-    """
+    """Raise ValueError where a guide's ``record`` of a Draw is of other primitives than ``primitives``."""
     drawn = record.triangle.max(initial=-1, where=record.passed != 0)
     if drawn >= len(primitives.triangles):
         raise ValueError(
-            f"{command.label}: the guide drew triangle {drawn}, but this mesh gives "
-            f"{len(primitives.triangles)} triangles; guide a frame by the same meshes in the same views."
+            f"{command.label}: the guide drew primitive {drawn}, but this mesh gives "
+            f"{len(primitives.triangles)} of them; guide a frame by the same meshes in the same views."
         )
-    if record.places is None:
+    if record.places is None:  # nothing was left to draw
         return
     same_grid = machine.arithmetic.subpixel_bits == IDEAL.arithmetic.subpixel_bits
     compared = slice(2 if same_grid else 1)
     if record.places[compared] != primitives.places()[compared]:
         raise ValueError(
-            f"{command.label}: the guide's triangles are at other places than this mesh's; guide a frame by "
+            f"{command.label}: the guide's primitives are at other places than this mesh's; guide a frame by "
             "the same meshes in the same views."
         )

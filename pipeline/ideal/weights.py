@@ -12,8 +12,12 @@ import numpy as np
 from numba import float64, int32, int64, types, uint8, uint64, void
 
 from fixedpipe.pipeline.enums import FrontFace
+from fixedpipe.pipeline.native.pack_fragments import pack_lines
+from fixedpipe.raster import codes as C
+from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.portable.interpolate import iteration_weights, weight_factors
+from fixedpipe.raster.primitives.strokes import along_line, lowest_pixel
 
 # Subpixels in a pixel, of all compiled kernels. Not the profile's: kernels do not notice where that changes.
 PIXEL = 1 << 4
@@ -21,14 +25,15 @@ PIXEL = 1 << 4
 # A Draw's arrays are read only, a chunk's columns are not.
 _INTS, _REALS = (types.Array(kind, 1, "C", readonly=True) for kind in (int32, float64))
 _ROWS, _TRIANGLES = (types.Array(kind, 2, "C", readonly=True) for kind in (float64, int32))
-_MESH = types.Tuple((_TRIANGLES, _INTS, _INTS, _REALS))
+# triangles, x, y, 1/w, strokes, and what of a row of ``fixedpipe.raster.rows`` says how lines are drawn
+_MESH = types.Tuple((_TRIANGLES, _INTS, _INTS, _REALS, _TRIANGLES, types.Array(int64, 1, "C", readonly=True)))
 _WHERE = types.UniTuple(int32[::1], 3)
 
 
 @kernel
 def _inverse_w(mesh, t):
     """The vertices' 1/w, or 1 where the three are equal."""
-    triangles, _, _, inverse_w = mesh
+    triangles, inverse_w = mesh[0], mesh[3]
     w0, w1, w2 = (
         inverse_w[uint64(triangles[t, 0])],
         inverse_w[uint64(triangles[t, 1])],
@@ -40,37 +45,102 @@ def _inverse_w(mesh, t):
 
 
 @kernel
-def _edges(mesh, t, px, py):
-    """The edge functions n0, n1, n2 of a pixel; the area and its triangle's sides x10, y10, x20, y20, signed
-    subpixels: docs/numbers.md, section 3.
-    """
-    triangles, x, y, _ = mesh
-    v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+def _corners(mesh, v0, v1, v2):
+    """x0, y0, and the sides x10, y10, x20, y20 of a triangle, subpixels."""
+    x, y = mesh[1], mesh[2]
     x0, y0 = int64(x[v0]), int64(y[v0])
-    x10, y10, x20, y20 = int64(x[v1]) - x0, int64(y[v1]) - y0, int64(x[v2]) - x0, int64(y[v2]) - y0
+    return x0, y0, (int64(x[v1]) - x0, int64(y[v1]) - y0, int64(x[v2]) - x0, int64(y[v2]) - y0)
+
+
+@kernel
+def _is_line(mesh, t):
+    strokes = mesh[4]
+    return strokes.shape[0] > 0 and strokes[t, R.KIND] == C.PRIMITIVE_LINE
+
+
+@kernel
+def _ends(mesh, t):
+    """A line's second end and its first, x0, y0, x1, y1."""
+    triangles, x, y = mesh[0], mesh[1], mesh[2]
+    b, a = uint64(triangles[t, 0]), uint64(triangles[t, 1])
+    return int64(x[b]), int64(y[b]), int64(x[a]), int64(y[a])
+
+
+@kernel
+def _edges_of_line(mesh, t, px, py):
+    """n0, n1, n2 of a pixel of a line: docs/numbers.md, section 11. In a wide line of diamonds they are those
+    of the pixel that is repeated.
+    """
+    draw = mesh[5]
+    x0, y0, x1, y1 = _ends(mesh, t)
+    x, y = int64(px), int64(py)
+    if draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE:
+        if abs(x0 - x1) >= abs(y0 - y1):
+            y = lowest_pixel(draw, x0, y0, x1, y1, x)
+        else:
+            x = lowest_pixel(draw, x0, y0, x1, y1, y)
+    half = PIXEL >> 1
+    n0, n2 = along_line(draw, x0, y0, x1, y1, PIXEL * x + half, PIXEL * y + half)
+    return float64(n0), 0.0, float64(n2)
+
+
+@kernel
+def _edges(mesh, t, px, py):
+    """The edge functions n0, n1, n2 of a pixel, and the area, signed subpixels: docs/numbers.md, sections 3
+    and 11. A line's area is positive.
+    """
+    if _is_line(mesh, t):
+        n0, n1, n2 = _edges_of_line(mesh, t, px, py)
+        return (n0, n1, n2), int64(n0 + n2)
+    triangles = mesh[0]
+    v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+    x0, y0, (x10, y10, x20, y20) = _corners(mesh, v0, v1, v2)
     dx = PIXEL * int64(px) + (PIXEL >> 1) - x0
     dy = PIXEL * int64(py) + (PIXEL >> 1) - y0
     area = x10 * y20 - x20 * y10
     n1, n2 = dx * y20 - x20 * dy, x10 * dy - dx * y10
     if area < 0:
         n1, n2 = -n1, -n2
-    return (float64(abs(area) - n1 - n2), float64(n1), float64(n2)), area, (x10, y10, x20, y20)
+    return (float64(abs(area) - n1 - n2), float64(n1), float64(n2)), area
+
+
+@kernel
+def _steps(mesh, t, area):
+    """How the edge functions change a subpixel to the right, and down."""
+    if _is_line(mesh, t):
+        x0, y0, x1, y1 = _ends(mesh, t)
+        dx, dy = x0 - x1, y0 - y1
+        if mesh[5][R.LINE_STEPS] == C.LINE_IN_STEPS:  # along the longer axis alone, a subpixel at a time
+            level = abs(dx) >= abs(dy)
+            dx, dy = (np.sign(dx), int64(0)) if level else (int64(0), np.sign(dy))
+        return (float64(dx), 0.0, float64(-dx)), (float64(dy), 0.0, float64(-dy))
+    triangles = mesh[0]
+    v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
+    _, _, (x10, y10, x20, y20) = _corners(mesh, v0, v1, v2)
+    sign = -1 if area < 0 else 1
+    across = float64(sign * (y10 - y20)), float64(sign * y20), float64(-sign * y10)
+    along = float64(sign * (x20 - x10)), float64(-sign * x20), float64(sign * x10)
+    return across, along
 
 
 @kernel(void(_MESH, _WHERE, int64, float64[:, ::1], uint8[::1]))
 def _weigh(mesh, where, counterclockwise, perspective, front):
-    """Perspective weights [3, k], and whether the triangles face the viewer."""
+    """Perspective weights [3, k], and whether the primitives have the front colour."""
     separate_loop()
     triangle, px, py = where
+    strokes = mesh[4]
     for i in range(len(triangle)):
         t = uint64(triangle[i])
-        (n0, n1, n2), area, _ = _edges(mesh, t, px[i], py[i])
+        (n0, n1, n2), area = _edges(mesh, t, px[i], py[i])
         w0, w1, w2 = _inverse_w(mesh, t)
         e0, e1, e2 = n0 * w0, n1 * w1, n2 * w2
         total = (e0 + e1) + e2
         perspective[0, i] = e0 / total
         perspective[1, i] = e1 / total
         perspective[2, i] = e2 / total
+        if strokes.shape[0] > 0 and strokes[t, R.KIND] != C.PRIMITIVE_TRIANGLE:
+            front[i] = strokes[t, R.BACK] == 0
+            continue
         turned = (w0 < 0.0) ^ (w1 < 0.0) ^ (w2 < 0.0)
         front[i] = ((area < 0) ^ turned) == (counterclockwise != 0)
 
@@ -91,12 +161,10 @@ def _derivatives(mesh, where, perspective, right, down):
     triangle, px, py = where
     for i in range(len(triangle)):
         t = uint64(triangle[i])
-        (n0, n1, n2), area, (x10, y10, x20, y20) = _edges(mesh, t, px[i], py[i])
+        (n0, n1, n2), area = _edges(mesh, t, px[i], py[i])
         w = _inverse_w(mesh, t)
         total = (n0 * w[0] + n1 * w[1]) + n2 * w[2]
-        sign = -1 if area < 0 else 1
-        across = float64(sign * (y10 - y20)), float64(sign * y20), float64(-sign * y10)
-        along = float64(sign * (x20 - x10)), float64(-sign * x20), float64(sign * x10)
+        across, along = _steps(mesh, t, area)
         p = perspective[0, i], perspective[2, i]
         right[0, i], right[1, i] = _change(across, p, w, total)
         down[0, i], down[1, i] = _change(along, p, w, total)
@@ -109,31 +177,43 @@ def _machine_weights(mesh, where, q):
     triangle, px, py = where
     for i in range(len(triangle)):
         t = uint64(triangle[i])
-        (n0, n1, n2), _, _ = _edges(mesh, t, px[i], py[i])
+        (n0, n1, n2), _ = _edges(mesh, t, px[i], py[i])
         w0, w1, w2 = _inverse_w(mesh, t)
         q[0, i], q[1, i] = iteration_weights(n0, n1, n2, weight_factors(w0, w1, w2))
 
 
-@kernel(void(_MESH, _WHERE, _REALS, int64, float64, float64, float64[::1]))
+@kernel
+def _slope(mesh, v0, v1, v2, z):
+    """The larger change of depth a pixel to the right or down, without sign, of a triangle."""
+    _, _, (x10, y10, x20, y20) = _corners(mesh, v0, v1, v2)
+    z10, z20, area = z[v1] - z[v0], z[v2] - z[v0], float64(x10 * y20 - x20 * y10)
+    slope_x = abs((z10 * float64(y20) - z20 * float64(y10)) * float64(PIXEL) / area)
+    slope_y = abs((z20 * float64(x10) - z10 * float64(x20)) * float64(PIXEL) / area)
+    return slope_x if slope_x >= slope_y or np.isnan(slope_x) else slope_y
+
+
+@kernel(void(_MESH, _WHERE, _REALS, types.UniTuple(int64, 3), float64, float64, float64[::1]))
 def _depths(mesh, where, z, moved, units, factor, out):
-    """Window depths in [0, 1]; where they are ``moved``, by ``units`` and ``factor`` times the slope."""
+    """Window depths in [0, 1]; those of kinds that are ``moved``, by ``units`` and ``factor`` times the slope
+    of the polygon that a primitive is, or came from.
+    """
     separate_loop()
     triangle, px, py = where
-    triangles = mesh[0]
+    triangles, strokes = mesh[0], mesh[4]
     for i in range(len(triangle)):
         t = uint64(triangle[i])
-        (n0, _, n2), area, (x10, y10, x20, y20) = _edges(mesh, t, px[i], py[i])
-        z0 = z[uint64(triangles[t, 0])]
-        z1 = z[uint64(triangles[t, 1])]
-        z2 = z[uint64(triangles[t, 2])]
+        (n0, _, n2), area = _edges(mesh, t, px[i], py[i])
+        v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
         whole = float64(abs(area))
-        depth = ((z0 - z1) * (n0 / whole) + z1) + (z2 - z1) * (n2 / whole)
-        if moved:
-            z10, z20 = z1 - z0, z2 - z0
-            slope_x = abs((z10 * float64(y20) - z20 * float64(y10)) * float64(PIXEL) / float64(area))
-            slope_y = abs((z20 * float64(x10) - z10 * float64(x20)) * float64(PIXEL) / float64(area))
-            slope = slope_x if slope_x >= slope_y or np.isnan(slope_x) else slope_y
-            depth = (depth + units) + factor * slope
+        depth = ((z[v0] - z[v1]) * (n0 / whole) + z[v1]) + (z[v2] - z[v1]) * (n2 / whole)
+        kind, is_polygon_s = int64(C.PRIMITIVE_TRIANGLE), True
+        if strokes.shape[0] > 0 and strokes[t, R.KIND] != C.PRIMITIVE_TRIANGLE:
+            kind, is_polygon_s = int64(strokes[t, R.KIND]), strokes[t, R.SOURCE] >= 0
+            if is_polygon_s:
+                v0 = uint64(strokes[t, R.SOURCE])
+                v1, v2 = uint64(strokes[t, R.SOURCE + 1]), uint64(strokes[t, R.SOURCE + 2])
+        if moved[kind] and is_polygon_s:
+            depth = (depth + units) + factor * _slope(mesh, v0, v1, v2, z)
         out[i] = 0.0 if depth < 0.0 else (1.0 if depth > 1.0 else depth)
 
 
@@ -223,7 +303,7 @@ class Weights:
 
     perspective: np.ndarray
     front: np.ndarray
-    _mesh: tuple  # triangles, x, y, 1/w
+    _mesh: tuple  # of ``mesh_of``
     _where: tuple  # triangle, x, y
 
     def __len__(self):
@@ -256,7 +336,10 @@ class Weights:
         """
         out = np.empty(len(self))
         units, factor = polygon.offset_units / (2**bits - 1), float(polygon.offset_factor)
-        _depths(self._mesh, self._where, fixed(z), bool(polygon.offset_fill), units, factor, out)
+        moved = [0, 0, 0]
+        moved[C.PRIMITIVE_TRIANGLE], moved[C.PRIMITIVE_LINE] = polygon.offset_fill, polygon.offset_line
+        moved[C.PRIMITIVE_POINT] = polygon.offset_point
+        _depths(self._mesh, self._where, fixed(z), tuple(map(int, moved)), units, factor, out)
         return out
 
     def corners(self, values):
@@ -298,9 +381,12 @@ def fixed(array):
     return view
 
 
-def mesh_of(primitives):
-    """What ``weigh`` takes of WindowPrimitives."""
-    return tuple(map(fixed, (primitives.triangles, primitives.x, primitives.y, primitives.inverse_w)))
+def mesh_of(primitives, line, machine):
+    """What ``weigh`` takes of WindowPrimitives. ``line``: a LineState; ``machine``: whose lines they are."""
+    p, draw = primitives, np.zeros(R.DRAW_SIZE, np.int64)
+    if len(p.strokes):
+        pack_lines(line, machine, draw)
+    return tuple(map(fixed, (p.triangles, p.x, p.y, p.inverse_w, p.strokes, draw)))
 
 
 def weigh(mesh, front_face, triangle, x, y):

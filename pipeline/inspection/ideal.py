@@ -132,7 +132,8 @@ class IdealPixel:
     def _draw(self, command, textures, touch, passed, witness):
         frame, state, seen = self.ideal.frame, command.state, []
         primitives = primitives_of(command, frame.profile, frame.width, frame.height)
-        mesh, plan = mesh_of(primitives), plan_for(state, textures, self._plans)
+        mesh = mesh_of(primitives, state.line, frame.profile)
+        plan = plan_for(state, textures, self._plans)
         target = self.buffers.buffer(state.draw_buffer)
         for triangle, written in zip(touch.triangles, passed, strict=True):
             where = (triangle, self.x, self.y)

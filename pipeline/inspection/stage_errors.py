@@ -54,7 +54,8 @@ class _Beside:
         if type(command) is Draw:
             frame, meant = self.ideal.frame, self.ideal.commands[self.number]
             primitives = primitives_of(meant, frame.profile, frame.width, frame.height)
-            self.draw = meant.state, self.ideal.textures[self.number], primitives, mesh_of(primitives)
+            mesh = mesh_of(primitives, meant.state.line, frame.profile)
+            self.draw = meant.state, self.ideal.textures[self.number], primitives, mesh
 
     def _iteration(self, triangle, **columns):
         self.triangle = triangle

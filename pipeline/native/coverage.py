@@ -14,7 +14,7 @@ from fixedpipe.pipeline.native.pack_fragments import asks_for_depth
 from fixedpipe.pipeline.native.preparation import NO_RECORD, Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
 from fixedpipe.pipeline.native.readiness import covers_by_kernels
-from fixedpipe.pipeline.state import ColorMask, DepthTest, PassState
+from fixedpipe.pipeline.state import ColorMask, DepthTest, LineState, PassState
 from fixedpipe.raster.columns import interpolate
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
@@ -126,18 +126,21 @@ def covered_pixels(primitives, state, profile, width, height, sample=None):
     return (drawn if smooth and sample is None else replace(drawn, covered=None)), prepared.dropped
 
 
-def rasterize(primitives, profile, polygon, scissor, width, height):
+_THIN = LineState()
+
+
+def rasterize(primitives, profile, polygon, scissor, width, height, *, line=_THIN):
     """Coverage alone: the Fragments of window primitives, culled and scissored, per pixel in draw order.
 
     ``primitives``: as ``fixedpipe.pipeline.vertices.stage.process`` makes them, contiguous columns of one
     length; they are not checked again. ``profile``: the machine; ``polygon``: a PolygonState; ``scissor``: a
-    Scissor or None; ``width``, ``height`` of the framebuffer, pixels.
+    Scissor or None; ``width``, ``height`` of the framebuffer, pixels; ``line``: the LineState of lines.
     """
     if _without_kernels(primitives, polygon):
         drawn = _covered(primitives, polygon, scissored(scissor, width, height), profile)
         columns = drawn.triangle, drawn.x, drawn.y, np.ones(len(drawn.x))
         return Fragments(*(column.astype(np.int32) for column in columns))
-    state, framebuffer = _coverage_state(polygon, scissor), _unwritten(width, height)
+    state, framebuffer = _coverage_state(polygon, scissor, line), _unwritten(width, height)
     prepared = Prepared.of(primitives, state, profile, framebuffer, {})
     return recorded_fragments(prepared, framebuffer, BATCH)
 
@@ -149,10 +152,11 @@ def _without_kernels(primitives, polygon):
 
 
 @lru_cache(maxsize=64)
-def _coverage_state(polygon, scissor):
+def _coverage_state(polygon, scissor, line):
     """A state that draws nothing, made once: rows are packed once for it as well."""
     nothing = ColorMask(False, False, False, False)
-    return PassState(polygon=replace(polygon, offset_fill=False), scissor=scissor, color_mask=nothing)
+    polygon = replace(polygon, offset_fill=False, offset_line=False, offset_point=False)
+    return PassState(polygon=polygon, line=line, scissor=scissor, color_mask=nothing)
 
 
 @lru_cache(maxsize=2)

@@ -122,11 +122,6 @@ def _infinite_fog(walk, state, mesh):
 def _points_and_lines(walk, state, mesh):
     profile, point, polygon = walk.profile, state.point, state.polygon
     filled = PolygonMode.FILL == polygon.front_mode == polygon.back_mode and polygon.stipple is None
-    if profile.arithmetic.exact and not (filled and mesh.primitive.is_polygons):
-        walk.refuse(
-            f"the {profile.name} evaluates filled polygons without stipple only; draw triangles in "
-            "polygon mode FILL, or choose a machine."
-        )
     others = not profile.arithmetic.exact and profile.arithmetic.subpixel_bits != NATIVE_SUBPIXEL_BITS
     if others and not (filled and mesh.primitive.is_polygons and state.window_clip is None):
         walk.refuse(
@@ -172,7 +167,8 @@ def _points_and_lines(walk, state, mesh):
 def _line_problem(line, profile):
     """What is wrong with a LineState on a machine, a sentence, or None."""
     rectangle = line.rasterization == LineRasterization.RECTANGLE
-    if rectangle and profile.arithmetic.diamond_exit_lines:
+    # The ideal is compared with machines of either rule.
+    if rectangle and profile.arithmetic.diamond_exit_lines and not profile.arithmetic.exact:
         return (
             f"{profile.name} draws lines in steps along their longer axis; give line.rasterization STEPS, or "
             "choose a profile without diamond_exit_lines."

@@ -7,7 +7,7 @@ from hashlib import blake2b
 import numpy as np
 
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
-from fixedpipe.raster.rows import STROKE_SIZE
+from fixedpipe.raster.rows import KIND, STROKE_SIZE
 
 _FARTHEST = 2**30
 _FEW = 64  # vertices
@@ -94,14 +94,13 @@ class WindowPrimitives:
         return bool(in_range and near and ((w >= W_SMALLEST) & (w <= W_LARGEST)).all())
 
     def places(self):
-        """Digests of where the corners of all triangles are: of depths and 1/w, and of x and y, which depend
-        on the subpixel grid as well. Equal digests are equal triangles in the same order. None where some
-        primitives are lines or points.
+        """Digests of where the corners of all primitives are: of depths, 1/w and what strokes are; and of x
+        and y, which depend on the subpixel grid as well. Equal digests are equal primitives in one order.
         """
-        if len(self.strokes):
-            return None
         corners = self.triangles[:, :3].ravel()
-        return _digest(self.z[corners], self.inverse_w[corners]), _digest(self.x[corners], self.y[corners])
+        kinds = self.strokes[:, KIND].copy()
+        shapes = _digest(self.z[corners], self.inverse_w[corners], kinds)
+        return shapes, _digest(self.x[corners], self.y[corners])
 
     def knowing(self, *, orderly, **known):
         """The same primitives, with ``orderly`` and these of ``constant_color`` and ``projective`` known."""

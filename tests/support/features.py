@@ -825,7 +825,7 @@ def _rasterization():
     yield Feature(
         name="line stipple",
         group="Points and lines",
-        has=lambda p: p.primitives.line_stipple and not p.arithmetic.exact,
+        has=lambda p: p.primitives.line_stipple,
         commands=(_draw(_LINE, line=LineState(stipple=(1, 0x5555))),),
         asked="polygons|stipple",
         **_STROKES,
@@ -860,9 +860,7 @@ def _rasterization():
     yield Feature(
         name="points and lines of 64 pixels",
         group="Points and lines",
-        has=lambda p: (
-            min(p.primitives.max_point_size, p.primitives.max_line_width) >= 64 and not p.arithmetic.exact
-        ),
+        has=lambda p: min(p.primitives.max_point_size, p.primitives.max_line_width) >= 64,
         commands=(_draw(_POINT, point=PointState(size=64.0)),),
         asked="point size|polygons",
         limit=lambda p: f"{p.primitives.max_point_size:g}",

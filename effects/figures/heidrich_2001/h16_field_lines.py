@@ -15,8 +15,7 @@ from fixedpipe.effects.reflectance import illuminated_lines
 # Point charges: x, y, z, charge. The lines stay within a ball of radius one.
 CHARGES = ((-0.44, -0.2, 0.12, 1.0), (0.44, 0.2, -0.12, -1.0))
 BALL, HALF_HEIGHT = 1.0, 1.03
-# Those of eight bits, whose lines the executable specification draws. Others' frames are held to the ideal of
-# the same commands, which has no lines.
+# Those of eight bits, whose lines the executable specification draws.
 MACHINES = (
     "OPENGL_1_2", "OPENGL_1_2_IMAGING", "MULTITEXTURE", "GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE", "G400",
     "TEXRAM",
@@ -58,9 +57,9 @@ def scene(
     return (
         *(panel.clear(background) for panel in panels),
         banks.load_threads("threads", profile, diffuse=diffuse, specular=specular, exponent=exponent),
-        illuminated_lines.line_pass(curves, views[0], profile, color=colors, width=width),
+        illuminated_lines.line_pass(curves, views[0], color=colors, width=width),
         illuminated_lines.line_pass(
-            curves, views[1], profile, light=Light(light), texture="threads", color=colors, width=width
+            curves, views[1], light=Light(light), texture="threads", color=colors, width=width
         ),
     )
 

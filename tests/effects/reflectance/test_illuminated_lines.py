@@ -1,5 +1,5 @@
 """H16, illuminated lines, and the curves that they are drawn of: lines of force against the flux that they
-keep, a ring against its tangents, the ideal's parallelograms against the machine's lines.
+keep, a ring against its tangents, the ideal's lines beside the machine's.
 """
 
 import math
@@ -14,8 +14,6 @@ from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.reflectance import banks_texture_matrix as banks
 from fixedpipe.effects.reflectance import illuminated_lines
-from fixedpipe.pipeline.commands import Draw
-from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, OPENGL_1_2
@@ -76,7 +74,7 @@ def frame(profile, curves, width=3.0):
         PANEL.clear((0.0, 0.0, 0.0)),
         banks.load_threads("threads", profile, **MODEL),
         illuminated_lines.line_pass(
-            curves, VIEW, profile, light=LIGHT, texture="threads", color=(1.0, 0.5, 0.25), width=width
+            curves, VIEW, light=LIGHT, texture="threads", color=(1.0, 0.5, 0.25), width=width
         ),
     )
 
@@ -99,37 +97,26 @@ def test_a_ring_is_banks_s_light_of_its_tangents(profile):
 
 
 @pytest.mark.parametrize("width", [1.0, 2.0, 5.0])
-def test_the_ideal_s_parallelograms_have_the_pixels_of_the_machine_s_lines(width):
+@pytest.mark.parametrize("profile", [OPENGL_1_2, GEFORCE_256], ids=lambda p: p.name)
+def test_the_ideal_draws_the_machine_s_lines(profile, width):
     curves = lines_of_force(TWO, 12).rotated(rotation("x", 30.0))
-    commands = frame(OPENGL_1_2, curves, width)
-    machine = execute(commands, OPENGL_1_2, 96, 96, record=True)
-    ideal = execute_ideal(frame(IDEAL, curves, width), 96, 96)
+    machine = execute(frame(profile, curves, width), profile, 96, 96, record=True)
     guided = execute_ideal(frame(IDEAL, curves, width), 96, 96, guide=machine).color[..., :3]
     drawn = machine.framebuffer.color[..., :3].max(axis=-1) > 0
-    share = (drawn != (ideal.color[..., :3].max(axis=-1) > 0.002)).sum() / drawn.sum()
-    assert share < 0.05
-    error = np.abs(guided - machine.framebuffer.color[..., :3] / 255.0)[drawn]
-    # Pieces shorter than a pixel, whose axis is another on the machine's grid, are prolonged.
-    assert np.quantile(error, 0.99) < 0.02
-    assert np.sqrt((error * error).mean()) < 0.01
-
-
-def test_machines_draw_line_strips_and_the_ideal_two_triangles_a_piece():
-    curves = lines_of_force(TWO, 5)
-    strips, polygons = (
-        next(c for c in frame(p, curves) if isinstance(c, Draw)).mesh for p in (OPENGL_1_2, IDEAL)
-    )
-    assert strips.primitive is PrimitiveType.LINE_STRIP
-    assert strips.counts == curves.counts
-    assert len(polygons.indices) == 6 * len(curves.segments)
+    np.testing.assert_array_equal(guided[~drawn], 0.0)
+    # Bytes of colours, of the table and of their product.
+    assert np.abs(guided - machine.framebuffer.color[..., :3] / 255.0).max() < 2.5 / 255.0
+    if profile is OPENGL_1_2:  # whose rule is the free ideal's too
+        ideal = execute_ideal(frame(IDEAL, curves, width), 96, 96)
+        np.testing.assert_array_equal(ideal.color[..., :3].max(axis=-1) > 0.002, drawn)
 
 
 def test_what_no_lines_can_be_drawn_of_is_refused():
     with pytest.raises(ValueError, match="width is 0"):
-        illuminated_lines.line_pass(ring(), VIEW, IDEAL, width=0.0)
+        illuminated_lines.line_pass(ring(), VIEW, width=0.0)
     near = Light((0.0, 0.0, 2.0), point=True)
     with pytest.raises(ValueError, match="light is near"):
-        illuminated_lines.line_pass(ring(), VIEW, IDEAL, light=near, texture="threads")
+        illuminated_lines.line_pass(ring(), VIEW, light=near, texture="threads")
     with pytest.raises(ValueError, match="polylines"):
         Curves(np.zeros((3, 3)), np.zeros((3, 3)), (1, 2))
     with pytest.raises(ValueError, match="No charge is positive"):

@@ -336,7 +336,9 @@ def test_the_figure_of_both_algorithms_draws_both():
     ):
         commands = FIGURES[name].commands(GL, size)
         for k, way in enumerate(expected):
-            labels = {c.label for c in commands if isinstance(c, Draw) and c.state.vertex.viewport.x == k * size}
+            labels = {
+                c.label for c in commands if isinstance(c, Draw) and c.state.vertex.viewport.x == k * size
+            }
             assert {key for key, label in ways.items() if label in labels} == {way}
 
 

@@ -62,6 +62,7 @@ from fixedpipe.pipeline.state import (
     GeneralCombiner,
     Light,
     Lighting,
+    LineState,
     PassState,
     PolygonState,
     RegisterCombiners,
@@ -588,7 +589,7 @@ def scalar_cube(direction):
 @pytest.mark.parametrize(("x", "y"), [(10, 30), (25, 20), (14, 8)])
 def test_coordinates_and_their_derivatives_equal_a_scalar_evaluation(target, x, y):
     p = projective_triangle()
-    weights = weigh(mesh_of(p), 0, *np.array([[0], [x], [y]], np.int32))
+    weights = weigh(mesh_of(p, LineState(), IDEAL), 0, *np.array([[0], [x], [y]], np.int32))
     got = place(target, weights, fixed(p.coordinates).reshape(3, 4))
 
     def at(dx, dy):
@@ -1214,7 +1215,7 @@ def test_a_guide_of_other_passes_or_another_size_is_refused():
     with pytest.raises(ValueError, match=r"2x2 pixels and this one 4x2"):
         execute_ideal(frame, 4, 2, guide=guide)
     half = (Draw(label="half", mesh=Mesh(positions=[[-1, -1], [1, -1], [1, 1]]), state=PassState()),)
-    with pytest.raises(ValueError, match=r"half: the guide drew triangle 1, but this mesh gives 1 triangles"):
+    with pytest.raises(ValueError, match=r"half: the guide drew primitive 1, but this mesh gives 1 of them"):
         execute_ideal(half, 2, 2, guide=guide)
 
 

@@ -29,7 +29,6 @@ from fixedpipe.pipeline.enums import (
     LightingArithmetic,
     LogicOperation,
     Mapping,
-    PolygonMode,
     PrimitiveType,
     Register,
     SecondaryColor,
@@ -1130,10 +1129,6 @@ def test_what_was_found_right_is_refused_where_it_is_not():
     for options, words in refusals * 2:
         with pytest.raises(UnsupportedState, match=words):
             check(*options["commands"], profile=options.get("profile", GEFORCE_256))
-    points = draw(replace(MESH, primitive=PrimitiveType.POINTS))
-    check(replace(points, mesh=MESH), profile=IDEAL)
-    with pytest.raises(UnsupportedState, match="filled polygons"):
-        check(points, profile=IDEAL)
 
 
 def test_equal_states_are_not_the_same_state():
@@ -1256,16 +1251,6 @@ def test_a_mesh_may_have_no_indices_in_its_list():
 def test_points_lines_and_stipple(state, words):
     with pytest.raises(UnsupportedState, match=words):
         check(Draw(label="pass", mesh=MESH, state=state))
-
-
-def test_the_ideal_draws_filled_polygons_only():
-    line = PolygonState(front_mode=PolygonMode.LINE)
-    for mesh, state in (
-        (replace(MESH, primitive=PrimitiveType.LINES), PassState()),
-        (MESH, PassState(polygon=line)),
-    ):
-        with pytest.raises(UnsupportedState, match="filled polygons without stipple only"):
-            validate((Draw(label="pass", mesh=mesh, state=state),), IDEAL, 8, 8, 24)
 
 
 @pytest.mark.parametrize("name", ["point_sizes", "edge_flags", "fog_coordinates"])
