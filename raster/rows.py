@@ -174,6 +174,7 @@ EXACT_PROBES = _unit()  # 1: as many of them as cover it; 0: a power of two
 OFFSET_MATRIX = _unit(4)  # this and those that follow are bit patterns of float64
 OFFSET_SCALE = _unit()
 OFFSET_BIAS = _unit()
+OFFSET_LARGEST = _unit()  # the largest factor of a scaled texel
 CONSTANT_EYE = _unit(3)
 ROUGHNESS_SCALE = _unit()
 COORDINATE_DEPTH = _unit()  # depth units for one unit of a coordinate that is a depth

@@ -30,6 +30,7 @@ class _StageRun:
         self.stages, self.real_bits = shader_stages(state), profile.arithmetic.texture_bits
         self.largest = DEPTH_WORDS[framebuffer.depth_format].largest
         self.depth_scale = 1.0 if profile.textures.depth_units_in_coordinates else float(self.largest)
+        self.largest_scale = 1.0 if profile.texture_shaders.offset_scale_clamped else np.inf
         self.depth, self.alive = fragments.depth, np.ones(len(fragments.x), bool)
         self.registers, self.texels, self.widths = {}, [], []
 
@@ -58,9 +59,10 @@ class _StageRun:
                 stage = self.stages[i]
                 of = stage.previous_texture_input
                 magnitude = self.texels[of][:, 0], self.widths[of]
-                factors = stage.offset_texture_scale, stage.offset_texture_bias
-                texel = texture_shader.scaled(texel, width, *magnitude, *factors)
-                register = numbers.convert(texel, sampler.one, numbers.one_of(self.bits))
+                factors = stage.offset_texture_scale, stage.offset_texture_bias, self.largest_scale
+                # Of the register alone: later stages read the texel.
+                shown = texture_shader.scaled(texel, width, *magnitude, *factors)
+                register = numbers.convert(shown, sampler.one, numbers.one_of(self.bits))
         self._saw(
             "texture shader", unit=i, stage=self.stages[i], coordinates=own, texel=texel, width=width,
             register=register.T, depth=self.depth, alive=self.alive.copy(),

@@ -87,10 +87,9 @@ def run_stages(state, textures, count, own, conventional, made, register, change
                         operation not in C.OPERATIONS_WITH_OFFSET,
                         None if stage.roughness is None else run.axes(i, texture, change),
                     )
-                if operation in C.OPERATIONS_WITH_SCALE:
-                    texel = seen = run.scaled(i, texel)
-                else:
-                    seen = register(texel, unit)
+                # What is scaled is the register alone: later stages read the texel.
+                scales = operation in C.OPERATIONS_WITH_SCALE
+                seen = run.scaled(i, texel) if scales else register(texel, unit)
         run.registers.append(texel if seen is None else seen)
         run.keep(texel, bits, None if stage.operation in WITHOUT_TEXTURE else unit)
     return Outcome(run.registers, run.alive, run.depth)
@@ -154,10 +153,12 @@ class _Stages:
         self.depth = np.where(inside, depth, 0.0)
 
     def scaled(self, i, texel):
-        """Stage i's texel, its colours times the previous texel's magnitude; the clamp is the operation's."""
+        """Stage i's texel, its colours times the previous texel's magnitude; the factor's clamp is the
+        operation's.  Source: NV_texture_shader, section 3.8.13.1.9.
+        """
         stage = self.stages[i]
         magnitude = self.texels[stage.previous_texture_input][:, :1]
-        factor = magnitude * stage.offset_texture_scale + stage.offset_texture_bias
+        factor = np.clip(magnitude * stage.offset_texture_scale + stage.offset_texture_bias, 0.0, 1.0)
         return np.concatenate([np.clip(texel[:, :3] * factor, 0.0, 1.0), texel[:, 3:]], axis=1)
 
     def axes(self, i, texture, change):

@@ -67,6 +67,7 @@ def _pack_shader_stage(stage, target, profile, maximum, row):
         _pattern(stage.offset_texture_scale),
         _pattern(stage.offset_texture_bias),
     )
+    row[R.OFFSET_LARGEST] = _pattern(1.0 if profile.texture_shaders.offset_scale_clamped else np.inf)
     row[R.CONSTANT_EYE : R.CONSTANT_EYE + 3] = [_pattern(e) for e in stage.constant_eye]
     row[R.COORDINATE_DEPTH] = _pattern(1.0 if profile.textures.depth_units_in_coordinates else maximum)
     if stage.roughness is not None:

@@ -97,6 +97,9 @@ G400 = Profile(
         ),
         dot_product_mappings=known(frozenset(), NOT_CORE),
         foreign_texture_targets=known(False, NOT_CORE),
+        offset_scale_clamped=known(
+            True, "Source: WineHQ dlls/d3d9/tests/visual.c, fixed_function_bumpmap_test (1000 L - 1 gives 1)"
+        ),
         roughness_lookups=known(False, NOT_CORE),
     ),
     combiners=Combiners(

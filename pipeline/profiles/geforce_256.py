@@ -87,6 +87,7 @@ GEFORCE_256 = Profile(
         texture_shader_operations=known(frozenset(), _LATER),
         dot_product_mappings=known(frozenset(), _LATER),
         foreign_texture_targets=known(False, _LATER),
+        offset_scale_clamped=known(False, _LATER),
         roughness_lookups=known(False, _LATER),
     ),
     combiners=Combiners(

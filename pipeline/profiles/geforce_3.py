@@ -107,6 +107,11 @@ GEFORCE_3 = Profile(
             "Inferred: from the NV2A: six mappings, 56909 pixels each (DotSTRCube captures)",
         ),
         foreign_texture_targets=known(False, "Source: NV_texture_shader, table 3.B (inconsistent)"),
+        offset_scale_clamped=known(
+            True,
+            "Source: NV_texture_shader revision 30 (the factor is clamped to match the hardware); WineHQ "
+            "dlls/d3d9/tests/visual.c, fixed_function_bumpmap_test",
+        ),
         roughness_lookups=known(False, "Source: NV_texture_shader (made coordinates have no level)"),
     ),
     combiners=Combiners(

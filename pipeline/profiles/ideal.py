@@ -88,6 +88,7 @@ IDEAL = Profile(
         ),
         dot_product_mappings=_given(frozenset(DotProductMapping)),
         foreign_texture_targets=_given(False),
+        offset_scale_clamped=_given(True),
         roughness_lookups=_given(True),
     ),
     combiners=Combiners(

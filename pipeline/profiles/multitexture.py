@@ -84,6 +84,7 @@ MULTITEXTURE = Profile(
         texture_shader_operations=known(frozenset(), NOT_CORE),
         dot_product_mappings=known(frozenset(), NOT_CORE),
         foreign_texture_targets=known(False, NOT_CORE),
+        offset_scale_clamped=known(False, NOT_CORE),
         roughness_lookups=known(False, NOT_CORE),
     ),
     combiners=Combiners(

@@ -105,6 +105,7 @@ NV2A = Profile(
         foreign_texture_targets=known(
             True, "Measured: 56909 pixels each (DotSTR3D, Texture_2D_as_cubemap captures)"
         ),
+        offset_scale_clamped=known(False, "Measured: 98304 of 98304 pixels (BumpEnvMapLuminance captures)"),
         roughness_lookups=known(False, "Source: NV_texture_shader (made coordinates have no level)"),
     ),
     combiners=Combiners(

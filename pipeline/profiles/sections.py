@@ -72,6 +72,7 @@ class TextureShaders(Section):
     texture_shader_operations: frozenset[TextureShaderOperation]  # none: no texture shaders
     dot_product_mappings: frozenset[DotProductMapping]
     foreign_texture_targets: bool  # whether cube maps are read as volumes, and 2D textures as either
+    offset_scale_clamped: bool  # whether what OFFSET_TEXTURE_*_SCALE multiplies by is at most 1
     roughness_lookups: bool  # whether 2D lookups of bumps are filtered by their roughness
 
 

@@ -134,9 +134,12 @@ def rough_footprint(sides, jacobian, deviations, sizes, most, exact):
     return np.stack([along_s, along_t, probes], axis=1), np.where(good, lod, FAR)
 
 
-def scaled(texel, bits, magnitude, magnitude_bits, scale, bias):
-    """A texel whose colours are multiplied by another's red, scaled and biased; alpha stays."""
+def scaled(texel, bits, magnitude, magnitude_bits, scale, bias, largest=np.inf):
+    """A texel whose colours are multiplied by another's red, scaled and biased, ``largest`` at most; alpha
+    stays.
+    """
     factor = (magnitude / float(one_of(magnitude_bits))) * float(scale) + float(bias)
+    factor = np.minimum(factor, largest)
     colors = real_texel(texel[:, :3] * factor[:, None] / float(one_of(bits)), bits)
     return np.concatenate([colors, texel[:, 3:]], axis=1)
 

@@ -120,10 +120,11 @@ def sample_unit(p, u, count, segments, runs, scratch):
         filter_unit(texels, levels, row, count, floats, ints, packed)
     unpack_unit(row, count, packed, registers, (C.REGISTER_TEXTURE0 + u) * 4, int32(draw[R.BITS]))
     if draw[R.TEXTURE_SHADER]:
-        if row[R.OPERATION] in C.OPERATIONS_WITH_SCALE:
-            scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])
-            scale_texel(packed, R.STAGE0 + row[R.PREVIOUS], count, scale, bias)
-            unpack(packed, R.TEXEL_0, count, registers, (C.REGISTER_TEXTURE0 + u) * 4)
         copy_texel(packed, R.TEXEL_0, R.STAGE0 + u, uint32(row[R.SIGNED]), count)
+        if row[R.OPERATION] in C.OPERATIONS_WITH_SCALE:  # of the register alone: later stages read the texel
+            scale, bias = float_of(row[R.OFFSET_SCALE]), float_of(row[R.OFFSET_BIAS])
+            largest = float_of(row[R.OFFSET_LARGEST])
+            scale_texel(packed, R.STAGE0 + row[R.PREVIOUS], count, scale, bias, largest)
+            unpack(packed, R.TEXEL_0, count, registers, (C.REGISTER_TEXTURE0 + u) * 4)
     if draw[R.YCBCR]:  # of the register alone: other stages read the texel
         convert_ycbcr(registers, (C.REGISTER_TEXTURE0 + u) * 4, count)

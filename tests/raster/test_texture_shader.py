@@ -68,6 +68,8 @@ CHAINS = {  # the operations of four stages, and the targets of the textures the
     "brdf of 2D": ((Operation.NONE, Operation.TEXTURE_2D, Operation.PASS_THROUGH, BRDF), "22 3"),
 }
 
+CLAMPED = NV2A.changed(offset_scale_clamped=True)
+
 
 def pick(random, members):
     """One member of an enumeration."""
@@ -149,6 +151,73 @@ def test_every_operation_equals_the_specification(name, filtered):
     for seed in range(4):
         commands = frame(*CHAINS[name], np.random.default_rng(seed), filtered)
         assert_equal_to_reference(commands, NV2A, 16 << seed)
+        assert_equal_to_reference(commands, CLAMPED, 16 << seed)
+
+
+@pytest.mark.parametrize("profile", [NV2A, GEFORCE_3, G400], ids=lambda p: p.name)
+def test_a_factor_above_one_is_clamped_where_the_machine_clamps_it(profile):
+    """Measured: factors above 1 on the NV2A (BumpEnvMapLuminance); Source: NV_texture_shader revision 30."""
+    commands = bumped(SCALED, (NO_EFFECT, REPLACE))
+    texels = (255, 0, 0, 255), (100, 60, 20, 77)
+    images = [
+        replace(c, image=texture_2d(np.array([[t]], np.uint8)))
+        for c, t in zip(commands, texels, strict=False)
+    ]
+    for scale, bias, factor in ((0.5, 1.0, 1.5), (1.0, 0.0, 1.0), (-1.0, 0.5, 0.0), (0.25, 0.25, 0.5)):
+        stage = replace(SCALED[1], offset_texture_scale=scale, offset_texture_bias=bias)
+        draw = replace(commands[2], state=replace(commands[2].state, texture_shader=(SCALED[0], stage)))
+        shown = execute((*images, draw), profile, WIDTH, HEIGHT).framebuffer.color[0, 0]
+        factor = min(factor, 1.0) if profile.texture_shaders.offset_scale_clamped else factor
+        assert shown.tolist() == [*(int(c * factor) for c in texels[1][:3]), 77], (scale, bias)
+    assert [p.texture_shaders.offset_scale_clamped for p in (NV2A, GEFORCE_3, G400)] == [False, True, True]
+
+
+@pytest.mark.parametrize("engine", [None, "portable", "columns"])
+@pytest.mark.parametrize("profile", [NV2A, GEFORCE_3], ids=lambda p: p.name)
+def test_a_later_stage_reads_the_texel_before_it_is_scaled(profile, engine):
+    """Source: NV_texture_shader section 3.8.13.1.9."""
+    stages = (*SCALED, TextureShaderStage(Operation.DEPENDENT_GB_TEXTURE_2D, 1))
+    stages = stages[0], replace(stages[1], offset_texture_scale=0.0, offset_texture_bias=0.5), stages[2]
+    places = np.indices((256, 256)).astype(np.uint8)
+    table = np.stack([places[1], places[0], places[0] * 0, places[0] * 0 + 255], axis=-1)
+    *_, draw = bumped(SCALED, (NO_EFFECT, REPLACE))
+    images = {"bumps": [[(0, 0, 0, 255)]], "image": [[(0, 200, 80, 255)]], "table": table}
+    units = (*draw.state.texture_units, TextureUnit("table", Sampler(*(TextureFilter.NEAREST,) * 2)))
+    commands = tuple(
+        TexImage(label=name, texture=name, image=texture_2d(np.array(image, np.uint8)))
+        for name, image in images.items()
+    )
+    for unit, texel in ((1, [0, 100, 40, 255]), (2, [200, 80, 0, 255])):
+        state = replace(
+            draw.state,
+            texture_units=units,
+            texture_shader=stages,
+            register_combiners=shows(Register(Register.TEXTURE0 + unit)),
+        )
+        frames = (*commands, replace(draw, state=state))
+        shown = execute(frames, profile, WIDTH, HEIGHT, engine=engine).framebuffer.color[0, 0]
+        assert shown.tolist()[:3] == texel[:3]
+        assert run_reference(frames, profile, WIDTH, HEIGHT, 24).target.color[0][0][:3] == texel[:3]
+
+
+@pytest.mark.parametrize("profile", [NV2A, GEFORCE_3], ids=lambda p: p.name)
+@pytest.mark.parametrize("filtered", [TextureFilter.NEAREST, TextureFilter.LINEAR])
+def test_stages_after_a_scaled_one_equal_the_specification(profile, filtered):
+    operations = (Operation.TEXTURE_2D, Operation.OFFSET_TEXTURE_2D_SCALE, Operation.DEPENDENT_AR_TEXTURE_2D)
+    for seed in range(4):
+        commands = frame(operations, "222", np.random.default_rng(seed), filtered)
+        images = commands[:-3]
+        draws = tuple(
+            replace(
+                d,
+                state=replace(
+                    d.state, texture_shader=(first, second, replace(third, previous_texture_input=1))
+                ),
+            )
+            for d in commands[-3:]
+            for first, second, third in [d.state.texture_shader]
+        )
+        assert_equal_to_reference((*images, *draws), profile, 16 << seed)
 
 
 HILO_SIGNS = [SignedComponents(), SignedComponents(green=True, alpha=True), SignedComponents(green=True)]

@@ -1,6 +1,6 @@
 """Texture shader stages, one fragment at a time: docs/numbers.md section 12, at other widths section 13."""
 
-from math import floor, isqrt
+from math import floor, inf, isqrt
 
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -89,9 +89,14 @@ def kept(strq, modes):
     return all((value < 0.0) == (mode == CullMode.LESS) for value, mode in zip(strq, modes, strict=True))
 
 
-def scaled(texel, magnitude, stage, bits=8, magnitude_bits=8):
-    """A texel times a magnitude, scaled and biased. Measured: 98304 of 98304 (BumpEnvMapLuminance)."""
+def scaled(texel, magnitude, stage, bits=8, magnitude_bits=8, largest=inf):
+    """A texel times a magnitude, scaled and biased, a factor of ``largest`` at most.
+
+    Measured: 98304 of 98304, with factors above 1 (BumpEnvMapLuminance); Source: NV_texture_shader
+    revision 30 (1 at most; below 0 the result is 0 either way).
+    """
     factor = magnitude / ((1 << magnitude_bits) - 1) * stage.offset_texture_scale + stage.offset_texture_bias
+    factor = min(factor, largest)
     one = (1 << bits) - 1
     return [*(real_texel(component * factor / one, bits) for component in texel[:3]), texel[3]]
 
@@ -128,6 +133,7 @@ class Stages:
         self.units, self.weights, self.access = units, weights, access
         self.depth_max = depth_max
         self.depth_scale = 1.0 if profile.textures.depth_units_in_coordinates else float(depth_max)
+        self.largest_scale = 1.0 if profile.texture_shaders.offset_scale_clamped else inf
         self.samplers = [None if unit is None else unit.sampler for unit in state.texture_units]
         self.texels, self.bytes, self.alive, self.depth = [], [], True, None
 
@@ -187,7 +193,9 @@ class Stages:
         self.depth = floor(z) if self.alive else 0
 
     def run(self):
-        """Every stage in order. Source: NV_texture_shader, table 3.D (results of stages without a texel)."""
+        """Every stage in order. Source: NV_texture_shader, table 3.D (results of stages without a texel; a
+        scaled stage's result is the texel before).
+        """
         for i, stage in enumerate(self.stages):
             operation, texel = stage.operation, [0, 0, 0, 0]
             if operation == Operation.NONE or self.units[i] is None:
@@ -203,11 +211,12 @@ class Stages:
             elif operation != Operation.DOT_PRODUCT:
                 rough = None if stage.roughness is None else self.rough(i)
                 texel = self.access(i, self.made_coordinates(i), operation, rough)
-                if operation in WITH_SCALE:
-                    texel = scaled(texel, self.bytes[stage.previous_texture_input][0], stage)
-            self.texels.append(texel)
             reads = operation not in WITHOUT_ACCESS
             self.bytes.append(as_bytes(texel, self.samplers[i] if reads else None))
+            if operation in WITH_SCALE:  # of the register alone: later stages read the texel before
+                magnitude = self.bytes[stage.previous_texture_input][0]
+                texel = scaled(texel, magnitude, stage, largest=self.largest_scale)
+            self.texels.append(texel)
         return self.texels, self.alive, self.depth
 
 

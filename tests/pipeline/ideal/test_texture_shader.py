@@ -185,8 +185,24 @@ def test_a_scale_multiplies_colours_by_the_magnitude_and_clamps():
     texel, image = one_texel(0.5, 0.0, 0.0, 1.0), one_texel(0.5, 0.75, 1.0, 0.25)
     more = {"offset_texture_scale": 2.0, "offset_texture_bias": 0.2}
     stages = [(Operation.TEXTURE_2D, "o", {}), (Operation.OFFSET_TEXTURE_2D_SCALE, "f", more)]
-    got = shown(frame({"o": texel, "f": image}, stages, [constant(), constant()]))
-    np.testing.assert_allclose(got[0, 0], [0.6, 0.9, 1.0, 0.25], atol=NOISE)
+    for bias, expected in ((0.2, [0.5, 0.75, 1.0]), (-0.5, [0.25, 0.375, 0.5]), (-2.0, [0.0] * 3)):
+        more["offset_texture_bias"] = bias
+        got = shown(frame({"o": texel, "f": image}, stages, [constant(), constant()]))
+        np.testing.assert_allclose(got[0, 0], [*expected, 0.25], atol=NOISE)
+
+
+def test_a_later_stage_reads_the_texel_before_it_is_scaled():
+    """Source: NV_texture_shader section 3.8.13.1.9."""
+    images = {"o": one_texel(0.0, 0.0, 0.0, 1.0), "f": one_texel(0.0, 0.5, 0.25, 1.0)}
+    images["t"] = ramp(64, lambda s, t: (s + 2.0 * t) / 4.0)
+    more = {"offset_texture_scale": 0.0, "offset_texture_bias": 0.5}
+    stages = [
+        (Operation.TEXTURE_2D, "o", {}),
+        (Operation.OFFSET_TEXTURE_2D_SCALE, "f", more),
+        (Operation.DEPENDENT_GB_TEXTURE_2D, "t", {"previous_texture_input": 1}),
+    ]
+    got = shown(frame(images, stages, [constant()] * 3, samplers={2: EDGE}))
+    np.testing.assert_allclose(got[..., 0], (0.5 + 2.0 * 0.25) / 4.0, atol=NOISE)
 
 
 NORMAL = np.array([0.25, -0.5, 0.75])

@@ -82,11 +82,12 @@ def test_the_arithmetic_is_the_specification_s_at_every_width(bits):
     stage = TextureShaderStage(offset_texture_scale=1.5, offset_texture_bias=-0.25)
     for other in (8, 12):
         magnitude = random.integers(0, 1 << other, len(texels))
-        found = texture_shader.scaled(texels, bits, magnitude, other, 1.5, -0.25)
-        assert found.tolist() == [
-            specified.scaled(t, m, stage, bits, other)
-            for t, m in zip(texels.tolist(), magnitude.tolist(), strict=True)
-        ]
+        for largest in (1.0, np.inf):
+            found = texture_shader.scaled(texels, bits, magnitude, other, 1.5, -0.25, largest)
+            assert found.tolist() == [
+                specified.scaled(t, m, stage, bits, other, largest)
+                for t, m in zip(texels.tolist(), magnitude.tolist(), strict=True)
+            ]
 
 
 # ------------------------------------------------------------------------------------------ other widths
