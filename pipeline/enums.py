@@ -446,8 +446,8 @@ class Meaning(IntEnum):
     the same with each; the ideal goes by it.
 
     PLAIN: what the register holds. SATURATED: that, clamped to [0, 1]; a machine's registers end at 1, the
-    ideal's do not. SIGNED_CONSTANT: a constant with components of both signs, c, stored as (c + 256/255)/2,
-    which a machine's EXPAND_NORMAL makes of bytes.
+    ideal's do not. SIGNED_CONSTANT: a constant with components of both signs, c, stored as (c + 256/255)/2
+    or as c + 128/255, which a machine's EXPAND_NORMAL or HALF_BIAS_NORMAL makes of bytes.
     """
 
     PLAIN = 0

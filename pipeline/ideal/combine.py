@@ -52,6 +52,8 @@ _MAPPINGS = {
 _SIGNED_CONSTANT = {
     Mapping.EXPAND_NORMAL: (0.0, 2.0, -256 / 255, _ANY),
     Mapping.EXPAND_NEGATE: (0.0, -2.0, 256 / 255, _ANY),
+    Mapping.HALF_BIAS_NORMAL: (0.0, 1.0, -128 / 255, _ANY),
+    Mapping.HALF_BIAS_NEGATE: (0.0, -1.0, 128 / 255, _ANY),
 }
 
 _BLOCK = 64

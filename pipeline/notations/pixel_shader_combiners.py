@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Mapping, Register
-from fixedpipe.pipeline.notations.register_combiner_words import UNUSED_ALPHA, UNUSED_RGB
+from fixedpipe.pipeline.notations.register_combiner_words import UNUSED_ALPHA, UNUSED_RGB, constant_byte
 from fixedpipe.pipeline.state import AlphaPortion, CombinerInput, GeneralCombiner, RGBPortion
 
 RGB, ALPHA, BLUE = ComponentUsage.RGB, ComponentUsage.ALPHA, ComponentUsage.BLUE
@@ -45,10 +45,16 @@ NEGATED = {
     Mapping.HALF_BIAS_NORMAL: Mapping.HALF_BIAS_NEGATE,
 }
 NEGATED |= {negated: mapping for mapping, negated in NEGATED.items()}
-EXPANDED = {
-    Mapping.SIGNED_IDENTITY: Mapping.EXPAND_NORMAL,
-    Mapping.SIGNED_NEGATE: Mapping.EXPAND_NEGATE,
+# What stands for SIGNED_IDENTITY and SIGNED_NEGATE of a constant of both signs, by the factor of the reading:
+# where the constant is near zero, and elsewhere, in even steps.
+READINGS = {
+    1: {
+        Mapping.SIGNED_IDENTITY: Mapping.HALF_BIAS_NORMAL,
+        Mapping.SIGNED_NEGATE: Mapping.HALF_BIAS_NEGATE,
+    },
+    2: {Mapping.SIGNED_IDENTITY: Mapping.EXPAND_NORMAL, Mapping.SIGNED_NEGATE: Mapping.EXPAND_NEGATE},
 }
+_HALF = 128 / 255  # what these take off
 
 
 @dataclass
@@ -56,12 +62,14 @@ class Stage:
     """A general combiner in the making, of what ``says`` which line's instructions make of it.
 
     ``places``: of each of the two constant registers the halves that are read, "rgb" and "a", and which of
-    the program's constants each of them is.
+    the program's constants each of them is, or which Part of one. ``divides``: whether it reads but one color
+    of constants, which may be in both registers.
     """
 
     token: object
     says: str
     colors: dict
+    divides: bool = False
     rgb: RGBPortion | None = None
     alpha: AlphaPortion | None = None
     places: tuple[dict, dict] = field(default_factory=lambda: ({}, {}))
@@ -91,6 +99,19 @@ class Stage:
         return None
 
 
+class Part(NamedTuple):
+    """The positive components of constant ``number``, or the magnitudes of the negative ones."""
+
+    number: int
+    negative: bool
+
+    def stored(self, color):
+        """What a combiner's constant holds of it."""
+        sign = -1 if self.negative else 1
+        color = limited(color)
+        return (*(max(0.0, sign * value) for value in color[:3]), abs(color[3]))
+
+
 class Operand(NamedTuple):
     """An input, and whether it is still to be negated, for it has a mapping that cannot be."""
 
@@ -113,17 +134,49 @@ def one_operand(half):
     return Operand(CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, RGB if half == "rgb" else ALPHA))
 
 
+def limited(color):
+    """A color's components in [-1, 1]."""
+    return [max(-1.0, min(1.0, value)) for value in color]
+
+
+def of_both_signs(values):
+    """Whether some components are negative and some positive."""
+    return min(values) < 0 < max(values)
+
+
+def reading(color):
+    """By which factor a color whose red, green and blue differ in sign is read in one input: a key of
+    READINGS. The first reaches from -128/255 to 127/255.
+    """
+    color = limited(color[:3])
+    return 1 if 255 * min(color) >= -128 and 255 * max(color) <= 127 else 2
+
+
 def stored(color):
     """What a combiner's constant, in [0, 1], holds of a color in [-1, 1].
 
-    Magnitudes, for readers that negate; where red, green and blue differ in sign, what EXPAND_NORMAL maps to
-    them, in steps of 2/255.
+    Magnitudes, for readers that negate; where red, green and blue differ in sign, what their ``reading`` maps
+    to them.
     """
-    color = [max(-1.0, min(1.0, value)) for value in color]
+    color = limited(color)
     magnitudes = tuple(abs(value) for value in color)
-    if min(color[:3]) < 0 < max(color[:3]):
-        return (*((255 * value + 256) / 510 for value in color[:3]), magnitudes[3])
+    if of_both_signs(color[:3]):
+        factor = reading(color)
+        return (*(value / factor + _HALF for value in color[:3]), magnitudes[3])
     return magnitudes
+
+
+def worst_step(color):
+    """(component, what one input reads for it, in 1/255) of a color of both signs: where the input is further
+    off than a byte has to be; None: nowhere.
+    """
+    factor, color, worst = reading(color), limited(color[:3]), None
+    for k, value in enumerate(color):
+        found = factor * (constant_byte(value / factor + _HALF) - 128)
+        off = abs(found - 255 * value)
+        if off > 0.5 and (worst is None or off > worst[0]):
+            worst = off, k, found
+    return worst and worst[1:]
 
 
 def copy_of_blue(register):

@@ -13,9 +13,11 @@ from fixedpipe.pipeline.notations.pixel_shader_combiners import (
     REGISTERS,
     SCALES,
     SIGNED,
+    Part,
     Stage,
     compared,
     copy_of_blue,
+    of_both_signs,
     sum_of_products,
 )
 from fixedpipe.pipeline.notations.pixel_shader_operands import Operands, Said, UnsayableError
@@ -250,7 +252,10 @@ class Writer:
 
     def _placed(self, stage, number, given):
         half = half_of(given.usage)
-        place = stage.place(self.operands.constants[number, given.register, half], half)
+        constant = self.operands.constants[number, given.register, half]
+        if half == "rgb" and given.mapping in SIGNED and of_both_signs(self.operands.colors[constant][:3]):
+            constant = Part(constant, given.mapping is Mapping.SIGNED_NEGATE)
+        place = stage.place(constant, half)
         return place is not None and CONSTANTS[place] is given.register
 
     def _settle(self, group):

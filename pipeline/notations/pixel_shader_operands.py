@@ -12,17 +12,18 @@ from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.notations.equal_programs import CONSTANTS, half_of, never_negative
 from fixedpipe.pipeline.notations.pixel_shader_combiners import (
     ALPHA,
-    EXPANDED,
     MAPPINGS,
     NEGATED,
+    READINGS,
     REGISTERS,
     RGB,
+    of_both_signs,
 )
 from fixedpipe.pipeline.notations.program_sources import PIXEL_SHADER_NAMES
 from fixedpipe.pipeline.notations.register_combiner_words import MAPPINGS_OF_ONE
 
 _WORDS = {mapping: words for words, mapping in MAPPINGS.items()} | {Mapping.UNSIGNED_IDENTITY: ("", "")}
-_UNEXPANDED = {expanded: mapping for mapping, expanded in EXPANDED.items()}
+_UNREAD = {read: mapping for readings in READINGS.values() for mapping, read in readings.items()}
 _TEXTURES = {register: number for (letter, number), register in REGISTERS.items() if letter == "t"}
 _WITHOUT_COLOR = (
     Operation.NONE,
@@ -101,6 +102,14 @@ class Operands:
         """Whether the program was a pixel shader, which is to read back as the very same state."""
         return self.constants is not None
 
+    def are_parts(self, number, first, second):
+        """Whether two inputs are the positive and the negative components of one constant's color."""
+        both = first.register, second.register
+        if not self.exact or set(both) != set(CONSTANTS) or half_of(first.usage) == "a":
+            return False
+        (found, other) = (self.constants.get((number, register, "rgb")) for register in both)
+        return found is not None and found == other and of_both_signs(self.colors[found][:3])
+
     def write(self, register, half):
         """A general combiner writes half of a register."""
         self.written.add((register, half))
@@ -147,7 +156,7 @@ class Operands:
             name, color = f"c{constant}", self.colors[constant]
             values = color[3:] if component == "a" else color[:3]
             if min(values) < 0:
-                mapping = (_UNEXPANDED if max(values) > 0 else NEGATED).get(mapping, mapping)
+                mapping = (_UNREAD if of_both_signs(values) else NEGATED).get(mapping, mapping)
         sign, modifier = _WORDS[mapping]
         return tuple(Said(sign, name, modifier, s) for s in self._selectors(half, given.usage))
 

@@ -139,6 +139,11 @@ def _shapes(operands, number, half, portion, which):
     if portion.mux_sum:
         yield "cnd", (_CONDITION, times(c, d), times(a, b)), ((c, False), (a, False))
         return
+    if b == d and operands.are_parts(number, a, c):
+        yield "mov", (times(a, b),), ((a, False), (c, False))
+    if (b == d and operands.are_parts(number, a, c)) or (a == c and operands.are_parts(number, b, d)):
+        yield "mul", (said(a), said(b)), ((a, False), (b, False), (c, False), (d, False))
+        return
     if _complementary(a, c):
         factor = tuple(s for s in said(a) if not s.modifier and s.sign != "-")
         yield "lrp", (factor, said(b), said(d)), ((a, True), (c, True), (b, False), (d, False))

@@ -18,9 +18,12 @@ Three things have no field of their own:
   alpha takes another component, and only where that is impossible (``cnd``, red, green and blue overwritten)
   is blue copied, by an alpha portion that is free or by one more general combiner, or, where there would be
   more than eight, by the chip's own blue to alpha.
-- A negative constant: constants are in [0, 1], so the magnitude is stored and the reader negates; of red,
-  green and blue of both signs what EXPAND_NORMAL maps to them is stored, which is even, and so off by up to
-  1/255 (Inferred: there is no other signed reading of a constant; a GeForce 3's output would settle it).
+- A negative constant: constants are in [0, 1], so the magnitude is stored and the reader negates. Of red,
+  green and blue of both signs, from -128/255 to 127/255, what HALF_BIAS_NORMAL maps to them is stored; of
+  others what EXPAND_NORMAL maps to them, which is even, and so off by up to 1/255. Where that is off, ``mov``
+  and ``mul`` take both constants, what is positive in one and what is negative in the other, and are exact;
+  what cannot is noted (Inferred: there is no other signed reading of a constant; a GeForce 3's output would
+  settle which of them its driver chose).
 
 ``cmp`` and ``dp4`` take two general combiners each, as their cost in instruction slots says they did.
 
@@ -38,24 +41,28 @@ from fixedpipe.pipeline.notations.pixel_shader_combiners import (
     ALPHA,
     BLUE,
     CONSTANTS,
-    EXPANDED,
     MAPPINGS,
     NEGATED,
     ONE_OR_MINUS_ONE,
     R0,
+    READINGS,
     REGISTERS,
     RGB,
     SCALES,
     SIGNED,
     Dot,
     Operand,
+    Part,
     Stage,
     compared,
     copy_of_blue,
+    of_both_signs,
     one_operand,
     product,
+    reading,
     stored,
     sum_of_products,
+    worst_step,
 )
 from fixedpipe.pipeline.notations.pixel_shader_notes import unwritten_note, validator_notes
 from fixedpipe.pipeline.notations.pixel_shader_textures import WITHOUT_RESULT, ConstantPlace, texture_stages
@@ -195,9 +202,10 @@ class _Translation:
             ConstantPlace(constant, number, CONSTANTS[place], half if shared else "rgba")
             for number, stage in enumerate(self.stages)
             for place, halves in enumerate(stage.places)
-            for shared in [len(set(halves.values())) > 1]
-            for half, constant in halves.items()
-            if shared or half == next(iter(halves))
+            for numbers in [{half: _number(key) for half, key in halves.items()}]
+            for shared in [len(set(numbers.values())) > 1]
+            for half, constant in numbers.items()
+            if shared or half == next(iter(numbers))
         )
 
     def new_stage(self, token, what):
@@ -234,6 +242,7 @@ class _Translation:
             for register in endangered:
                 self.alpha_of_its_own(register, group[0].token)
         stage = self.new_stage(group[0].token, " + ".join(instruction.name for instruction in group))
+        stage.divides = _colors_of_constants(halves) == 1
         for half, instruction in halves.items():
             if half == "rgb":
                 stage.rgb = self.portion(stage, half, instruction)
@@ -277,7 +286,14 @@ class _Translation:
             return self.operand(stage, half, source._replace(**changes))
 
         cd, dot, mux, summed = None, False, False, True
-        if name == "mov":
+        divided = next((s for s in sources if stage.divides and self.is_divided(half, s)), None)
+        if divided and name in ("mov", "mul"):
+            first, second = self.parts(stage, half, divided)
+            rest = [one if name == "mov" else operand(s) for s in sources if s is not divided] or [one]
+            ab, cd = [first, *rest], [second, *rest]
+            if divided is not sources[0]:
+                ab, cd = ab[::-1], cd[::-1]
+        elif name == "mov":
             ab, summed = (operand(sources[0]), one), False
         elif name in ("mul", "dp3"):
             ab, summed, dot = (operand(sources[0]), operand(sources[1])), False, name == "dp3"
@@ -466,6 +482,23 @@ class _Translation:
         meaning = Meaning.SATURATED if saturated else Meaning.PLAIN
         return Operand(CombinerInput(REGISTERS[source.register], mapping, usage, meaning), negated)
 
+    def is_divided(self, half, source):
+        """Whether a source is a color of both signs that one input cannot read as well as bytes can."""
+        if source.letter != "c" or source.modifier or source.sign == "1-" or half_read(half, source) == "a":
+            return False
+        color = self.color(source.number)
+        return of_both_signs(color[:3]) and worst_step(color) is not None
+
+    def parts(self, stage, half, source):
+        """The two inputs whose sum a color of both signs is, exactly: a constant each."""
+        inputs, usage = [], RGB if half == "rgb" else BLUE
+        for negative in (False, True):
+            part = Part(source.number, negative)
+            stage.colors[part] = part.stored(self.color(source.number))
+            mapping = Mapping.SIGNED_NEGATE if negative is (source.sign == "") else Mapping.SIGNED_IDENTITY
+            inputs.append(Operand(CombinerInput(CONSTANTS[stage.place(part, "rgb")], mapping, usage)))
+        return inputs
+
     def constant(self, stage, source, usage, mapping, unsigned):
         color = self.color(source.number)
         read_values = color[3:] if usage is ALPHA else color[:3]
@@ -476,9 +509,11 @@ class _Translation:
                     f"c{source.number} is {color}; a combiner's constants are in [0, 1], and what stands "
                     "for a negative one has to be read without a modifier. Change the constant instead."
                 )
-            of_both = max(read_values) > 0
-            mapping = (EXPANDED if of_both else NEGATED)[mapping]
-            meaning = Meaning.SIGNED_CONSTANT if of_both else Meaning.PLAIN
+            if of_both_signs(read_values):
+                mapping, meaning = READINGS[reading(color)][mapping], Meaning.SIGNED_CONSTANT
+                self.note_step(source)
+            else:
+                mapping = NEGATED[mapping]
         place = stage.place(source.number, "a" if usage is ALPHA else "rgb")
         if place is None:
             raise source.token.error(
@@ -489,3 +524,29 @@ class _Translation:
         if unsigned and mapping in SIGNED:
             mapping = Mapping.UNSIGNED_IDENTITY
         return Operand(CombinerInput(CONSTANTS[place], mapping, usage, meaning))
+
+    def note_step(self, source):
+        worst = worst_step(self.color(source.number))
+        if worst is not None:
+            component, step = worst
+            value = self.color(source.number)[component]
+            sentence = (
+                f"c{source.number}'s {('red', 'green', 'blue')[component]}, {value:.4g}, is read as "
+                f"{step}/255: red, green and blue of both signs have even steps in one input; mov the "
+                "constant to a register first, which is exact."
+            )
+            self.notes.append((source.token.line, sentence))
+
+
+def _number(key):
+    """The number of the constant that a half of a place is, or is a Part of."""
+    return key.number if isinstance(key, Part) else key
+
+
+def _colors_of_constants(halves):
+    """How many inputs of a general combiner's portions, {half: instruction}, are colors of constants."""
+    return sum(
+        source.letter == "c" and half_read(half, source) == "rgb"
+        for half, instruction in halves.items()
+        for source in instruction.sources
+    )

@@ -40,16 +40,46 @@ class Arithmetic:
         return max(self.lowest, min(ONE, value))
 
 
-def constant(components):
-    """The color of a def, by its nearest steps; red, green and blue of both signs have even steps, up to 254.
+def constant(components, divided=False):
+    """The color of a def, by its nearest steps. Red, green and blue of both signs, in one input, are a half
+    less than bytes, from -128 to 127, or have even steps, up to 254; ``divided``: in two, each its own.
 
-    Source: def; docs/numbers.md, byte(c): halves up; Inferred: eight bits without a sign, or expanded.
+    Source: def; docs/numbers.md, byte(c): halves up; Inferred: eight bits without a sign, biased, expanded.
     """
     color = [max(-1.0, min(1.0, float(c))) for c in components]
     steps = [int(copysign(int(abs(c) * ONE + 0.5), c)) for c in color]
-    if min(color[:3]) < 0 < max(color[:3]):
-        steps[:3] = [min(2 * int((ONE * c + 256) / 2 + 0.5) - 256, 254) for c in color[:3]]
-    return steps
+    if divided or not min(color[:3]) < 0 < max(color[:3]):
+        return steps
+    factor = 1 if ONE * min(color[:3]) >= -128 and ONE * max(color[:3]) <= 127 else 2
+    held = [min(int(ONE * (c / factor + 128 / ONE) + 0.5), ONE) for c in color[:3]]
+    return [*(factor * (byte - 128) for byte in held), steps[3]]
+
+
+def instruction(line):
+    """(whether it is the second of a pair, name, modifiers, operands) of a line. Source: the grammar."""
+    opcode, _, operands = line.split(";")[0].strip().lstrip("+ ").partition(" ")
+    name, *modifiers = opcode.split("_")
+    return line.strip().startswith("+"), name, modifiers, [operand.strip() for operand in operands.split(",")]
+
+
+def group_of(lines, number):
+    """The operands of instruction ``number`` and of its pair. Source: co-issued instructions."""
+    first = number - lines[number][0]
+    return [lines[k][3] for k in (first, first + 1) if k == first or (k < len(lines) and lines[k][0])]
+
+
+def reads_alone(group):
+    """Whether a pair, its operands, reads the color of but one constant: mov and mul then have inputs to
+    spare for both signs. Source: NV_register_combiners, two constants, two products.
+    """
+    count = 0
+    for destination, *sources in group:
+        mask = destination.partition(".")[2]
+        for source in (source for source in sources if "c" in source):
+            selector = source.partition(".")[2]
+            count += mask not in ("a", "w") and selector not in ("a", "w")
+            count += mask in ("a", "w") and selector in ("b", "z")
+    return count == 1
 
 
 def negated(text):
@@ -124,15 +154,12 @@ def evaluate(text, textures, primary, secondary, arithmetic):
     """
     registers = {f"t{i}": list(texel) for i, texel in enumerate(textures)}
     registers |= {"v0": list(primary), "v1": list(secondary), "r0": [0] * 4, "r1": [0] * 4}
-    lines = [line.split(";")[0].strip() for line in text.splitlines()[1:]]
-    pending, ones = {}, set()
-    for line in filter(None, lines):
-        paired = line.startswith("+")
-        opcode, _, operands = line.lstrip("+ ").partition(" ")
-        operands = [operand.strip() for operand in operands.split(",")]
-        name, *modifiers = opcode.split("_")
+    pending, ones, divided = {}, set(), {}
+    lines = [instruction(line) for line in text.splitlines()[1:] if line.split(";")[0].strip()]
+    for number, (paired, name, modifiers, operands) in enumerate(lines):
         if name == "def":
             registers[operands[0]] = constant(operands[1:])
+            divided[operands[0]] = constant(operands[1:], divided=True)
         if name == "texcoord":
             ones.add(operands[0])
             registers[operands[0]][3] = ONE
@@ -145,7 +172,10 @@ def evaluate(text, textures, primary, secondary, arithmetic):
         destination, _, mask = operands[0].partition(".")
         if name == "sub":
             operands[2] = negated(operands[2])
-        sources = [read(registers, operand, arithmetic, ones) for operand in operands[1:]]
+        held = registers
+        if name in ("mov", "mul") and reads_alone(group_of(lines, number)):
+            held = registers | divided
+        sources = [read(held, operand, arithmetic, ones) for operand in operands[1:]]
         if name == "sub" and operands[2].startswith("-1-"):
             # A complement has no negative: minus one is its factor. Inferred: ZERO expanded is minus one.
             sources[1] = [value * 2 * arithmetic.half / ONE for value in sources[1]]

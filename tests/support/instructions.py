@@ -167,9 +167,19 @@ CONSTANTS = (
         "rn(a*-constant(0.3, 0.6, 0.9, 0.5))",
     ),
     Row(
-        "of both signs",
+        "of both signs, in mov and mul",
         "def c0, -0.3, 0.6, -0.9, -0.5\nmul r0, t0, c0",
-        "rn(a*signed(-0.3, 0.6, -0.9, -0.5))",
+        "rn(a*(constant(0, 0.6, 0, 0) - constant(0.3, 0, 0.9, 0.5)))",
+    ),
+    Row(
+        "of both signs, -128/255 to 127/255",
+        "def c0, -0.2, 0.4, -0.4, -0.5\nadd r0, t0, c0",
+        "clip(a + constant(0, 0.4, 0, 0) - constant(0.2, 0, 0.4, 0.5))",
+    ),
+    Row(
+        "of both signs, elsewhere",
+        "def c0, -0.3, 0.6, -0.9, -0.5\nadd r0, t0, c0",
+        "clip(a + signed(-0.3, 0.6, -0.9, -0.5))",
     ),
 )
 

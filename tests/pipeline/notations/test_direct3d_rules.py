@@ -111,12 +111,14 @@ def ideal(text):
         ("mov_x4 r1, t0\nlrp r0, 1-r1, c0, v0", [255.0] * 4),
         ("mov r0, c1", [0.0, 0.0, 255.0, 255.0]),
         ("mov r0, -c1", [0.0, 255.0, 0.0, 0.0]),
+        ("mul r0, c1, t0", [0.0, 0.0, TEXEL, TEXEL]),
+        ("add r0, t0, c2", [TEXEL - 25.5, TEXEL + 51.0, TEXEL, 255.0]),
         ("mad r0, c1, c0, t0", [TEXEL, TEXEL - 63.75, 255.0, 255.0]),
     ],
 )
 def test_the_ideal_keeps_the_clamps_and_the_constants_that_a_program_states(lines, color):
     """Of real numbers: machines' registers end at 1, and their constants of both signs have even steps."""
-    constants = "def c0, 0.25, 0.25, 0.25, 0.25\ndef c1, 0, -1, 1, 1\n"
+    constants = "def c0, 0.25, 0.25, 0.25, 0.25\ndef c1, 0, -1, 1, 1\ndef c2, -0.1, 0.2, 0, 1\n"
     assert ideal(f"ps.1.1\n{constants}tex t0\n{lines}\n") == color
 
 

@@ -16,9 +16,11 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
 )
 from fixedpipe.pipeline.enums import TextureShaderOperation as Op
+from fixedpipe.pipeline.notations.pixel_shader_format import format_pixel_shader
 from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
 from fixedpipe.pipeline.notations.pixel_shader_translation import parse
 from fixedpipe.pipeline.notations.pixel_shaders import ARITHMETIC, TEXTURE, PixelShaderTextError
+from fixedpipe.pipeline.notations.programs import parse_program
 from fixedpipe.pipeline.notations.register_combiner_format import format_program
 from fixedpipe.pipeline.notations.register_combiners import parse as parse_combiners
 from fixedpipe.pipeline.profiles import GEFORCE_3, NV2A
@@ -74,6 +76,51 @@ def test_constants_of_both_signs_have_even_steps(constant):
     shader = check(text + f"mad r0.rgb, t0, {constant}, v0\n+ add r0.a, {alpha}, t0\n")
     stored = shader.combiners.general[0].constant_color0
     assert [min(round(255 * value), 255) for value in stored] == [90, 204, 255, 128]
+
+
+@pytest.mark.parametrize("constant", ["c2", "-c2"])
+@pytest.mark.parametrize(
+    "use",
+    [
+        "mov r0, X",
+        "mov_x2_sat r0.rgb, X\n+ mov r0.a, t0",
+        "mul r0, t0, X",
+        "mul_d2 r0, X, 1-t0",
+        "mul r0.rgb, X, c0.a\n+ mov r0.a, c1",
+        "mov r0.a, c0\n+ mul r0.rgb, v0, X",
+        "mul r0.a, X.b, t0\n+ mov r0.rgb, t1",
+        "mov_sat r1, t0\nmul r0, -r1, X",
+    ],
+)
+def test_a_color_of_both_signs_is_exact_where_two_constants_are_free(use, constant):
+    text = HEAD.replace("tex t0", "def c2, 1, -0.5, -1, -0.5\ntex t0", 1)
+    text += use.replace("X", constant) + "\n"
+    shader = check(text)
+    written = format_pixel_shader(parse_program(text))
+    assert parse(written).combiners == shader.combiners
+    assert shader.notes == () or not any("even steps" in note for note in shader.notes)
+    stage = shader.combiners.general[-1]
+    colors = {stage.constant_color0[:3], stage.constant_color1[:3]}
+    assert colors == {(1.0, 0.0, 0.0), (0.0, 0.5, 1.0)}
+
+
+@pytest.mark.parametrize("use", ["add r0, t0, X", "dp3 r0, t0, X", "mad r0, X, v0, t0", "mul r0, X, X"])
+def test_a_color_of_both_signs_near_zero_is_exact_in_one_input(use):
+    text = HEAD.replace("tex t0", "def c2, 0.498, -0.501, 0.2, -0.5\ntex t0", 1)
+    for source in ("c2", "-c2"):
+        shader = check(text + use.replace("X", source) + "\n")
+        assert not any("even steps" in note for note in shader.notes)
+        stored = shader.combiners.general[0].constant_color0
+        assert [int(255 * value + 0.5) - 128 for value in stored[:3]] == [127, -128, 51]
+
+
+def test_a_color_of_both_signs_that_has_even_steps_is_noted_with_how_far_it_is_off():
+    lines = "mov r0, c2\nadd r0, r0, c2\nmul r0, r0, c3\n"
+    notes = parse(f"ps.1.1\ndef c2, 1, -0.5, 0, 1\ndef c3, 0.5, -1, 0, 1\n{lines}").notes
+    assert notes == (
+        "line 5: c2's red, 1, is read as 254/255: red, green and blue of both signs have even steps in one "
+        "input; mov the constant to a register first, which is exact.",
+    )
 
 
 def test_masks_and_pairs_read_before_they_write():
