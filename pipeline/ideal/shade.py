@@ -209,6 +209,8 @@ def fog_factor(fog, coordinate):
         factor = np.exp(-fog.density * coordinate)
     elif fog.mode is FogMode.EXP2:
         factor = np.exp(-((fog.density * coordinate) ** 2))
+    elif fog.mode is FogMode.LINEAR and fog.start == fog.end:
+        factor = coordinate <= fog.end  # a step.  Source: docs/numbers.md, section 9
     elif fog.mode is FogMode.LINEAR:
         factor = (fog.end - coordinate) / (fog.end - fog.start)
     else:

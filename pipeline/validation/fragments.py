@@ -1,6 +1,6 @@
 """Validation of a state's fragment stages: combiners, fog, tests and blending."""
 
-from fixedpipe.pipeline.enums import FogCoordinateSource, FogMode
+from fixedpipe.pipeline.enums import FogCoordinateSource
 from fixedpipe.pipeline.programs.combiner_rules import (
     TEXTURE_REGISTERS,
     blue_to_alpha_stage,
@@ -63,11 +63,9 @@ def register_combiners(walk, combiners):
 
 
 def fog(walk, fog):
-    """Refuse fog that divides by zero, or that the machine does not have."""
+    """Refuse fog of a negative density, or that the machine does not have."""
     if fog.density < 0:
         walk.refuse(f"the fog density is {fog.density}; densities are not negative.")
-    if fog.mode is FogMode.LINEAR and fog.start == fog.end:
-        walk.refuse(f"linear fog starts and ends at {fog.start}, which divides by zero; move one of them.")
     if fog.registers is not None and not walk.profile.fragments.fog_registers:
         walk.refuse(
             f"{walk.profile.name} has no FogRegisters; give density, or start and end, and leave "

@@ -26,6 +26,7 @@ LN_256 = 5.545177444479562  # Source: the natural logarithm, rounded to float64
 TABLE_SIZE = 8193  # entries of ``table``
 _NODES, _STEPS = 32, 64  # Measured: straight lines between 32 nodes of 64 steps of 1/4096 (Fog captures)
 _LINEAR_STEPS = np.float64(2**21)  # of a LINEAR value's one
+_NO_LENGTH = 2.0**-24  # what stands for end - start = 0. Assumed: as steep as single precision can tell
 _LARGEST = np.float64(2.0**127)  # what an infinite vertex value becomes. Assumed: any large number
 
 
@@ -37,7 +38,7 @@ def line(fog):
     if fog.registers is not None:
         bias, multiplier = fog.registers.bias, fog.registers.multiplier
     elif fog.mode == FogMode.LINEAR:
-        multiplier = -1.0 / (fog.end - fog.start)
+        multiplier = -1.0 / (fog.end - fog.start or _NO_LENGTH)
         bias = 1.0 - fog.end * multiplier
     else:
         range_of_table = LN_256 if fog.mode == FogMode.EXP else float(np.sqrt(LN_256))

@@ -1045,8 +1045,9 @@ def fog_columns(state, distances, profile=GEFORCE_256):
         Fog(FogMode.EXP, density=0.0, coordinate_source=FogCoordinateSource.FOG_COORDINATE),
         Fog(FogMode.LINEAR, start=-1.0, end=3.0, coordinate_source=FogCoordinateSource.FOG_COORDINATE),
         Fog(FogMode.LINEAR, start=3.0, end=-1.0, coordinate_source=FogCoordinateSource.FOG_COORDINATE),
+        Fog(FogMode.LINEAR, start=0.5, end=0.5, coordinate_source=FogCoordinateSource.FOG_COORDINATE),
     ],
-    ids=["exp", "exp2", "no density", "linear", "rising"],
+    ids=["exp", "exp2", "no density", "linear", "rising", "step"],
 )
 def test_every_fog_factor_begins_at_its_threshold(state):
     limits = [
@@ -1057,6 +1058,18 @@ def test_every_fog_factor_begins_at_its_threshold(state):
     ]
     distances += [-1e30, 0.0, 1e30]
     assert fog_columns(state, distances) == [fog.fog_factor(c, state, GEFORCE_256) for c in distances]
+
+
+@pytest.mark.parametrize("profile", [GEFORCE_256, NV2A], ids=lambda p: p.name)
+@pytest.mark.parametrize("place", [0.5, -3.0, 1000.0])
+def test_linear_fog_of_no_length_is_a_step(profile, place):
+    """Source: WineHQ dlls/d3d9/tests/visual.c, fog_special_test."""
+    state = Fog(FogMode.LINEAR, start=place, end=place, coordinate_source=FogCoordinateSource.FOG_COORDINATE)
+    near = 2.0**-10 * abs(place)
+    distances = [place - 10.0, place - near, place + near, place + 10.0]
+    assert fog_columns(state, distances, profile) == [255, 255, 0, 0]
+    values = distances if profile is GEFORCE_256 else [fog.vertex_value(state, c) for c in distances]
+    assert [fog.fog_factor(v, state, profile) for v in values] == [255, 255, 0, 0]
 
 
 @pytest.mark.parametrize("mode", FogMode)

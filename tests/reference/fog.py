@@ -22,7 +22,9 @@ def exponential_threshold(k, mode, density):
 
 
 def linear_threshold(k, start, end):
-    """Where 255 f = k - 1/2. Source: OpenGL 1.2.1 equation 3.26."""
+    """Where 255 f = k - 1/2; all of them at once where start is end. Source: OpenGL 1.2.1 equation 3.26;
+    WineHQ dlls/d3d9/tests/visual.c, fog_special_test (a step); Assumed: the step's own place is before it.
+    """
     return end - ((k - 0.5) / 255.0) * (end - start)
 
 
@@ -45,11 +47,13 @@ def fog_factor(coordinate, fog, profile):
 
 
 def line(fog):
-    """Bias and multiplier. Measured: Fog captures; Inferred: the driver's, from OpenGL's parameters."""
+    """Bias and multiplier. Measured: Fog captures; Inferred: the driver's, from OpenGL's parameters; Assumed:
+    2^-24 for no distance from start to end.
+    """
     if fog.registers is not None:
         bias, multiplier = fog.registers.bias, fog.registers.multiplier
     elif fog.mode == FogMode.LINEAR:
-        multiplier = -1.0 / (fog.end - fog.start)
+        multiplier = -1.0 / (fog.end - fog.start or 2.0**-24)
         bias = 1.0 - fog.end * multiplier
     else:
         ln_256 = 5.545177444479562

@@ -742,6 +742,7 @@ def test_polygon_offset_is_exact(depth_bits):
         (Fog(mode=FogMode.EXP2, density=0.4), lambda c: math.exp(-((0.4 * c) ** 2))),
         (Fog(mode=FogMode.LINEAR, start=1.0, end=3.0), lambda c: min(max((3.0 - c) / 2.0, 0.0), 1.0)),
         (Fog(mode=FogMode.LINEAR, start=3.0, end=1.0), lambda c: min(max((c - 1.0) / 2.0, 0.0), 1.0)),
+        (Fog(mode=FogMode.LINEAR, start=2.2, end=2.2), lambda c: float(c <= 2.2)),
     ],
 )
 @pytest.mark.parametrize("combined", [False, True])

@@ -725,11 +725,6 @@ REFUSED = {
         ["no FogRegisters", "density"],
         draw(fog=Fog()),
     ),
-    "linear fog of no length": (
-        draw(fog=Fog(mode=FogMode.LINEAR, start=2.0, end=2.0)),
-        ["starts and ends at 2.0", "divides by zero"],
-        draw(fog=Fog(mode=FogMode.EXP, start=2.0, end=2.0)),
-    ),
     "a stencil mask of nine bits": (
         draw(stencil_test=StencilTest(mask=0x1FF)),
         ["stencil mask is 511", "0 to 255"],
