@@ -212,6 +212,14 @@ def transferred_size(width, height, transfer, dimensions=2):
     return max(width - wide + 1, 0), max(height - high + 1, 0)
 
 
+def has_color_matrix(transfer):
+    """Whether the colour matrix, or the scale or bias after it, is not the initial one."""
+    return any(
+        getattr(transfer, name) != getattr(INITIAL_TRANSFER, name)
+        for name in ("color_matrix", "post_color_matrix_scale", "post_color_matrix_bias")
+    )
+
+
 def has_sink(transfer):
     """Whether the image ends in a histogram or minmax."""
     return any(table is not None and table.sink for table in (transfer.histogram, transfer.minmax))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
-from fixedpipe.pipeline.pixel_transfer import Histogram, Minmax, convolution
+from fixedpipe.pipeline.pixel_transfer import Histogram, Minmax, convolution, has_color_matrix
 from fixedpipe.pipeline.state import ColorTable
 from fixedpipe.pipeline.textures.images import KEPT
 from fixedpipe.pipeline.textures.pixel_formats import (
@@ -135,10 +135,11 @@ def _from_color_table(groups, transfer, profile, statistics, dimensions):
         groups = _convolved(groups, kernel)
         groups = arithmetic.scaled(groups, transfer.post_convolution_scale, transfer.post_convolution_bias)
     groups = looked_up(groups, transfer.post_convolution_color_table, profile)
-    groups = _transformed(groups, transfer.color_matrix)
-    groups = arithmetic.scaled(groups, transfer.post_color_matrix_scale, transfer.post_color_matrix_bias)
-    if profile.arithmetic.clamps_color_matrix:
-        groups = np.clip(groups, 0.0, 1.0)
+    if has_color_matrix(transfer):
+        groups = _transformed(groups, transfer.color_matrix)
+        groups = arithmetic.scaled(groups, transfer.post_color_matrix_scale, transfer.post_color_matrix_bias)
+        if profile.arithmetic.clamps_color_matrix:
+            groups = np.clip(groups, 0.0, 1.0)
     groups = looked_up(groups, transfer.post_color_matrix_color_table, profile)
     if transfer.histogram is not None:
         statistics.count(groups, transfer.histogram)

@@ -203,7 +203,7 @@ class Arithmetic(Section):
     product_rounding: ProductRounding
     round_before_scale: bool  # a general combiner's sum
     add_signed_scale_by_four: bool  # where not, an ADD_SIGNED texture environment takes a scale of 4 as 2
-    clamps_color_matrix: bool  # components are clamped to [0, 1] after the colour matrix's scale and bias
+    clamps_color_matrix: bool  # components are clamped to [0, 1] after a colour matrix or its scale and bias
 
 
 # The sections by their names in a profile, in order; the name of each field's section.

@@ -159,10 +159,26 @@ def convolved(image, kernel):
     return result
 
 
+INITIAL_MATRIX = tuple(tuple(float(i == j) for j in range(4)) for i in range(4))
+
+
+def has_color_matrix(state):
+    """Whether a state asks for the colour matrix's stage. Inferred: signed results are lost "of" the matrix;
+    Assumed: with scale and bias after it, which are of the same stage of OpenGL 1.2.1 section 3.6.5. A minmax
+    on the machine after a post-convolution bias, with no matrix, would settle it.
+    """
+    return (
+        state.color_matrix != INITIAL_MATRIX
+        or state.post_color_matrix_scale != (1.0, 1.0, 1.0, 1.0)
+        or state.post_color_matrix_bias != (0.0, 0.0, 0.0, 0.0)
+    )
+
+
 def transformed(group, state, clamps):
     """Color Matrix Transformation. Source: OpenGL 1.2.1 section 3.6.5; SGI_color_matrix. ``clamps``: the
-    machine clamps after scale and bias. Source: Kautz, Seidel 2000, section 5.
+    machine clamps after scale and bias, where a state asks for either. Source: Kautz, Seidel 2000, section 5.
     """
+    clamps = clamps and has_color_matrix(state)
     r, g, b, a = group
     result = []
     for k, (x, y, z, w) in enumerate(state.color_matrix):

@@ -482,6 +482,29 @@ def test_the_octane_keeps_no_signed_result_of_the_colour_matrix():
     assert least[OPENGL_1_2_IMAGING.name] < -0.5
 
 
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        {},
+        {"color_matrix": (gray(0.25),) * 4},
+        {"post_color_matrix_scale": (1.0, 1.0, 1.0, 2.0)},
+        {"post_color_matrix_bias": (0.0, 0.25, 0.0, 0.0)},
+    ],
+    ids=["none", "matrix", "scale", "bias"],
+)
+def test_the_octane_clamps_where_a_state_asks_for_a_matrix_alone(matrix):
+    """0.75 with a bias of 0.5 after convolution is 1.25 to a minmax, where no matrix follows."""
+    transfer = PixelTransfer(
+        convolution_2d=box_filter(1, 1), post_convolution_bias=gray(0.5), minmax=Minmax("m"), **matrix
+    )
+    command = loading(PixelImage(np.full((4, 4, 4), 0.75)), transfer=transfer)
+    found = execute((command,), OCTANE, SIZE, SIZE).minmaxes["m"].extremes
+    extremes = reference.new_extremes(transfer.minmax)
+    reference.transfer([[gray(0.75)]], transfer, 2, True, None, extremes)
+    assert found.tolist() == extremes
+    assert found.max() == (1.0 if matrix else 1.25)
+
+
 @pytest.mark.parametrize("base_format", BaseFormat)
 def test_a_texture_color_table_acts_between_the_filter_and_the_environment(base_format):
     """Every byte through a table of 64 entries, drawn by the machine, and by the ideal."""

@@ -31,7 +31,7 @@ from fixedpipe.pipeline.pixel_transfer import (
     transferred_size,
 )
 from fixedpipe.pipeline.profiles import IDEAL, OCTANE, OPENGL_1_2_IMAGING
-from fixedpipe.pipeline.state import ColorTable
+from fixedpipe.pipeline.state import IDENTITY, ColorTable
 from fixedpipe.pipeline.textures.pixel_formats import IMAGE_FORMATS, READ_TYPES
 from fixedpipe.raster.pixels import transfer as arithmetic
 from tests.reference import pixel_transfer as reference
@@ -96,9 +96,9 @@ _TRANSFERS = st.builds(
     post_convolution_scale=_FACTORS,
     post_convolution_bias=_FACTORS,
     post_convolution_color_table=_optional(_tables()),
-    color_matrix=st.tuples(_FACTORS, _FACTORS, _FACTORS, _FACTORS),
-    post_color_matrix_scale=_FACTORS,
-    post_color_matrix_bias=_FACTORS,
+    color_matrix=st.one_of(st.just(IDENTITY), st.tuples(_FACTORS, _FACTORS, _FACTORS, _FACTORS)),
+    post_color_matrix_scale=st.one_of(st.just((1.0,) * 4), _FACTORS),
+    post_color_matrix_bias=st.one_of(st.just((0.0,) * 4), _FACTORS),
     post_color_matrix_color_table=_optional(_tables()),
     histogram=_optional(
         st.builds(
