@@ -377,24 +377,22 @@ class Machine:
         if command.pixels is None:
             self.textures[command.texture] = stored_texture(command.image, self.profile)
         else:
-            self._define(command, defined_texture(command, self.profile, self.statistics))
+            given = self.profile, self.statistics, self.textures.get(command.texture)
+            self.textures[command.texture] = defined_texture(command, *given)
 
     def _copy_tex_image(self, command, frame):
         source = self._current.buffer(command.read_buffer)
-        self._define(command, copied_texture(source, command, self.profile, self.statistics))
+        given = self.profile, self.statistics, self.textures.get(command.texture)
+        self.textures[command.texture] = copied_texture(source, command, *given)
 
     def _copy_tex_sub_image(self, command, frame):
         texture, source = self.textures[command.texture], self._current.buffer(command.read_buffer)
-        self._define(command, replaced_texture(source, command, texture, self.profile, self.statistics))
+        given = texture, self.profile, self.statistics
+        self.textures[command.texture] = replaced_texture(source, command, *given)
 
     def _bind_tex_image(self, command, frame):
         samples = self._surface_samples.get(command.surface)
         self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command, samples)
-
-    def _define(self, command, texture):
-        """Store a texture, unless a histogram's or minmax's sink took its image."""
-        if texture is not None:
-            self.textures[command.texture] = texture
 
     def _read_pixels(self, command, frame):
         read = self._current.buffer(command.read_buffer).read(command, self.profile, self.statistics)

@@ -1,5 +1,7 @@
 """Textures that commands make from a host's pixels, a framebuffer's rectangle or a whole pbuffer."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from fixedpipe.pipeline.enums import TextureTarget, WindowOrigin
@@ -9,7 +11,7 @@ from fixedpipe.pipeline.framebuffers.transfer import (
     transfer_depths,
     transfer_image,
 )
-from fixedpipe.pipeline.pixel_transfer import PixelImage, changes_nothing
+from fixedpipe.pipeline.pixel_transfer import PixelImage, changes_nothing, transferred_size
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
     COMPONENT_BITS,
@@ -27,8 +29,8 @@ from fixedpipe.pipeline.textures.images import (
 from fixedpipe.raster.pixels.transfer import fixed
 
 
-def defined_texture(command, profile, statistics):
-    """TexImage1D/2D/3D of pixels: the texture, or None where a sink took the image."""
+def defined_texture(command, profile, statistics, before):
+    """TexImage1D/2D/3D of pixels: the texture. ``before``: the one that had its name, or None."""
     image, target = command.pixels, command.target
     if command.internal_format in DEPTH_TEXELS:
         depths = transfer_depths(image_groups(image), command.transfer)
@@ -40,9 +42,38 @@ def defined_texture(command, profile, statistics):
         part = PixelImage(values, image.format)
         images.append(transfer_image(part, command.transfer, profile, statistics, dimensions))
     if images[-1] is None:
-        return None
+        height, width = image.values.shape[layered : layered + 2]
+        size = len(images), *transferred_size(width, height, command.transfer, dimensions)
+        return sunk_texture(command, size, before, profile)
     made = build_texture(target, np.stack(images), command.internal_format, command.generate_mipmap)
     return at_machine_width(made, profile)
+
+
+def sunk_texture(command, size, before, profile):
+    """The texture after a TexImage or CopyTexImage whose image a histogram's or minmax's sink took: of the
+    command's target, format and ``size`` (faces or layers, width, height). ``before``: the texture that had
+    its name, or None.
+
+    Source: OpenGL 1.2.1 section 3.6.5, Histogram and Minmax: texture memory stays, the object's state
+    changes. Assumed: a level that was there with this target, format and size keeps its texels; all other
+    texels, which the specification leaves undefined, are of zeros.
+    """
+    layers, width, height = size
+    zeros = np.zeros((layers, height, width, 4))
+    made = build_texture(command.target, zeros, command.internal_format, command.generate_mipmap)
+    made = at_machine_width(made, profile)
+    if before is None or before.target is not made.target:
+        return made
+    if (before.internal_format, before.bits) != (made.internal_format, made.bits):
+        return made
+    ideal = before.ideal and _kept(before.ideal, made.ideal)
+    return replace(made, levels=_kept(before.levels, made.levels), ideal=ideal)
+
+
+def _kept(before, levels):
+    """Levels, where those that are of the size of the level before are that one."""
+    kept = [old if old.shape == new.shape else new for old, new in zip(before, levels, strict=False)]
+    return (*kept, *levels[len(kept) :])
 
 
 def depth_texture(target, internal_format, depths):
@@ -68,15 +99,18 @@ def _copied_texels(framebuffer, command, box, internal_format, dimensions, profi
     return (None, 8) if groups is None else stored_texels(groups, internal_format, profile)
 
 
-def copied_texture(framebuffer, command, profile, statistics):
-    """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines, or None where a sink took it."""
+def copied_texture(framebuffer, command, profile, statistics, before):
+    """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines. ``before``: the one that had its
+    name, or None.
+    """
     dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
     box = framebuffer.box_of(command)
     texels, bits = _copied_texels(
         framebuffer, command, box, command.internal_format, dimensions, profile, statistics
     )
     if texels is None:
-        return None
+        size = 1, *transferred_size(*box[2:], command.transfer, dimensions)
+        return sunk_texture(command, size, before, profile)
     texels.setflags(write=False)
     levels = pyramid(texels[None]) if command.generate_mipmap else (texels[None],)
     return Texture(command.target, command.internal_format, levels, bits=bits)

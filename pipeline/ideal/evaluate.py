@@ -208,24 +208,25 @@ class _Evaluation:
         if command.pixels is None:
             self.textures[command.texture] = with_ideal(command.image)
         else:
-            self.define(command, defined_texture(command, IDEAL, self.statistics))
+            before = self.textures.get(command.texture)
+            made = defined_texture(command, IDEAL, self.statistics, before)
+            self.textures[command.texture] = with_ideal(made)
 
     def copy_tex_image(self, command):
         source = self.buffers.buffer(command.read_buffer)
-        self.define(command, copied_texture(command, source, self.statistics))
+        before = self.textures.get(command.texture)
+        made = copied_texture(command, source, self.statistics, before)
+        self.textures[command.texture] = with_ideal(made)
 
     def copy_tex_sub_image(self, command):
         source, texture = self.buffers.buffer(command.read_buffer), self.textures[command.texture]
         level, patched = texture.ideal[command.level], self.patched.get((command.texture, command.level))
         replaced = replaced_texture(command, texture, source, self.statistics, own=level is patched)
-        self.define(command, replaced)
-        if replaced is not None and not command.generate_mipmap:
+        if replaced is None:
+            return
+        self.textures[command.texture] = replaced = with_ideal(replaced)
+        if not command.generate_mipmap:
             self.patched[command.texture, command.level] = replaced.ideal[command.level]
-
-    def define(self, command, texture):
-        """Store a texture, unless a histogram's or minmax's sink took its image."""
-        if texture is not None:
-            self.textures[command.texture] = with_ideal(texture)
 
     def read_pixels(self, command):
         source = self.buffers.buffer(command.read_buffer)

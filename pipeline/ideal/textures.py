@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.pipeline.enums import TextureTarget
-from fixedpipe.pipeline.framebuffers.texture_copies import depth_texture
+from fixedpipe.pipeline.framebuffers.texture_copies import depth_texture, sunk_texture
 from fixedpipe.pipeline.framebuffers.transfer import transfer_depths
 from fixedpipe.pipeline.ideal.buffers import transferred
+from fixedpipe.pipeline.pixel_transfer import transferred_size
+from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, Texture, pyramid, texture_2d
 
 
@@ -27,10 +29,14 @@ def with_ideal(texture):
     return replace(texture, ideal=tuple(level / one for level in texture.levels))
 
 
-def copied_texture(command, buffers, statistics):
-    """The texture that a CopyTexImage makes; None where a sink took the image."""
+def copied_texture(command, buffers, statistics, before):
+    """The texture that a CopyTexImage makes. ``before``: the one that had its name, or None."""
     copied = _copied(command, command, command.generate_mipmap, buffers, statistics)
-    return None if copied is None else replace(copied, target=command.target)
+    if copied is None:
+        dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
+        size = 1, *transferred_size(*buffers.box_of(command)[2:], command.transfer, dimensions)
+        return sunk_texture(command, size, before, IDEAL)
+    return replace(copied, target=command.target)
 
 
 def replaced_texture(command, texture, buffers, statistics, own=False):

@@ -101,7 +101,8 @@ def _given_textures(commands):
         if isinstance(command, TexImage):
             image = command.image
             if command.pixels is not None:
-                image = defined_texture(command, IDEAL, PixelStatistics())
+                before = held.get(command.texture)
+                image = defined_texture(command, IDEAL, PixelStatistics(), before)
             held = {**held, command.texture: with_ideal(image)}
 
 

@@ -6,7 +6,6 @@ from weakref import WeakSet
 import numpy as np
 
 from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
-from fixedpipe.pipeline.pixel_transfer import has_sink
 from fixedpipe.pipeline.sentences import count, depth_words, listed, nearest_power_of_two, quoted
 from fixedpipe.pipeline.textures.images import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
 from fixedpipe.pipeline.textures.pixel_formats import (
@@ -148,8 +147,7 @@ def _define(walk, command, width, height, layers=1):
     faces = tuple(max(1, layers >> k) for k in range(len(sizes)))
     if target is TextureTarget.TEXTURE_CUBE_MAP:
         faces = (6,) * len(sizes)
-    if not has_sink(command.transfer):
-        walk.textures[command.texture] = KnownTexture(target, internal_format, sizes, faces)
+    walk.textures[command.texture] = KnownTexture(target, internal_format, sizes, faces)
 
 
 def store(walk, name, image):

@@ -55,6 +55,26 @@ def copy_texels(target, texture, state, profile, x, y, width, height):
     return [[store(group, internal_format, floats=True) for group in row] for row in image]
 
 
+def sunk_levels(before, target, internal_format, sizes):
+    """Levels of register bytes after a TexImage or CopyTexImage whose image a sink took. ``before``: the
+    texture that had the name, or None; ``sizes``: faces or layers, height and width of each level.
+
+    Source: OpenGL 1.2.1 section 3.6.5, Histogram and Minmax: texture memory stays, the object's state
+    changes. Assumed: a level that was there with the same target, format and size keeps its texels; all
+    other texels, which the specification leaves undefined, are of zeros.
+    """
+    zero = texel_formats.store_texel([0.0] * 4, internal_format, floats=True)
+    levels = [
+        [[[zero] * width for _ in range(height)] for _ in range(faces)] for faces, height, width in sizes
+    ]
+    if before is None or (before.target, before.internal_format) != (target, internal_format):
+        return levels
+    for k, level in enumerate(before.levels[: len(sizes)]):
+        if (len(level), len(level[0]), len(level[0][0])) == tuple(sizes[k]):
+            levels[k] = level
+    return levels
+
+
 def is_depth_format(internal_format):
     """Source: ARB_depth_texture."""
     return internal_format.name.startswith("DEPTH_COMPONENT")

@@ -63,10 +63,12 @@ from fixedpipe.pipeline.state import (
 from fixedpipe.pipeline.textures.pixel_formats import READ_FORMATS
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.reference import pixel_transfer as reference
-from tests.reference import texel_formats
+from tests.reference import render, texel_formats
+from tests.reference import transfer as transfers
 from tests.support.run_reference import run_reference
 
 SIZE = 8
+IMAGE = PixelImage(np.zeros((4, 4, 4), np.uint8))
 
 
 def gray(value):
@@ -76,6 +78,14 @@ def gray(value):
 def box_filter(wide, high, **kwargs):
     weight = gray(1.0 / (wide * high))
     return ConvolutionFilter(((weight,) * wide,) * high, **kwargs)
+
+
+def reading(transfer=INITIAL_TRANSFER, **rest):
+    return ReadPixels(label="read", name="r", transfer=transfer, **rest)
+
+
+def loading(pixels=IMAGE, **rest):
+    return TexImage(label="load", texture="t", pixels=pixels, **rest)
 
 
 SWAPPED = PixelTransfer(
@@ -386,31 +396,84 @@ def test_histograms_and_minmaxes_persist_from_run_to_run():
     assert third.minmaxes["range"].extremes.tolist() == [[np.inf] * 2, [-np.inf] * 2]
 
 
-@pytest.mark.parametrize(
-    "sink", [{"histogram": Histogram("h", sink=True)}, {"minmax": Minmax("m", sink=True)}]
-)
-def test_a_sink_leaves_nothing_to_read_and_no_texture_behind(sink):
+SINKS = [{"histogram": Histogram("h", sink=True)}, {"minmax": Minmax("m", sink=True)}]
+
+
+@pytest.mark.parametrize("sink", SINKS)
+def test_a_sink_leaves_nothing_to_read_and_no_texel_behind(sink):
     transfer = PixelTransfer(**sink)
-    before = TexImage(label="before", texture="t", pixels=PixelImage(np.zeros((4, 4, 4), np.uint8)))
     result = machine().run(
         (
-            before,
-            replace(
-                before, label="sunk", pixels=PixelImage(np.full((4, 4, 4), 255, np.uint8)), transfer=transfer
-            ),
+            loading(PixelImage(np.zeros((4, 4, 4), np.uint8))),
+            loading(PixelImage(np.full((4, 4, 4), 255, np.uint8)), transfer=transfer),
             CopyTexSubImage(label="sunk too", texture="t", width=4, height=4, transfer=transfer),
-            ReadPixels(label="read", name="r", transfer=transfer),
+            reading(transfer),
         )
     )
     assert not result.textures["t"].levels[0].any()
     assert not result.pixels
-    with pytest.raises(UnsupportedState, match="there is no texture 'u'"):
-        machine().run(
-            (
-                CopyTexImage(label="sunk", texture="u", transfer=transfer),
-                CopyTexSubImage(label="part", texture="u", width=1, height=1),
-            )
-        )
+
+
+def noise(*shape):
+    return PixelImage(np.random.default_rng(8).integers(0, 256, shape, np.uint8))
+
+
+# What defines a texture without a sink, and what then defines it again with one: the faces or layers, height
+# and width of each level that this leaves.
+VOLUME, CUBE = {"target": TextureTarget.TEXTURE_3D}, {"target": TextureTarget.TEXTURE_CUBE_MAP}
+RGB8 = {"internal_format": InternalFormat.RGB8}
+REDUCED = PixelTransfer(convolution_2d=box_filter(5, 1))
+SUNK = {
+    "another size and format": ((noise(4, 4, 4), {}), (noise(8, 8, 4), RGB8), [(1, 8, 8)]),
+    "another format": ((noise(4, 4, 4), {}), (noise(4, 4, 4), RGB8), [(1, 4, 4)]),
+    "the same": ((noise(4, 4, 4), RGB8), (noise(4, 4, 4), RGB8), [(1, 4, 4)]),
+    "more levels": (
+        (noise(4, 4, 4), {}),
+        (noise(4, 4, 4), {"generate_mipmap": True}),
+        [(1, 4, 4), (1, 2, 2), (1, 1, 1)],
+    ),
+    "fewer levels": ((noise(4, 4, 4), {"generate_mipmap": True}), (noise(4, 4, 4), {}), [(1, 4, 4)]),
+    "nothing before": (None, (noise(4, 2, 4), {}), [(1, 4, 2)]),
+    "what convolution leaves": ((noise(4, 4, 4), {}), (noise(4, 8, 4), {"transfer": REDUCED}), [(1, 4, 4)]),
+    "another target": (
+        (noise(1, 4, 4), {}),
+        (noise(1, 4, 4), {"target": TextureTarget.TEXTURE_1D}),
+        [(1, 1, 4)],
+    ),
+    "a volume": ((noise(2, 4, 4, 4), VOLUME), (noise(4, 4, 4, 4), VOLUME), [(4, 4, 4)]),
+    "a copy": ((noise(4, 4, 4), {}), (None, {"width": 2, "height": 4, **RGB8}), [(1, 4, 2)]),
+    "a copy of the same": ((noise(4, 4, 4), RGB8), (None, {"width": 4, "height": 4, **RGB8}), [(1, 4, 4)]),
+}
+
+
+@pytest.mark.parametrize("sink", SINKS)
+@pytest.mark.parametrize("case", SUNK)
+def test_a_sink_leaves_a_texture_of_the_size_and_format_that_was_asked_for(case, sink):
+    first, (pixels, asked), sizes = SUNK[case]
+    commands = () if first is None else (loading(first[0], **first[1]),)
+    before = execute(commands, OPENGL_1_2_IMAGING, SIZE, SIZE).textures.get("t")
+    asked = {**asked, "transfer": replace(asked.get("transfer", INITIAL_TRANSFER), **sink)}
+    copy = pixels is None
+    sunk = CopyTexImage(label="copy", texture="t", **asked) if copy else loading(pixels, **asked)
+    before = before and render.plain_texture(before)
+    expected = transfers.sunk_levels(before, sunk.target, sunk.internal_format, sizes)
+    found = execute((*commands, sunk), OPENGL_1_2_IMAGING, SIZE, SIZE).textures["t"]
+    ideal = execute_ideal((*commands, sunk), SIZE, SIZE).textures["t"]
+    for texture in (found, ideal):
+        assert (texture.target, texture.internal_format) == (sunk.target, sunk.internal_format)
+        assert [level.tolist() for level in texture.levels] == expected
+    assert [(level * 255).round().tolist() for level in ideal.ideal] == expected
+
+
+def test_a_texture_that_a_sink_left_can_be_copied_into():
+    transfer = PixelTransfer(**SINKS[0])
+    made = machine()
+    sunk = CopyTexImage(label="sunk", texture="u", transfer=transfer)
+    part = CopyTexSubImage(label="part", texture="u", width=2, height=1)
+    texels = made.run((sunk, part)).textures["u"].levels[0][0]
+    assert (texels[0, :2] == made.framebuffer.color[-1, :2]).all()
+    assert not texels[1:].any()
+    assert not texels[0, 2:].any()
 
 
 # ------------------------------------------------------------------------------------------- techniques
@@ -581,23 +644,14 @@ def test_the_ideal_has_sinks_and_resets_too():
     ideal = execute_ideal((read, copy), SIZE, SIZE)
     assert ideal.histograms["h"].counts.tolist() == [[2 * SIZE * SIZE] * 4] + [[0] * 4] * 3
     assert not ideal.pixels
-    assert not ideal.textures
+    assert not ideal.textures["t"].ideal[0].any()
     again = execute_ideal((read, ResetHistogram(label="empty", name="h")), SIZE, SIZE)
     assert not again.histograms["h"].counts.any()
 
 
 # ---------------------------------------------------------------------------------------------- refusals
 
-IMAGE = PixelImage(np.zeros((4, 4, 4), np.uint8))
 TABLE = ColorTable((gray(0.0), gray(1.0)))
-
-
-def reading(transfer=INITIAL_TRANSFER, **rest):
-    return ReadPixels(label="read", name="r", transfer=transfer, **rest)
-
-
-def loading(pixels=IMAGE, **rest):
-    return TexImage(label="load", texture="t", pixels=pixels, **rest)
 
 
 REFUSED = {
