@@ -6,6 +6,7 @@ from weakref import WeakSet
 import numpy as np
 
 from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
+from fixedpipe.pipeline.pixel_transfer import convolution, filter_size
 from fixedpipe.pipeline.sentences import count, depth_words, listed, nearest_power_of_two, quoted
 from fixedpipe.pipeline.textures.images import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
 from fixedpipe.pipeline.textures.pixel_formats import (
@@ -123,7 +124,7 @@ def tex_image(walk, command):
     if axes == 3 and deep:
         walk.refuse(f"{internal_format.name} makes 1D and 2D textures; give TEXTURE_2D.")
     dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
-    width, height = transferred(walk, command, width, height, dimensions, deep)
+    width, height = _texels_left(walk, command, width, height, dimensions, deep)
     layers = layers if target is TextureTarget.TEXTURE_3D else 1
     _define(walk, command, width, height, layers)
 
@@ -179,7 +180,23 @@ def copy_tex_image(walk, command):
         )
     dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
     deep = command.internal_format in DEPTH_TEXELS
-    _define(walk, command, *transferred(walk, command, width, height, dimensions, deep))
+    _define(walk, command, *_texels_left(walk, command, width, height, dimensions, deep))
+
+
+def _texels_left(walk, command, width, height, dimensions, deep):
+    """Width and height of the texture that an image becomes; refuse a null one.
+
+    Source: OpenGL 1.2.1 section 3.8.1: with a null texture it is as if texturing were disabled.
+    """
+    left = transferred(walk, command, width, height, dimensions, deep)
+    if min(left) < 1 <= min(width, height):
+        wide, high = filter_size(convolution(command.transfer, dimensions))
+        walk.refuse(
+            f"the {wide}x{high} filter with REDUCE leaves nothing of {width}x{height} pixels: a null "
+            "texture, with which it is as if texturing were disabled, and which is not kept here. Leave the "
+            "unit None, or give a larger image, a smaller filter, or REPLICATE_BORDER."
+        )
+    return left
 
 
 def _copied_format(walk, internal_format):

@@ -11,7 +11,7 @@ from itertools import chain
 import numpy as np
 
 from fixedpipe.pipeline.enums import BaseFormat
-from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, convolution, filter_size, transferred_size
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, filter_size, transferred_size
 from fixedpipe.pipeline.sentences import quoted
 from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, IMAGE_FORMATS, INDEX_FORMATS
 
@@ -30,9 +30,11 @@ def _is_power_of_two(number):
 
 
 def transferred(walk, command, width, height, dimensions=2, deep=False):
-    """Width and height that pixels have once they went through the command's pixel transfer."""
+    """Width and height that pixels have once they went through the command's pixel transfer; 0 where a
+    convolution leaves nothing, which is no error (section 3.6.5, REDUCE).
+    """
     transfer = command.transfer
-    if problem := _transfer_problem(transfer, walk.profile, width, height, dimensions):
+    if problem := _transfer_problem(transfer, walk.profile):
         walk.refuse(problem)
     for table, known in ((transfer.histogram, walk.histograms), (transfer.minmax, walk.minmaxes)):
         if table is not None:
@@ -58,11 +60,8 @@ def _known_table(walk, what, name, known):
         )
 
 
-def _transfer_problem(transfer, profile, width, height, dimensions=2):
-    """Why an image of ``width`` x ``height`` pixels cannot go through a PixelTransfer on a machine, or None.
-
-    ``dimensions``: as ``fixedpipe.pipeline.framebuffers.transfer.transfer_colors`` takes them.
-    """
+def _transfer_problem(transfer, profile):
+    """Why no image can go through a PixelTransfer on a machine, or None."""
     if transfer is INITIAL_TRANSFER:
         return None
     return (
@@ -74,7 +73,6 @@ def _transfer_problem(transfer, profile, width, height, dimensions=2):
         or _first(
             _counting_problem(name, getattr(transfer, name), profile) for name in ("histogram", "minmax")
         )
-        or _size_problem(transfer, width, height, dimensions)
     )
 
 
@@ -198,19 +196,6 @@ def _counting_problem(name, table, profile):
         return (
             f"the histogram has {table.width} entries; {profile.name} holds up to "
             f"{profile.pixels.max_color_table_size}. Give fewer."
-        )
-    return None
-
-
-def _size_problem(transfer, width, height, dimensions):
-    if width < 1 or height < 1:
-        return None
-    left = transferred_size(width, height, transfer, dimensions)
-    if min(left) < 1:
-        wide, high = filter_size(convolution(transfer, dimensions))
-        return (
-            f"the {wide}x{high} filter with REDUCE leaves nothing of {width}x{height} pixels; give a larger "
-            "image, a smaller filter, or REPLICATE_BORDER."
         )
     return None
 

@@ -125,7 +125,8 @@ def _source_pixel(image, i, j, kernel):
 
 
 def convolved(image, kernel):
-    """Convolution by a ConvolutionFilter or SeparableFilter; [] or rows [] where nothing is left.
+    """Convolution by a ConvolutionFilter or SeparableFilter; [] or rows [] where REDUCE leaves nothing, which
+    is no error.
 
     Source: OpenGL 1.2.1 section 3.6.5; EXT_convolution.
     """

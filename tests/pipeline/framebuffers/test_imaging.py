@@ -7,6 +7,7 @@ import pytest
 
 from fixedpipe.pipeline.commands import (
     Clear,
+    CopyPixels,
     CopyTexImage,
     CopyTexSubImage,
     Draw,
@@ -476,6 +477,40 @@ def test_a_texture_that_a_sink_left_can_be_copied_into():
     assert not texels[0, 2:].any()
 
 
+# --------------------------------------------------------------------- convolution that leaves nothing
+
+
+@pytest.mark.parametrize(("wide", "high"), [(SIZE + 1, 1), (1, SIZE + 1), (11, 11)])
+@pytest.mark.parametrize("color_bits", [8, 12])
+def test_what_convolution_leaves_nothing_of_is_null_and_no_error(wide, high, color_bits):
+    """It is not drawn, copied or read, and nobody counts it (OpenGL 1.2.1, p. 105)."""
+    transfer = PixelTransfer(
+        convolution_2d=box_filter(wide, high), histogram=Histogram("h", 4), minmax=Minmax("m")
+    )
+    where = RasterPosition(window=True)
+    before = (Clear(label="clear", color=(0.2, 0.4, 0.6, 0.8)), loading(noise(4, 4, 4)))
+    null = (
+        DrawPixels(label="draw", image=IMAGE, position=where, transfer=transfer),
+        CopyPixels(label="move", position=where, transfer=transfer),
+        CopyTexSubImage(label="part", texture="t", width=4, height=4, transfer=transfer),
+        reading(transfer),
+    )
+    left = expected_groups(np.zeros((SIZE, SIZE, 4)), replace(transfer, histogram=None, minmax=None))
+    assert not any(left)
+    profile = OCTANE if color_bits == 12 else OPENGL_1_2_IMAGING
+    for run in (
+        lambda commands: execute(commands, profile, SIZE, SIZE, color_bits=color_bits, threads=1),
+        lambda commands: execute_ideal(commands, SIZE, SIZE),
+    ):
+        as_before, after = run(before), run((*before, *null))
+        assert (after.image() == as_before.image()).all()
+        assert (after.textures["t"].levels[0] == as_before.textures["t"].levels[0]).all()
+        assert after.pixels["r"].shape == (max(SIZE - high + 1, 0), max(SIZE - wide + 1, 0), 4)
+        assert not after.pixels["r"].size
+        assert not after.histograms["h"].counts.any()
+        assert after.minmaxes["m"].extremes.tolist() == [[np.inf] * 4, [-np.inf] * 4]
+
+
 # ------------------------------------------------------------------------------------------- techniques
 
 
@@ -754,10 +789,26 @@ REFUSED = {
         reading(PixelTransfer(convolution_2d=ConvolutionFilter(((gray(1e20),),)))),
         ["convolution_2d holds", "2**32"],
     ),
-    "nothing left": (
+    "nothing left of an image": (
         OPENGL_1_2_IMAGING,
-        reading(PixelTransfer(convolution_2d=box_filter(9, 1))),
-        ["9x1 filter with REDUCE", "8x8", "REPLICATE_BORDER"],
+        loading(transfer=PixelTransfer(convolution_2d=box_filter(5, 1))),
+        ["5x1 filter with REDUCE", "4x4", "a null texture", "Leave the unit None", "REPLICATE_BORDER"],
+    ),
+    "nothing left of a line": (
+        OPENGL_1_2_IMAGING,
+        CopyTexImage(
+            label="copy",
+            texture="t",
+            target=TextureTarget.TEXTURE_1D,
+            height=1,
+            transfer=PixelTransfer(convolution_1d=box_filter(9, 1)),
+        ),
+        ["9x1 filter with REDUCE", "8x1", "a null texture"],
+    ),
+    "nothing to copy": (
+        OPENGL_1_2_IMAGING,
+        CopyTexImage(label="copy", texture="t", width=0, transfer=REDUCED),
+        ["0x8 texels", "at least 1x1"],
     ),
     "histogram format": (
         OPENGL_1_2_IMAGING,
