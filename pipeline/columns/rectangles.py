@@ -23,6 +23,7 @@ from fixedpipe.pipeline.framebuffers.rectangles import (
     volume_levels,
     without_footprints,
 )
+from fixedpipe.pipeline.framebuffers.scaled_words import Words
 from fixedpipe.pipeline.framebuffers.transfer import (
     image_groups,
     transfer_colors,
@@ -108,7 +109,7 @@ def _color_groups(command, profile, framebuffer, statistics):
         colors = framebuffer.part(framebuffer.buffer(command.read_buffer).color, command)
         if plain:
             return np.clip(colors, 0, one) if colors.dtype != np.uint8 else colors.copy()
-        groups = transfer_colors(colors / one, transfer, profile, statistics)
+        groups = transfer_colors(Words(colors, one), transfer, profile, statistics)
     else:
         image = command.image
         if plain and image.format == "RGBA" and image.values.dtype == np.uint8 and bits == 8:

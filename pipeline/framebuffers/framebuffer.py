@@ -18,6 +18,7 @@ from fixedpipe.pipeline.commands import (
 )
 from fixedpipe.pipeline.enums import ColorBuffer, ColorFormat, DepthFormat
 from fixedpipe.pipeline.framebuffers.boxes import scissored, scissored_part
+from fixedpipe.pipeline.framebuffers.scaled_words import Words
 from fixedpipe.pipeline.framebuffers.transfer import (
     PixelStatistics,
     packed_bytes,
@@ -223,11 +224,11 @@ class Framebuffer:
         """Colours of a window rectangle, uint8 [h, w, 4], bottom row first."""
         return self.color[self._rows(x, y, width, height)][::-1]
 
-    def groups(self, x: int, y: int, width: int, height: int) -> NDArray[np.float64]:
-        """Colours of a window rectangle as pixel groups, float64 [h, w, 4], 1.0 = full intensity, bottom row
-        first (section 4.3.2, Conversion of RGBA values).
+    def groups(self, x: int, y: int, width: int, height: int) -> Words:
+        """Colours of a window rectangle as pixel groups [h, w, 4], bottom row first (section 4.3.2,
+        Conversion of RGBA values).
         """
-        return self.rectangle(x, y, width, height) / float(2**self.color_bits - 1)
+        return Words(self.rectangle(x, y, width, height), 2**self.color_bits - 1)
 
     def depths(self, x: int, y: int, width: int, height: int) -> NDArray[np.float64]:
         """Depths of a window rectangle, float64 [h, w] in [0, 1], bottom row first; fixed formats alone."""

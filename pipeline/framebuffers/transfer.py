@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
+from fixedpipe.pipeline.framebuffers.scaled_words import Words, scaled_words
 from fixedpipe.pipeline.pixel_transfer import Histogram, Minmax, convolution, has_color_matrix
 from fixedpipe.pipeline.state import ColorTable
 from fixedpipe.pipeline.textures.images import KEPT
@@ -105,12 +106,13 @@ def _nothing_seen(base_format):
 
 
 def transfer_colors(groups, transfer, profile, statistics, dimensions=2):
-    """RGBA groups through pixel transfer: the groups, or None where a sink took them.
+    """RGBA groups, float64 or Words, through pixel transfer: the groups, or None where a sink took them.
 
     ``dimensions``: 1 for a one-dimensional texture, 3 for a volume's layer, 2 for all else. ``statistics``:
     the machine's PixelStatistics, whose tables change.
     """
-    groups = arithmetic.scaled(groups, transfer.scale, transfer.bias)
+    scale = scaled_words if isinstance(groups, Words) else arithmetic.scaled
+    groups = scale(groups, transfer.scale, transfer.bias)
     if transfer.map_color:
         maps = transfer.maps
         groups = arithmetic.mapped(
@@ -218,22 +220,26 @@ def transfer_stencil(indices, transfer):
 
 
 def image_groups(image):
-    """What a PixelImage's elements are before pixel transfer: colours float64 [..., h, w, 4], depths float64
-    [..., h, w] or indices int64 [..., h, w], as its format says.
+    """What a PixelImage's elements are before pixel transfer: colours [..., h, w, 4], float64 or Words,
+    depths float64 [..., h, w] or indices int64 [..., h, w], as its format says.
     """
     values = image.values
     if image.format in INDEX_FORMATS:
         return _one_element(values).astype(np.int64)
-    if values.dtype.kind == "u":
-        values = values / float(np.iinfo(values.dtype).max)  # table 2.6
-    values = values.astype(np.float64)
-    if image.format == DEPTH_FORMAT:
-        return _one_element(values)
-    elements = IMAGE_FORMATS[image.format]
+    one = np.iinfo(values.dtype).max if values.dtype.kind == "u" else None  # table 2.6
+    if image.format != DEPTH_FORMAT:
+        groups = _expanded(values, IMAGE_FORMATS[image.format], one or 1.0)
+        return groups if one is None else Words(groups, one)
+    values = values.astype(np.float64) if one is None else values / float(one)
+    return _one_element(values)
+
+
+def _expanded(values, elements, one):
+    """RGBA of an image's elements: L is all three colours, missing colours are 0, a missing alpha is one."""
     if len(elements) == 1:
         values = _one_element(values)[..., None]
-    groups = np.zeros((*values.shape[:-1], 4))
-    groups[..., 3] = 1.0
+    groups = np.zeros((*values.shape[:-1], 4), np.float64 if isinstance(one, float) else np.int64)
+    groups[..., 3] = one
     for k, element in enumerate(elements):
         groups[..., slice(0, 3) if element == "L" else "RGBA".index(element)] = (
             values[..., k, None] if element == "L" else values[..., k]

@@ -1,12 +1,13 @@
 """Pixel transfer, one pixel group at a time, in plain floats; sums and products are in the order written.
 
-Images are lists of rows, bottom row first, of groups [r, g, b, a], of depths or of indices. A stage at its
-initial value is computed like any other.
+Images are lists of rows, bottom row first, of groups [r, g, b, a], of depths or of indices. A component in
+fixed point begins as a Fraction. A stage at its initial value is computed like any other.
 Source: OpenGL 1.2.1 sections 3.6.3, 3.6.5 and 4.3.2; SGI_color_table, SGI_color_matrix, EXT_convolution,
 EXT_histogram, SGI_texture_color_table.
 """
 
-from math import floor, inf
+from fractions import Fraction
+from math import floor, inf, nextafter
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
 
@@ -49,16 +50,31 @@ def to_fixed(value, bits):
 
 
 def pixel_of(elements, pixel_format):
-    """The RGBA group of an image's group of float elements. Source: OpenGL 1.2.1 section 3.6.4."""
+    """The RGBA group of an image's group of elements, all floats or all Fractions. Source: OpenGL 1.2.1
+    section 3.6.4.
+    """
+    number = type(elements[0])
     if pixel_format in ("LUMINANCE", "LUMINANCE_ALPHA"):
-        return [elements[0]] * 3 + (list(elements[1:]) or [1.0])
+        return [elements[0]] * 3 + (list(elements[1:]) or [number(1)])
     names = {"RED": "R", "GREEN": "G", "BLUE": "B", "ALPHA": "A"}.get(pixel_format, pixel_format)
-    return [elements[names.index(c)] if c in names else float(c == "A") for c in "RGBA"]
+    return [elements[names.index(c)] if c in names else number(c == "A") for c in "RGBA"]
 
 
 def scaled(value, scale, bias):
     """Arithmetic on Components. Source: OpenGL 1.2.1 section 3.6.5."""
     return value * scale + bias
+
+
+def scaled_first(value, scale, bias):
+    """The same of what groups begin with: of a word, which is a Fraction, in real numbers, and then the least
+    float64 that is not below the result; without scale and bias the nearest. Source: OpenGL 1.2.1 section
+    3.6.5. Inferred: that a half goes up, from SGI's Sample Implementation 1.2.1.
+    """
+    if not isinstance(value, Fraction):
+        return scaled(value, scale, bias)
+    exact = value * Fraction(scale) + Fraction(bias)
+    near = float(exact)
+    return nextafter(near, inf) if Fraction(near) < exact and (scale, bias) != (1, 0) else near
 
 
 def mapped(value, table):
@@ -219,7 +235,7 @@ def compare(group, minmax, extremes):
 def before_color_table(group, state):
     """Arithmetic and RGBA to RGBA Lookup. Source: OpenGL 1.2.1 section 3.6.5."""
     maps = (state.maps.r_to_r, state.maps.g_to_g, state.maps.b_to_b, state.maps.a_to_a)
-    group = [scaled(*values) for values in zip(group, state.scale, state.bias, strict=True)]
+    group = [scaled_first(*values) for values in zip(group, state.scale, state.bias, strict=True)]
     if state.map_color:
         group = [mapped(value, table) for value, table in zip(group, maps, strict=True)]
     return group

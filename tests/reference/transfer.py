@@ -1,5 +1,7 @@
 """Whole rectangles: Clear, copies into textures, ReadPixels. Rectangles count rows from the bottom."""
 
+from fractions import Fraction
+
 from tests.reference import coverage, fixed, per_fragment, pixel_transfer, surface, texel_formats
 from tests.reference.depth import depth_to_units, full_scale
 
@@ -33,7 +35,7 @@ def groups(target, state, profile, x, y, width, height, dimensions=2):
     Source: OpenGL 1.2.1 section 4.3.2, Conversion of RGBA values and Pixel Transfer Operations.
     """
     pixels = rectangle(target.color, x, y, width, height)
-    image = [[[c / 255.0 for c in pixel] for pixel in row] for row in pixels]
+    image = [[[Fraction(c, 255) for c in pixel] for pixel in row] for row in pixels]
     return pixel_transfer.transfer(
         image, state, dimensions, profile.arithmetic.clamps_color_matrix, None, None
     )

@@ -1,6 +1,7 @@
 """Run a frame's commands through the executable specification, with the pipeline's vertex stage before it."""
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 from types import SimpleNamespace
 
 import numpy as np
@@ -35,6 +36,9 @@ from tests.reference import (
     texel_formats,
     transfer,
 )
+
+# The largest value of an image's whole numbers; floats are what they are.
+MOST = {"uint8": 255, "uint16": 65535, "uint32": 4294967295}
 
 
 @dataclass
@@ -196,9 +200,8 @@ def _as_read(frame, name):
 
 def _texture_of_pixels(command, profile):
     """A TexImage1D or TexImage2D of one level, from colours or depths that go through pixel transfer."""
-    most = {"uint8": 255.0, "uint16": 65535.0, "uint32": 4294967295.0}
     values, state = command.pixels.values, command.transfer
-    largest = most.get(values.dtype.name, 1.0)
+    largest = MOST.get(values.dtype.name, 1.0)
     if transfer.is_depth_format(command.internal_format):
         depths = [[value / largest for value in row] for row in values.tolist()]
         texels = transfer.depth_texels(depths, state, command.internal_format)
@@ -207,7 +210,7 @@ def _texture_of_pixels(command, profile):
         )
     image = [
         [
-            pixel_transfer.pixel_of([v / largest for v in _listed(group)], command.pixels.format)
+            pixel_transfer.pixel_of([_component(v, largest) for v in _listed(group)], command.pixels.format)
             for group in row
         ]
         for row in values.tolist()
@@ -263,12 +266,12 @@ def _groups(frame, command, kind, profile):
             PixelCopyType.DEPTH: source.depth,
             PixelCopyType.STENCIL: source.stencil,
         }[kind]
-        values, most = transfer.rectangle(plane, *box), 255.0
+        values, most = transfer.rectangle(plane, *box), 255
         if kind == PixelCopyType.DEPTH:
-            most = float(depth.full_scale(depth_bits))
+            most = depth.full_scale(depth_bits)
     else:
         values = image.values.tolist()
-        most = {"uint8": 255.0, "uint16": 65535.0, "uint32": 4294967295.0}.get(image.values.dtype.name, 1.0)
+        most = MOST.get(image.values.dtype.name, 1.0)
     if kind == PixelCopyType.STENCIL:
         return [[pixel_transfer.stencil_index(value, state) for value in row] for row in values]
     if kind == PixelCopyType.DEPTH:
@@ -276,11 +279,16 @@ def _groups(frame, command, kind, profile):
         return [[depth.depth_to_units(value, depth_bits) for value in row] for row in depths]
     read_format = "RGBA" if image is None else image.format
     groups = [
-        [pixel_transfer.pixel_of([v / most for v in _listed(group)], read_format) for group in row]
+        [pixel_transfer.pixel_of([_component(v, most) for v in _listed(group)], read_format) for group in row]
         for row in values
     ]
     groups = pixel_transfer.transfer(groups, state, 2, profile.arithmetic.clamps_color_matrix, None, None)
     return [[[pixel_transfer.to_fixed(c, 8) for c in group] for group in row] for row in groups]
+
+
+def _component(value, most):
+    """An element of an image: a float, or a word as the Fraction of its type's largest value."""
+    return value if isinstance(most, float) else Fraction(value, most)
 
 
 def _listed(group):

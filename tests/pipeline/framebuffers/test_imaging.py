@@ -1,6 +1,8 @@
 """Pixel transfer where commands apply it: what is read, defined, copied; techniques; what machines refuse."""
 
 from dataclasses import replace
+from fractions import Fraction
+from math import floor
 
 import numpy as np
 import pytest
@@ -109,9 +111,9 @@ def machine(profile=OPENGL_1_2_IMAGING, **kwargs):
     return made
 
 
-def expected_groups(colors, transfer, dimensions=2, clamps=False, one=255.0):
+def expected_groups(colors, transfer, dimensions=2, clamps=False, one=255):
     """What the specification makes of words [h, w, 4] in units of ``one``, bottom row first."""
-    image = [[[float(c) / one for c in pixel] for pixel in row] for row in colors.tolist()]
+    image = [[[Fraction(int(c), one) for c in pixel] for pixel in row] for row in colors.tolist()]
     return reference.transfer(image, transfer, dimensions, clamps, None, None)
 
 
@@ -184,7 +186,7 @@ def test_twelve_bits_are_read_and_copied_whole(transfer):
             ),
         )
     )
-    groups = expected_groups(made.framebuffer.color[::-1], transfer, clamps=True, one=4095.0)
+    groups = expected_groups(made.framebuffer.color[::-1], transfer, clamps=True, one=4095)
     for name, bits in (("w", 16), ("b", 8)):
         expected = [[[reference.to_fixed(c, bits) for c in group] for group in row] for row in groups]
         assert result.pixels[name].tolist() == expected
@@ -475,6 +477,85 @@ def test_a_texture_that_a_sink_left_can_be_copied_into():
     assert (texels[0, :2] == made.framebuffer.color[-1, :2]).all()
     assert not texels[1:].any()
     assert not texels[0, 2:].any()
+
+
+# ------------------------------------------------------------------------------- halves of bytes, exactly
+
+BYTES = np.repeat(np.arange(256, dtype=np.uint8).reshape(16, 16)[..., None], 4, -1)
+FRACTIONS = [
+    (399 / 256, -0.28125),
+    (0.5, 0.0),
+    (0.75, 0.25),
+    (1.5, 0.0),
+    (-1.0, 1.0),
+    (0.25, 0.25),
+    (3.0, -1.0),
+    (float(np.float32(0.3)), float(np.float32(0.1))),
+]
+
+
+def exactly(word, scale, bias, size):
+    """Which of ``size`` entries a byte finds, in real numbers, halves up."""
+    value = min(max(Fraction(word, 255) * Fraction(scale) + Fraction(bias), 0), 1)
+    return floor(value * (size - 1) + Fraction(1, 2))
+
+
+def entries_found(transfer, run):
+    """What the numbered entries of a map or table make of all bytes, [256]: their numbers over 255."""
+    texture = run((loading(PixelImage(BYTES), transfer=transfer),)).textures["t"]
+    return (texture.ideal[0][0, ..., 0].ravel() * 255).round().astype(int).tolist()
+
+
+def by_machine(commands):
+    return execute(commands, OPENGL_1_2_IMAGING, SIZE, SIZE, threads=1)
+
+
+def by_ideal(commands):
+    return execute_ideal(commands, SIZE, SIZE)
+
+
+@pytest.mark.parametrize("run", [by_machine, by_ideal])
+@pytest.mark.parametrize(("scale", "bias"), FRACTIONS)
+def test_every_byte_finds_the_entry_that_it_finds_in_real_numbers(scale, bias, run):
+    transfer = PixelTransfer(scale=gray(scale), bias=gray(bias))
+    for size in (2, 3, 16, 86, 103, 151, 154, 171, 239, 256):
+        numbered = tuple(k / 255 for k in range(size))
+        maps = PixelMaps(r_to_r=numbered, g_to_g=numbered, b_to_b=numbered, a_to_a=numbered)
+        expected = [exactly(word, scale, bias, size) for word in range(256)]
+        assert entries_found(replace(transfer, map_color=True, maps=maps), run) == expected
+    for size in (2, 16, 256):
+        table = ColorTable(tuple(gray(k / 255) for k in range(size)))
+        expected = [exactly(word, scale, bias, size) for word in range(256)]
+        for name in ("color_table", "post_convolution_color_table", "post_color_matrix_color_table"):
+            assert entries_found(replace(transfer, **{name: table}), run) == expected
+
+
+@pytest.mark.parametrize(("scale", "bias"), FRACTIONS)
+def test_every_byte_becomes_the_byte_that_it_becomes_in_real_numbers(scale, bias):
+    """Drawn, read, copied, and counted: the final conversion, and a histogram's."""
+    histogram = Histogram("h", 256)
+    transfer = PixelTransfer(scale=gray(scale), bias=gray(bias))
+    where = RasterPosition(window=True)
+    commands = (
+        DrawPixels(label="bytes", image=PixelImage(BYTES), position=where),
+        ReadPixels(label="read", name="r", transfer=replace(transfer, histogram=histogram)),
+        CopyTexImage(label="copy", texture="t", transfer=transfer),
+        CopyPixels(label="move", position=where, transfer=transfer),
+    )
+    result = execute(commands, OPENGL_1_2_IMAGING, 16, 16, threads=1)
+    expected = np.array([exactly(word, scale, bias, 256) for word in range(256)])
+    for found in (result.pixels["r"], result.textures["t"].levels[0][0], result.image()[::-1]):
+        assert (found[..., 0].ravel() == expected).all()
+    counts = np.bincount(expected, minlength=256)
+    assert (result.histograms["h"].counts == counts[:, None]).all()
+
+
+def test_a_half_of_a_byte_goes_up():
+    """136/255 times 399/256, less 0.28125, is 82.5 of 150."""
+    numbered = tuple(k / 255 for k in range(151))
+    maps = PixelMaps(r_to_r=numbered, g_to_g=numbered, b_to_b=numbered, a_to_a=numbered)
+    transfer = PixelTransfer(scale=gray(399 / 256), bias=gray(-0.28125), map_color=True, maps=maps)
+    assert entries_found(transfer, by_machine)[136] == 83
 
 
 # --------------------------------------------------------------------- convolution that leaves nothing

@@ -1,6 +1,8 @@
 """Pixel transfer: whole images in NumPy equal the specification, one group at a time, to the bit."""
 
 from dataclasses import replace
+from fractions import Fraction
+from math import floor
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
+from fixedpipe.pipeline.framebuffers.scaled_words import Words, scaled_words
 from fixedpipe.pipeline.framebuffers.transfer import (
     ENTRY_COMPONENTS,
     PixelStatistics,
@@ -168,6 +171,37 @@ def test_colors_equal_the_specification(transfer, profile, width, height, dimens
     _same_as_reference(_image(width, height, seed), transfer, profile, dimensions)
 
 
+@settings(max_examples=150)
+@given(_TRANSFERS, st.sampled_from([1, 15, 255, 4095, 65535, 2**32 - 1]), st.integers(0, 2**32 - 1))
+def test_words_equal_the_specification(transfer, one, seed):
+    """Groups in fixed point, of every width; some lie outside what it holds."""
+    words = np.random.default_rng(seed).integers(-(one // 8), one + one // 8 + 1, (3, 4, 4))
+    fractions = [[[Fraction(c, one) for c in group] for group in row] for row in words.tolist()]
+    transfer = replace(transfer, histogram=None, minmax=None)
+    expected = reference.transfer(fractions, transfer, 2, False, None, None)
+    found = transfer_colors(Words(words, one), transfer, OPENGL_1_2_IMAGING, PixelStatistics())
+    assert found.tolist() == (expected if found.shape[1] else [[]] * found.shape[0])
+
+
+@settings(max_examples=400)
+@given(
+    st.integers(1, 255),
+    st.integers(2, 4096),
+    st.integers(0, 2**32),
+    st.integers(-(2**31), 2**31),
+    st.sampled_from([-1, 0, 1]),
+)
+def test_beside_a_half_a_byte_is_rounded_as_in_real_numbers(word, size, entry, bias, beside):
+    """The scale, of 31 fraction bits, leads closest to a half: below it, to it perhaps, above it."""
+    half, bias = Fraction(2 * (entry % (size - 1)) + 1, 2 * (size - 1)), Fraction(bias, 2**31)
+    scale = Fraction(floor((half - bias) * 255 / word * 2**31) + beside, 2**31)
+    found = scaled_words(Words(np.full((1, 4), word), 255), (float(scale),) * 4, (float(bias),) * 4)
+    exact = min(max(scale * word / 255 + bias, 0), 1)
+    assert arithmetic.nearest(found.clip(0, 1) * (size - 1))[0, 0] == floor(
+        exact * (size - 1) + Fraction(1, 2)
+    )
+
+
 @settings(max_examples=60)
 @given(_TRANSFERS, st.integers(0, 2**32 - 1))
 def test_color_indices_equal_the_specification(transfer, seed):
@@ -232,23 +266,32 @@ def test_packed_colors_equal_the_specification(pixel_format, pixel_type):
     assert found.tolist() == expected
 
 
+def _component(value, most):
+    return value if most is None else Fraction(value, most)
+
+
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.uint32, np.float32, np.float64])
 @pytest.mark.parametrize("pixel_format", IMAGE_FORMATS)
 def test_image_data_become_the_groups_of_the_specification(pixel_format, dtype):
     elements = len(IMAGE_FORMATS[pixel_format])
     random = np.random.default_rng(2)
     if np.issubdtype(dtype, np.floating):
-        values, most = random.uniform(-1, 2, (4, 5, elements)).astype(dtype), 1
+        values, most = random.uniform(-1, 2, (4, 5, elements)).astype(dtype), None
     else:
-        most = np.iinfo(dtype).max
+        most = int(np.iinfo(dtype).max)
         values = random.integers(0, most, (4, 5, elements), dtype, endpoint=True)
     expected = [
-        [reference.pixel_of([float(v) / most for v in group], pixel_format) for group in row]
+        [reference.pixel_of([_component(v, most) for v in group], pixel_format) for group in row]
         for row in values.tolist()
     ]
-    assert image_groups(PixelImage(values, pixel_format)).tolist() == expected
-    if elements == 1:
-        assert image_groups(PixelImage(values[..., 0], pixel_format)).tolist() == expected
+    for image in (values, values[..., 0]) if elements == 1 else (values,):
+        found = image_groups(PixelImage(image, pixel_format))
+        if most is not None:
+            assert found.one == most
+            found = [[[Fraction(c, most) for c in group] for group in row] for row in found.values.tolist()]
+        else:
+            found = found.tolist()
+        assert found == expected
 
 
 @settings(max_examples=60)

@@ -1,0 +1,48 @@
+"""Arithmetic on Components of pixel groups in fixed point, in real numbers.
+
+A component of n bits is a fraction, ``word / one``, that float64 seldom holds, and with scale and bias it may
+lie half-way between two entries of a table. So that such a half goes up wherever it is rounded next, the
+result is the least float64 that is not below the real number: times a table's size it is not below the half
+either, since rounding keeps the order. docs/numbers.md has the rule.
+
+Source: OpenGL 1.2.1 section 3.6.5, Arithmetic on Components. Inferred: the half, from SGI's Sample
+Implementation 1.2.1, which takes entry 83 where a byte leads to 82.5.
+"""
+
+from math import inf, nextafter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Words(NamedTuple):
+    """Pixel groups in fixed point: whole numbers [..., 4], of which ``one`` is 1.0."""
+
+    values: NDArray[np.integer[Any]]
+    one: int
+
+
+def scaled_words(words: Words, scale: tuple[float, ...], bias: tuple[float, ...]) -> NDArray[np.float64]:
+    """Words times ``scale``, plus ``bias``, of each component, float64 [..., 4]."""
+    result = np.empty(words.values.shape)
+    for k, (factor, term) in enumerate(zip(scale, bias, strict=True)):
+        result[..., k] = _scaled(words.values[..., k], words.one, float(factor), float(term))
+    return result
+
+
+def _scaled(words, one, scale, bias):
+    if (scale, bias) == (1.0, 0.0):  # no half lies there: ``one`` is odd
+        return words / float(one)
+    (over, under), (more, part) = scale.as_integer_ratio(), bias.as_integer_ratio()
+    factor, term, whole = over * part, more * under * one, under * part * one
+    each, places = np.unique(words, return_inverse=True)
+    found = [_not_below(word * factor + term, whole) for word in each.tolist()]
+    return np.array(found, np.float64)[places].reshape(words.shape)
+
+
+def _not_below(numerator, denominator):
+    """The least float64 that is not below a fraction, of which the denominator is positive."""
+    nearest = numerator / denominator  # of whole numbers: rounded once
+    top, bottom = nearest.as_integer_ratio()
+    return nextafter(nearest, inf) if top * denominator < numerator * bottom else nearest
