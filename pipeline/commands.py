@@ -23,7 +23,13 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
     WindowOrigin,
 )
-from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, PixelImage, PixelTransfer, read_only_copy
+from fixedpipe.pipeline.pixel_transfer import (
+    INITIAL_TRANSFER,
+    PackedName,
+    PixelImage,
+    PixelTransfer,
+    read_only_copy,
+)
 from fixedpipe.pipeline.state import Color, ColorMask, PassState, PixelTexture, RasterPosition, Scissor
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, STENCIL_FORMAT
@@ -43,7 +49,9 @@ ReadFormat = Literal[
     "DEPTH_COMPONENT",
     "STENCIL_INDEX",
 ]
-ReadType = Literal["UNSIGNED_BYTE", "UNSIGNED_SHORT", "FLOAT"]
+ReadType = Literal[
+    "UNSIGNED_BYTE", "BYTE", "UNSIGNED_SHORT", "SHORT", "UNSIGNED_INT", "INT", "FLOAT", PackedName
+]
 
 
 def _frozen(values, dtype, name):
@@ -242,8 +250,9 @@ class ReadPixels:
 
     ``format``: RGBA, RGB, RED, GREEN, BLUE, ALPHA, LUMINANCE (R + G + B, clamped), LUMINANCE_ALPHA as uint8
     [h, w(, c)]; DEPTH_COMPONENT as uint32 [h, w] in depth units; STENCIL_INDEX as uint8 [h, w].
-    ``type``: of colours, UNSIGNED_BYTE, UNSIGNED_SHORT or FLOAT (float64, clamped to [0, 1]). Pixels go
-    through ``transfer``; a histogram's or minmax's sink leaves nothing to return.
+    ``type``: of colours, an integer type, FLOAT (float64, clamped to [0, 1]), or a packed type of RGB or RGBA
+    (words [h, w]); the ideal reads real numbers whatever the type. Pixels go through ``transfer``; a
+    histogram's or minmax's sink leaves nothing to return.
     """
 
     label: str

@@ -42,6 +42,23 @@ ImageFormat = Literal[
 ]
 
 
+# Types of words that hold a whole group.
+PackedName = Literal[
+    "UNSIGNED_BYTE_3_3_2",
+    "UNSIGNED_BYTE_2_3_3_REV",
+    "UNSIGNED_SHORT_5_6_5",
+    "UNSIGNED_SHORT_5_6_5_REV",
+    "UNSIGNED_SHORT_4_4_4_4",
+    "UNSIGNED_SHORT_4_4_4_4_REV",
+    "UNSIGNED_SHORT_5_5_5_1",
+    "UNSIGNED_SHORT_1_5_5_5_REV",
+    "UNSIGNED_INT_8_8_8_8",
+    "UNSIGNED_INT_8_8_8_8_REV",
+    "UNSIGNED_INT_10_10_10_2",
+    "UNSIGNED_INT_2_10_10_10_REV",
+]
+
+
 def read_only_copy(values: ArrayLike, what: str) -> NDArray[Any]:
     """An array of its own. Raises ValueError, about ``what``, for rows of different lengths."""
     try:
@@ -58,19 +75,23 @@ class PixelImage:
 
     values  [height, width, components], or [height, width] of a format with one component; a leading axis
             holds a cube map's six faces or a volume's layers. uint8, uint16 and uint32 are fixed-point
-            fractions of their type's largest value (table 2.6), floats are taken as they are. Indices are
-            unsigned integers.
+            fractions of their type's largest value, int8, int16 and int32 lie between -1 and 1 (table 2.6),
+            floats are taken as they are. Indices are integers.
     format  one of ``ImageFormat``, a string
+    packed  one of ``PackedName``: the values are words of this type, [height, width], each a whole group of
+            RGB, or of RGBA or BGRA (table 3.8). None: the values are components
 
     The array is copied and made read-only. Raises ValueError for rows of different lengths.
     """
 
     values: NDArray[Any]
     format: ImageFormat
+    packed: PackedName | None
 
-    def __init__(self, values: ArrayLike, format: ImageFormat = "RGBA"):
+    def __init__(self, values: ArrayLike, format: ImageFormat = "RGBA", packed: PackedName | None = None):
         object.__setattr__(self, "values", read_only_copy(values, "The image's values"))
         object.__setattr__(self, "format", format)
+        object.__setattr__(self, "packed", packed)
 
 
 @dataclass(frozen=True, slots=True)

@@ -109,7 +109,7 @@ def _color_groups(command, profile, framebuffer, statistics):
         colors = framebuffer.part(framebuffer.buffer(command.read_buffer).color, command)
         if plain:
             return np.clip(colors, 0, one) if colors.dtype != np.uint8 else colors.copy()
-        groups = transfer_colors(Words(colors, one), transfer, profile, statistics)
+        groups = transfer_colors(Words(colors, (one,) * 4), transfer, profile, statistics)
     else:
         image = command.image
         if plain and image.format == "RGBA" and image.values.dtype == np.uint8 and bits == 8:

@@ -102,7 +102,8 @@ def _tex_image(command):
     if image is None:
         *layers, height, width = command.pixels.values.shape[: 3 if command.target in _LAYERED else 2]
         size = "x".join(map(str, (width, height, *layers)))
-        source = f"from {size} pixels, {command.pixels.format} {command.pixels.values.dtype}"
+        kind = command.pixels.packed or command.pixels.values.dtype
+        source = f"from {size} pixels, {command.pixels.format} {kind}"
         stored = f"{command.target.name}, {command.internal_format.name}"
         first = f'texture "{command.texture}": {stored}, {source}{_generated(command)}'
         return [first, *_pixel_transfer(command.transfer)]
@@ -193,7 +194,8 @@ def _fragments(command, first):
 
 def _draw_pixels(command):
     height, width = command.image.values.shape[:2]
-    return _fragments(command, f"{command.image.format} image, {width}x{height} groups")
+    packed = f" {command.image.packed}" if command.image.packed else ""
+    return _fragments(command, f"{command.image.format}{packed} image, {width}x{height} groups")
 
 
 def _copy_pixels(command):

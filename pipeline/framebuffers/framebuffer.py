@@ -228,7 +228,7 @@ class Framebuffer:
         """Colours of a window rectangle as pixel groups [h, w, 4], bottom row first (section 4.3.2,
         Conversion of RGBA values).
         """
-        return Words(self.rectangle(x, y, width, height), 2**self.color_bits - 1)
+        return Words(self.rectangle(x, y, width, height), (2**self.color_bits - 1,) * 4)
 
     def depths(self, x: int, y: int, width: int, height: int) -> NDArray[np.float64]:
         """Depths of a window rectangle, float64 [h, w] in [0, 1], bottom row first; fixed formats alone."""

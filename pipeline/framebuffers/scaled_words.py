@@ -1,9 +1,9 @@
 """Arithmetic on Components of pixel groups in fixed point, in real numbers.
 
-A component of n bits is a fraction, ``word / one``, that float64 seldom holds, and with scale and bias it may
-lie half-way between two entries of a table. So that such a half goes up wherever it is rounded next, the
-result is the least float64 that is not below the real number: times a table's size it is not below the half
-either, since rounding keeps the order. docs/numbers.md has the rule.
+A component of an integer type is a fraction, ``word / one``, that float64 seldom holds, and with scale and
+bias it may lie half-way between two entries of a table. So that such a half goes up wherever it is rounded
+next, the result is the least float64 that is not below the real number: times a table's size it is not below
+the half either, since rounding keeps the order. docs/numbers.md has the rule.
 
 Source: OpenGL 1.2.1 section 3.6.5, Arithmetic on Components. Inferred: the half, from SGI's Sample
 Implementation 1.2.1, which takes entry 83 where a byte leads to 82.5.
@@ -17,17 +17,17 @@ from numpy.typing import NDArray
 
 
 class Words(NamedTuple):
-    """Pixel groups in fixed point: whole numbers [..., 4], of which ``one`` is 1.0."""
+    """Pixel groups in fixed point: whole numbers [..., 4], and of each component which is 1.0."""
 
     values: NDArray[np.integer[Any]]
-    one: int
+    ones: tuple[int, int, int, int]
 
 
 def scaled_words(words: Words, scale: tuple[float, ...], bias: tuple[float, ...]) -> NDArray[np.float64]:
     """Words times ``scale``, plus ``bias``, of each component, float64 [..., 4]."""
     result = np.empty(words.values.shape)
-    for k, (factor, term) in enumerate(zip(scale, bias, strict=True)):
-        result[..., k] = _scaled(words.values[..., k], words.one, float(factor), float(term))
+    for k, (one, factor, term) in enumerate(zip(words.ones, scale, bias, strict=True)):
+        result[..., k] = _scaled(words.values[..., k], one, float(factor), float(term))
     return result
 
 

@@ -39,7 +39,7 @@ def defined_texture(command, profile, statistics, before):
     dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
     images = []
     for values in image.values if layered else image.values[None]:
-        part = PixelImage(values, image.format)
+        part = PixelImage(values, image.format, image.packed)
         images.append(transfer_image(part, command.transfer, profile, statistics, dimensions))
     if images[-1] is None:
         height, width = image.values.shape[layered : layered + 2]

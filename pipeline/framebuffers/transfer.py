@@ -20,10 +20,11 @@ from fixedpipe.pipeline.state import ColorTable
 from fixedpipe.pipeline.textures.images import KEPT
 from fixedpipe.pipeline.textures.pixel_formats import (
     COLOR_INDEX_FORMAT,
+    COMPONENT_TYPES,
     DEPTH_FORMAT,
     IMAGE_FORMATS,
     INDEX_FORMATS,
-    READ_TYPES,
+    PACKED_TYPES,
 )
 from fixedpipe.raster.pixels import transfer as arithmetic
 
@@ -37,8 +38,6 @@ ENTRY_COMPONENTS = {
     BaseFormat.RGB: (0, 1, 2, None),
     BaseFormat.RGBA: (0, 1, 2, 3),
 }
-
-_READ_DTYPES = {8: np.uint8, 16: np.uint16}
 
 
 # ------------------------------------------------------------------------------- histograms and minmaxes
@@ -226,25 +225,45 @@ def image_groups(image):
     values = image.values
     if image.format in INDEX_FORMATS:
         return _one_element(values).astype(np.int64)
-    one = np.iinfo(values.dtype).max if values.dtype.kind == "u" else None  # table 2.6
-    if image.format != DEPTH_FORMAT:
-        groups = _expanded(values, IMAGE_FORMATS[image.format], one or 1.0)
-        return groups if one is None else Words(groups, one)
-    values = values.astype(np.float64) if one is None else values / float(one)
-    return _one_element(values)
-
-
-def _expanded(values, elements, one):
-    """RGBA of an image's elements: L is all three colours, missing colours are 0, a missing alpha is one."""
+    values, ones = _components(image)
+    if image.format == DEPTH_FORMAT:
+        return _one_element(values) if ones is None else _one_element(values) / float(ones[0])
+    elements = IMAGE_FORMATS[image.format]
     if len(elements) == 1:
         values = _one_element(values)[..., None]
-    groups = np.zeros((*values.shape[:-1], 4), np.float64 if isinstance(one, float) else np.int64)
-    groups[..., 3] = one
-    for k, element in enumerate(elements):
-        groups[..., slice(0, 3) if element == "L" else "RGBA".index(element)] = (
-            values[..., k, None] if element == "L" else values[..., k]
-        )
-    return groups
+    groups = np.zeros((*values.shape[:-1], 4), values.dtype)
+    groups[..., 3] = 1
+    sources = [_element_of(component, elements) for component in "RGBA"]
+    for component, element in enumerate(sources):
+        if element is not None:
+            groups[..., component] = values[..., element]
+    if ones is None:
+        return groups
+    return Words(groups, tuple(1 if element is None else ones[element] for element in sources))
+
+
+def _components(image):
+    """The elements of an image's groups: float64, None; or int64, and of each element which is 1.0.
+
+    Source: OpenGL 1.2.1 table 2.6.
+    """
+    values = image.values
+    if image.packed is not None:
+        fields = PACKED_TYPES[image.packed].fields
+        parts = [values.astype(np.int64) >> lowest & (1 << bits) - 1 for lowest, bits in fields]
+        return np.stack(parts, -1), [(1 << bits) - 1 for _, bits in fields]
+    if values.dtype.kind == "f":
+        return values.astype(np.float64), None
+    ones = [(1 << 8 * values.dtype.itemsize) - 1] * len(IMAGE_FORMATS.get(image.format, "1"))
+    values = values.astype(np.int64)
+    return (2 * values + 1 if image.values.dtype.kind == "i" else values), ones
+
+
+def _element_of(component, elements):
+    """Which of a format's elements R, G, B or A is; None where it has none."""
+    if component in elements:
+        return elements.index(component)
+    return elements.index("L") if "L" in elements and component != "A" else None
 
 
 def _one_element(values):
@@ -276,13 +295,21 @@ def elements_of(groups, pixel_format):
 def packed_colors(groups, pixel_format, pixel_type):
     """Groups as ReadPixels returns them: Conversion to L and final conversion (section 4.3.2).
 
-    ``pixel_format``: one of READ_FORMATS; ``pixel_type``: of READ_TYPES. Returns uint8, uint16 or float64
-    [h, w(, c)].
+    ``pixel_format``: one of READ_FORMATS; ``pixel_type``: of READ_TYPES. Returns [h, w(, c)] of the type's
+    NumPy type, or a packed type's words [h, w].
     """
-    values, bits = elements_of(groups, pixel_format), READ_TYPES[pixel_type]
-    if bits is None:
+    values = elements_of(groups, pixel_format)
+    if pixel_type in PACKED_TYPES:
+        word, fields = PACKED_TYPES[pixel_type]
+        parts = [arithmetic.fixed(values[..., k], bits) << lowest for k, (lowest, bits) in enumerate(fields)]
+        return np.bitwise_or.reduce(parts).astype(word)
+    kind = np.dtype(COMPONENT_TYPES[pixel_type])
+    if kind.kind == "f":
         return np.clip(values, 0.0, 1.0)
-    return arithmetic.fixed(values, bits).astype(_READ_DTYPES[bits])
+    if kind.kind == "u":
+        return arithmetic.fixed(values, 8 * kind.itemsize).astype(kind)
+    most = 2.0 ** (8 * kind.itemsize) - 1.0
+    return arithmetic.nearest((most * np.clip(values, 0.0, 1.0) - 1.0) / 2.0).astype(kind)  # table 4.7
 
 
 def packed_bytes(rgba, pixel_format):

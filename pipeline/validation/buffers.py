@@ -3,7 +3,14 @@
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat
 from fixedpipe.pipeline.pixel_transfer import has_sink
 from fixedpipe.pipeline.sentences import count, depth_words
-from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, READ_FORMATS, READ_TYPES, STENCIL_FORMAT
+from fixedpipe.pipeline.textures.pixel_formats import (
+    DEPTH_FORMAT,
+    PACKED_TYPES,
+    READ_FORMATS,
+    READ_TYPES,
+    STENCIL_FORMAT,
+    packed_formats,
+)
 from fixedpipe.pipeline.validation import surfaces
 from fixedpipe.pipeline.validation.transfer import transferred
 
@@ -109,6 +116,11 @@ def read_pixels(walk, command):
     colors = command.format in READ_FORMATS
     if command.type not in READ_TYPES:
         walk.refuse(f"ReadPixels knows no type {command.type!r}; give one of {', '.join(READ_TYPES)}.")
+    if command.type in PACKED_TYPES and command.format not in packed_formats(command.type):
+        walk.refuse(
+            f"{command.type} holds groups of {' or '.join(packed_formats(command.type))}, and the format is "
+            f"{command.format}; give that format, or a type of single components."
+        )
     if not colors and command.type != "UNSIGNED_BYTE":
         walk.refuse(
             f"{command.format} is read in the buffer's own units whatever the type; leave type alone."

@@ -13,7 +13,13 @@ import numpy as np
 from fixedpipe.pipeline.enums import BaseFormat
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, filter_size, transferred_size
 from fixedpipe.pipeline.sentences import quoted
-from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, IMAGE_FORMATS, INDEX_FORMATS
+from fixedpipe.pipeline.textures.pixel_formats import (
+    DEPTH_FORMAT,
+    IMAGE_FORMATS,
+    INDEX_FORMATS,
+    PACKED_TYPES,
+    packed_formats,
+)
 
 # Source: OpenGL 1.2.1 section 2.1.1: the magnitude that every machine's floating-point numbers reach; the
 # arithmetic of pixel transfer stays far inside float64's range then.
@@ -207,29 +213,52 @@ def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FOR
     """
     if image.format not in formats:
         return f"the image's format is {image.format!r}; give one of {', '.join(formats)}."
+    if image.packed is not None and (problem := _packed_problem(image)):
+        return problem
     values = image.values
-    elements = len(IMAGE_FORMATS.get(image.format, "1"))
+    elements = 1 if image.packed else len(IMAGE_FORMATS.get(image.format, "1"))
     size = "[height, width]" if axes == 2 else "[layers, height, width]"
     shape = values.shape
-    if not (shape[axes:] == (elements,) or (elements == 1 and len(shape) == axes)) or len(shape) < axes:
+    whole = len(shape) == axes
+    if not (whole if image.packed else shape[axes:] == (elements,) or (elements == 1 and whole)):
+        what = image.packed or image.format
         components = f"{size[:-1]}, {elements}]"
-        return f"the {image.format} image has shape {shape}; give {components if elements > 1 else size}."
+        return f"the {what} image has shape {shape}; give {components if elements > 1 else size}."
     if 0 in shape:
         return f"the image has shape {shape}; give at least one pixel."
+    integers = values.dtype.kind in "iu" and values.dtype.itemsize <= 4
     if image.format in INDEX_FORMATS:
-        if values.dtype.kind != "u" or values.dtype.itemsize > 4:
-            return (
-                f"the image's indices are {values.dtype}; give uint8, uint16 or uint32: .astype(np.uint32)."
-            )
-        return None
-    if values.dtype.kind == "u" and values.dtype.itemsize <= 4:
+        if integers:
+            return None
+        return (
+            f"the image's indices are {values.dtype}; give integers of 8, 16 or 32 bits: .astype(np.uint32)."
+        )
+    if integers:
         return None
     if values.dtype.kind != "f":
         return (
-            f"the image's values are {values.dtype}; give uint8, uint16 or uint32, of which the type's "
-            "largest value is one, or floats: .astype(np.uint8) if they are bytes."
+            f"the image's values are {values.dtype}; give integers of 8, 16 or 32 bits, which are fractions, "
+            "or floats: .astype(np.uint8) if they are bytes."
         )
     most = values.dtype.type(min(_MOST, float(np.finfo(values.dtype).max)))  # half floats end before
     if not (np.abs(values) <= most).all():  # NaN is not
         return "the image holds NaN, infinity or a magnitude above 2**32; give finite, smaller values."
+    return None
+
+
+def _packed_problem(image):
+    """What is wrong with the type of an image of packed words, or None. Source: OpenGL 1.2.1 table 3.8."""
+    if image.packed not in PACKED_TYPES:
+        return (
+            f"the image's packed type is {image.packed!r}; give one of {', '.join(PACKED_TYPES)}, or None "
+            "for components."
+        )
+    formats, word = packed_formats(image.packed), PACKED_TYPES[image.packed].word
+    if image.format not in formats:
+        return (
+            f"{image.packed} holds groups of {' or '.join(formats)}, and the image's format is "
+            f"{image.format}; give that format, or components."
+        )
+    if image.values.dtype != word:
+        return f"the {image.packed} words are {image.values.dtype}; give {word}: .astype(np.{word})."
     return None

@@ -8,7 +8,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from numbers import Integral, Real
 from types import NoneType, UnionType
-from typing import Literal, NamedTuple, get_args, get_origin
+from typing import Literal, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 
@@ -183,7 +183,7 @@ class TypeChecks(dict):
         return check
 
     def _made(self, annotation):
-        if get_origin(annotation) is UnionType:
+        if get_origin(annotation) in (UnionType, Union):  # the latter of a Literal or None
             (present,) = (a for a in get_args(annotation) if a is not NoneType)
             return _optional_check(self[present])
         if get_origin(annotation) is tuple:

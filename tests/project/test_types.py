@@ -20,11 +20,12 @@ from fixedpipe.pipeline.commands import ReadFormat, ReadType
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
 from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
-from fixedpipe.pipeline.pixel_transfer import ImageFormat
+from fixedpipe.pipeline.pixel_transfer import ImageFormat, PackedName
 from fixedpipe.pipeline.textures.pixel_formats import (
     DEPTH_FORMAT,
     IMAGE_FORMATS,
     INDEX_FORMATS,
+    PACKED_TYPES,
     READ_FORMATS,
     READ_TYPES,
 )
@@ -106,6 +107,7 @@ def test_the_rule_sees_what_has_no_types():
 def test_strings_that_types_list_are_those_of_the_tables():
     assert {*get_args(ImageFormat)} == {*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FORMATS}
     assert {*get_args(ReadFormat)} == {*READ_FORMATS, DEPTH_FORMAT, "STENCIL_INDEX"}
+    assert {*get_args(PackedName)} == {*PACKED_TYPES}
     assert {*get_args(ReadType)} == {*READ_TYPES}
 
 

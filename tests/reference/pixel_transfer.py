@@ -49,6 +49,39 @@ def to_fixed(value, bits):
     return nearest(clamp(value) * (2**bits - 1))
 
 
+def component(value, bits, signed):
+    """A component of an integer type. Source: OpenGL 1.2.1 table 2.6."""
+    return Fraction(2 * value + 1 if signed else value, 2**bits - 1)
+
+
+def _widths(packed):
+    """Bits of a packed type's components, from the highest down. Source: OpenGL 1.2.1 tables 3.9 to 3.11."""
+    return [int(width) for width in packed.split("_") if width.isdigit()]
+
+
+def unpacked(word, packed):
+    """The elements of a word of a packed type. Source: OpenGL 1.2.1 section 3.6.4, tables 3.8 to 3.12."""
+    elements, place = [], sum(_widths(packed))
+    for width in _widths(packed):
+        place -= width
+        elements.append(Fraction((word >> place) % 2**width, 2**width - 1))
+    return elements[::-1] if packed.endswith("_REV") else elements
+
+
+def packed_word(elements, packed):
+    """The word of elements. Source: OpenGL 1.2.1 table 4.7: each is converted at its own width."""
+    word = 0
+    in_order = elements[::-1] if packed.endswith("_REV") else elements
+    for element, width in zip(in_order, _widths(packed), strict=True):
+        word = (word << width) + to_fixed(element, width)
+    return word
+
+
+def to_signed(value, bits):
+    """A component of a signed type. Source: OpenGL 1.2.1 table 4.7; Assumed: to nearest, halves up."""
+    return nearest(((2**bits - 1) * clamp(value) - 1.0) / 2.0)
+
+
 def pixel_of(elements, pixel_format):
     """The RGBA group of an image's group of elements, all floats or all Fractions. Source: OpenGL 1.2.1
     section 3.6.4.
@@ -290,8 +323,10 @@ def transfer_depth(value, state):
     return clamp(scaled(value, state.depth_scale, state.depth_bias))
 
 
-def component_read(group, pixel_format, bits):
-    """What ReadPixels returns: integers of ``bits`` or floats (None). Source: OpenGL 1.2.1 section 4.3.2."""
+def component_read(group, pixel_format, pixel_type):
+    """What ReadPixels returns: a list of integers or floats, or a packed type's word. Source: OpenGL 1.2.1
+    section 4.3.2.
+    """
     r, g, b, a = group
     luminance = r + g + b
     elements = {
@@ -304,4 +339,10 @@ def component_read(group, pixel_format, bits):
         "LUMINANCE": [luminance],
         "LUMINANCE_ALPHA": [luminance, a],
     }[pixel_format]
-    return [clamp(value) if bits is None else to_fixed(value, bits) for value in elements]
+    if pixel_type == "FLOAT":
+        return [clamp(value) for value in elements]
+    if _widths(pixel_type):
+        return packed_word(elements, pixel_type)
+    bits = {"BYTE": 8, "SHORT": 16, "INT": 32}[pixel_type.removeprefix("UNSIGNED_")]
+    convert = to_fixed if pixel_type.startswith("UNSIGNED") else to_signed
+    return [convert(value, bits) for value in elements]

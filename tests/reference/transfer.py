@@ -127,8 +127,7 @@ def read_pixels(target, command, profile, width, height):
             [pixel_transfer.stencil_index(value, state) & 255 for value in row]
             for row in rectangle(target.stencil, *box)
         ]
-    bits = {"UNSIGNED_BYTE": 8, "UNSIGNED_SHORT": 16, "FLOAT": None}[command.type]
     return [
-        [pixel_transfer.component_read(group, command.format, bits) for group in row]
+        [pixel_transfer.component_read(group, command.format, command.type) for group in row]
         for row in groups(target, state, profile, *box)
     ]

@@ -102,9 +102,9 @@ from fixedpipe.pipeline.textures.images import (
     texture_cube_map,
 )
 from fixedpipe.pipeline.textures.pixel_formats import (
+    COMPONENT_TYPES,
     DEPTH_READABLE_AS,
     IMAGE_FORMATS,
-    READ_TYPES,
     READABLE_AS,
 )
 from fixedpipe.pipeline.textures.words import internal_format_of, texture_of_words
@@ -426,7 +426,7 @@ class _Maker:
             y=self.whole(0, self.height - height),
             width=width,
             height=height,
-            type=self.one_of(READ_TYPES) if pixel_format in IMAGE_FORMATS else "UNSIGNED_BYTE",
+            type=self.one_of(COMPONENT_TYPES) if pixel_format in IMAGE_FORMATS else "UNSIGNED_BYTE",
             transfer=self.transfer(),
         )
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -36,9 +37,6 @@ from tests.reference import (
     texel_formats,
     transfer,
 )
-
-# The largest value of an image's whole numbers; floats are what they are.
-MOST = {"uint8": 255, "uint16": 65535, "uint32": 4294967295}
 
 
 @dataclass
@@ -200,20 +198,16 @@ def _as_read(frame, name):
 
 def _texture_of_pixels(command, profile):
     """A TexImage1D or TexImage2D of one level, from colours or depths that go through pixel transfer."""
-    values, state = command.pixels.values, command.transfer
-    largest = MOST.get(values.dtype.name, 1.0)
+    state = command.transfer
     if transfer.is_depth_format(command.internal_format):
-        depths = [[value / largest for value in row] for row in values.tolist()]
+        depths = [[float(depth) for (depth,) in row] for row in _elements(command.pixels)]
         texels = transfer.depth_texels(depths, state, command.internal_format)
         return SimpleNamespace(
             target=command.target, internal_format=command.internal_format, levels=[[texels]]
         )
     image = [
-        [
-            pixel_transfer.pixel_of([_component(v, largest) for v in _listed(group)], command.pixels.format)
-            for group in row
-        ]
-        for row in values.tolist()
+        [pixel_transfer.pixel_of(elements, command.pixels.format) for elements in row]
+        for row in _elements(command.pixels)
     ]
     dimensions = 1 if command.target == TextureTarget.TEXTURE_1D else 2
     image = pixel_transfer.transfer(
@@ -266,29 +260,36 @@ def _groups(frame, command, kind, profile):
             PixelCopyType.DEPTH: source.depth,
             PixelCopyType.STENCIL: source.stencil,
         }[kind]
-        values, most = transfer.rectangle(plane, *box), 255
+        values = transfer.rectangle(plane, *box)
         if kind == PixelCopyType.DEPTH:
             most = depth.full_scale(depth_bits)
+            values = [[[value / most] for value in row] for row in values]
+        elif kind == PixelCopyType.COLOR:
+            values = [[[Fraction(value, 255) for value in group] for group in row] for row in values]
     else:
-        values = image.values.tolist()
-        most = MOST.get(image.values.dtype.name, 1.0)
+        values = image.values.tolist() if kind == PixelCopyType.STENCIL else _elements(image)
     if kind == PixelCopyType.STENCIL:
         return [[pixel_transfer.stencil_index(value, state) for value in row] for row in values]
     if kind == PixelCopyType.DEPTH:
-        depths = [[pixel_transfer.transfer_depth(value / most, state) for value in row] for row in values]
+        depths = [[pixel_transfer.transfer_depth(float(value), state) for (value,) in row] for row in values]
         return [[depth.depth_to_units(value, depth_bits) for value in row] for row in depths]
     read_format = "RGBA" if image is None else image.format
-    groups = [
-        [pixel_transfer.pixel_of([_component(v, most) for v in _listed(group)], read_format) for group in row]
-        for row in values
-    ]
+    groups = [[pixel_transfer.pixel_of(elements, read_format) for elements in row] for row in values]
     groups = pixel_transfer.transfer(groups, state, 2, profile.arithmetic.clamps_color_matrix, None, None)
     return [[[pixel_transfer.to_fixed(c, 8) for c in group] for group in row] for row in groups]
 
 
-def _component(value, most):
-    """An element of an image: a float, or a word as the Fraction of its type's largest value."""
-    return value if isinstance(most, float) else Fraction(value, most)
+def _elements(image):
+    """The elements of every group of an image: floats, or Fractions of integer and packed types."""
+    kind = image.values.dtype
+    if image.packed is not None:
+        convert = partial(pixel_transfer.unpacked, packed=image.packed)
+        return [[convert(word) for word in row] for row in image.values.tolist()]
+    if kind.kind == "f":
+        convert = float
+    else:
+        convert = partial(pixel_transfer.component, bits=8 * kind.itemsize, signed=kind.kind == "i")
+    return [[[convert(v) for v in _listed(group)] for group in row] for row in image.values.tolist()]
 
 
 def _listed(group):

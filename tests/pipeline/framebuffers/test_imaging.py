@@ -25,6 +25,7 @@ from fixedpipe.pipeline.description.describe import describe
 from fixedpipe.pipeline.enums import (
     BaseFormat,
     ColorFormat,
+    ComparisonFunction,
     ConvolutionBorderMode,
     DepthFormat,
     InternalFormat,
@@ -63,7 +64,12 @@ from fixedpipe.pipeline.state import (
     TextureEnvironment,
     TextureUnit,
 )
-from fixedpipe.pipeline.textures.pixel_formats import READ_FORMATS
+from fixedpipe.pipeline.textures.pixel_formats import (
+    COMPONENT_TYPES,
+    PACKED_TYPES,
+    READ_FORMATS,
+    packed_formats,
+)
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.reference import pixel_transfer as reference
 from tests.reference import render, texel_formats
@@ -83,8 +89,8 @@ def box_filter(wide, high, **kwargs):
     return ConvolutionFilter(((weight,) * wide,) * high, **kwargs)
 
 
-def reading(transfer=INITIAL_TRANSFER, **rest):
-    return ReadPixels(label="read", name="r", transfer=transfer, **rest)
+def reading(transfer=INITIAL_TRANSFER, name="r", **rest):
+    return ReadPixels(label="read", name=name, transfer=transfer, **rest)
 
 
 def loading(pixels=IMAGE, **rest):
@@ -144,7 +150,7 @@ def test_bytes_are_read_as_pixel_transfer_would_give_them(pixel_format):
         assert (packed_colors(colors / 255.0, pixel_format, "UNSIGNED_BYTE") == direct).all()
 
 
-@pytest.mark.parametrize("pixel_type", ["UNSIGNED_BYTE", "UNSIGNED_SHORT", "FLOAT"])
+@pytest.mark.parametrize("pixel_type", COMPONENT_TYPES)
 @pytest.mark.parametrize("pixel_format", READ_FORMATS)
 @pytest.mark.parametrize("transfer", [INITIAL_TRANSFER, SWAPPED, BLURRED], ids=["initial", "matrix", "blur"])
 def test_read_pixels_equals_the_specification(transfer, pixel_format, pixel_type):
@@ -161,11 +167,72 @@ def test_read_pixels_equals_the_specification(transfer, pixel_format, pixel_type
         transfer=transfer,
     )
     found = made.run((read,)).pixels["r"]
-    bits = {"UNSIGNED_BYTE": 8, "UNSIGNED_SHORT": 16, "FLOAT": None}[pixel_type]
     groups = expected_groups(made.framebuffer.color[::-1][2:7, 1:7], transfer)
-    expected = [[reference.component_read(group, pixel_format, bits) for group in row] for row in groups]
+    expected = [
+        [reference.component_read(group, pixel_format, pixel_type) for group in row] for row in groups
+    ]
     assert found.reshape(*np.shape(expected)).tolist() == expected
-    assert found.dtype == {8: np.uint8, 16: np.uint16, None: np.float64}[bits]
+    assert found.dtype == COMPONENT_TYPES[pixel_type]
+
+
+def words_of(kind, shape):
+    """Noise of a NumPy type."""
+    limits = np.iinfo(kind)
+    return np.random.default_rng(3).integers(limits.min, limits.max, shape, kind, endpoint=True)
+
+
+TYPED = {
+    "BYTE": PixelImage(words_of("int8", (4, 4, 4))),
+    "SHORT": PixelImage(words_of("int16", (4, 4, 3)), "BGR"),
+    "INT": PixelImage(words_of("int32", (4, 4)), "LUMINANCE"),
+    **{
+        f"{name} {pixel_format}": PixelImage(words_of(kind.word, (4, 4)), pixel_format, name)
+        for name, kind in PACKED_TYPES.items()
+        for pixel_format in packed_formats(name)
+    },
+}
+
+
+@pytest.mark.parametrize("name", TYPED)
+def test_signed_and_packed_images_are_drawn_and_stored_as_the_specification_says(name):
+    transfer = PixelTransfer(scale=(0.75, 1.0, 1.5, 1.0), bias=(0.25, 0.0, -0.25, 0.0))
+    commands = [loading(TYPED[name])]
+    for across, state in enumerate((INITIAL_TRANSFER, transfer)):
+        where = RasterPosition(position=(4.0 * across, 0.0, 0.0, 1.0), window=True)
+        commands.append(DrawPixels(label="draw", image=TYPED[name], position=where, transfer=state))
+    for kind in PACKED_TYPES:
+        commands.append(reading(name=kind, format=packed_formats(kind)[0], type=kind))
+    made = execute(commands, OPENGL_1_2_IMAGING, SIZE, SIZE, threads=1)
+    expected = run_reference(commands, OPENGL_1_2_IMAGING, SIZE, SIZE, 24)
+    assert made.framebuffer.color.tolist() == expected.target.color
+    assert [level.tolist() for level in made.textures["t"].levels] == expected.textures["t"].levels
+    for kind in PACKED_TYPES:
+        assert made.pixels[kind].tolist() == expected.pixels[kind]
+    ideal = execute_ideal(commands, SIZE, SIZE).image().astype(int)
+    assert np.abs(ideal - made.image()).max() <= 1
+
+
+def test_layers_depths_and_indices_may_be_signed_or_packed():
+    faces = PixelImage(words_of("uint16", (6, 4, 4)), "RGB", "UNSIGNED_SHORT_5_6_5")
+    cube = loading(faces, target=TextureTarget.TEXTURE_CUBE_MAP)
+    levels = execute((cube,), NV2A, SIZE, SIZE).textures["t"].levels
+    first = [[reference.unpacked(word, faces.packed) for word in row] for row in faces.values[5].tolist()]
+    red = [[reference.to_fixed(red, 8) for red, _, _ in row] for row in first]
+    assert levels[0][5, ..., 0].tolist() == red
+    where = RasterPosition(window=True)
+    depths, stencil = words_of("int16", (4, 4)), words_of("int8", (4, 4))
+    always = PassState(depth_test=DepthTest(ComparisonFunction.ALWAYS))
+    commands = (
+        DrawPixels(label="depths", image=PixelImage(depths, "DEPTH_COMPONENT"), position=where, state=always),
+        DrawPixels(label="stencil", image=PixelImage(stencil, "STENCIL_INDEX"), position=where),
+    )
+    made = execute(commands, OPENGL_1_2, 4, 4).framebuffer
+    meant = [[reference.component(d, 16, True) for d in row] for row in depths.tolist()]
+    most = 2**made.depth_bits - 1
+    assert made.depth[::-1].tolist() == [
+        [reference.nearest(reference.clamp(float(d)) * most) for d in row] for row in meant
+    ]
+    assert (made.stencil[::-1] == stencil.view(np.uint8)).all()
 
 
 @pytest.mark.parametrize("transfer", [INITIAL_TRANSFER, SWAPPED, BLURRED], ids=["initial", "matrix", "blur"])
@@ -922,7 +989,32 @@ REFUSED = {
         ["no histogram 'h' yet", "none"],
     ),
     "unknown minmax": (OPENGL_1_2_IMAGING, ResetMinmax(label="reset", name="m"), ["no minmax 'm' yet"]),
-    "read type": (OPENGL_1_2, reading(type="INT"), ["no type 'INT'", "UNSIGNED_SHORT"]),
+    "read type": (OPENGL_1_2, reading(type="DOUBLE"), ["no type 'DOUBLE'", "UNSIGNED_SHORT"]),
+    "read packed": (
+        OPENGL_1_2,
+        reading(type="UNSIGNED_SHORT_5_6_5"),
+        ["UNSIGNED_SHORT_5_6_5 holds groups of RGB", "format is RGBA"],
+    ),
+    "packed type": (
+        OPENGL_1_2,
+        loading(PixelImage(IMAGE.values, packed="BYTE")),
+        ["packed type is 'BYTE'", "UNSIGNED_BYTE_3_3_2", "None"],
+    ),
+    "packed format": (
+        OPENGL_1_2,
+        loading(PixelImage(IMAGE.values[..., 0], "RGB", "UNSIGNED_INT_8_8_8_8")),
+        ["RGBA or BGRA", "format is RGB"],
+    ),
+    "packed words": (
+        OPENGL_1_2,
+        loading(PixelImage(IMAGE.values[..., 0], packed="UNSIGNED_INT_8_8_8_8")),
+        ["words are uint8", ".astype(np.uint32)"],
+    ),
+    "packed shape": (
+        OPENGL_1_2,
+        loading(PixelImage(IMAGE.values, "RGB", "UNSIGNED_BYTE_3_3_2")),
+        ["UNSIGNED_BYTE_3_3_2 image has shape (4, 4, 4)", "[height, width]"],
+    ),
     "depth type": (OPENGL_1_2, reading(format="DEPTH_COMPONENT", type="FLOAT"), ["own units", "leave type"]),
     "float depths": (
         NV2A,
@@ -957,12 +1049,12 @@ REFUSED = {
         ["(0, 4, 4)", "at least one pixel"],
     ),
     "image of NaN": (OPENGL_1_2, loading(PixelImage(np.full((4, 4, 4), np.nan))), ["NaN", "finite"]),
-    "signed image": (OPENGL_1_2, loading(PixelImage(np.zeros((4, 4, 4), np.int8))), ["int8", "uint8"]),
+    "wide image": (OPENGL_1_2, loading(PixelImage(np.zeros((4, 4, 4), np.int64))), ["int64", "uint8"]),
     "image of words": (OPENGL_1_2, loading(PixelImage([["a", "b"]], "RED")), ["<U1", "uint8"]),
     "signed indices": (
         OPENGL_1_2,
         loading(PixelImage(np.zeros((4, 4), np.int64), "COLOR_INDEX")),
-        ["indices are int64", "uint8"],
+        ["indices are int64", "uint32"],
     ),
     "no cube map": (
         NV2A,

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from math import floor
 
 import numpy as np
@@ -35,7 +36,13 @@ from fixedpipe.pipeline.pixel_transfer import (
 )
 from fixedpipe.pipeline.profiles import IDEAL, OCTANE, OPENGL_1_2_IMAGING
 from fixedpipe.pipeline.state import IDENTITY, ColorTable
-from fixedpipe.pipeline.textures.pixel_formats import IMAGE_FORMATS, READ_TYPES
+from fixedpipe.pipeline.textures.pixel_formats import (
+    COMPONENT_TYPES,
+    IMAGE_FORMATS,
+    PACKED_TYPES,
+    READ_TYPES,
+    packed_formats,
+)
 from fixedpipe.raster.pixels import transfer as arithmetic
 from tests.reference import pixel_transfer as reference
 
@@ -179,7 +186,7 @@ def test_words_equal_the_specification(transfer, one, seed):
     fractions = [[[Fraction(c, one) for c in group] for group in row] for row in words.tolist()]
     transfer = replace(transfer, histogram=None, minmax=None)
     expected = reference.transfer(fractions, transfer, 2, False, None, None)
-    found = transfer_colors(Words(words, one), transfer, OPENGL_1_2_IMAGING, PixelStatistics())
+    found = transfer_colors(Words(words, (one,) * 4), transfer, OPENGL_1_2_IMAGING, PixelStatistics())
     assert found.tolist() == (expected if found.shape[1] else [[]] * found.shape[0])
 
 
@@ -195,7 +202,7 @@ def test_beside_a_half_a_byte_is_rounded_as_in_real_numbers(word, size, entry, b
     """The scale, of 31 fraction bits, leads closest to a half: below it, to it perhaps, above it."""
     half, bias = Fraction(2 * (entry % (size - 1)) + 1, 2 * (size - 1)), Fraction(bias, 2**31)
     scale = Fraction(floor((half - bias) * 255 / word * 2**31) + beside, 2**31)
-    found = scaled_words(Words(np.full((1, 4), word), 255), (float(scale),) * 4, (float(bias),) * 4)
+    found = scaled_words(Words(np.full((1, 4), word), (255,) * 4), (float(scale),) * 4, (float(bias),) * 4)
     exact = min(max(scale * word / 255 + bias, 0), 1)
     assert arithmetic.nearest(found.clip(0, 1) * (size - 1))[0, 0] == floor(
         exact * (size - 1) + Fraction(1, 2)
@@ -257,41 +264,83 @@ def test_depths_equal_the_specification(scale, bias, depths):
 @pytest.mark.parametrize("pixel_type", READ_TYPES)
 @pytest.mark.parametrize("pixel_format", sorted(set(IMAGE_FORMATS) - {"BGRA", "BGR"}))
 def test_packed_colors_equal_the_specification(pixel_format, pixel_type):
+    if pixel_type in PACKED_TYPES and pixel_format not in packed_formats(pixel_type):
+        return
     image = _image(16, 8, 3)
-    found = packed_colors(image, pixel_format, pixel_type).reshape(8, 16, -1)
-    bits = READ_TYPES[pixel_type]
+    found = packed_colors(image, pixel_format, pixel_type)
+    assert found.dtype == (
+        PACKED_TYPES[pixel_type].word if pixel_type in PACKED_TYPES else COMPONENT_TYPES[pixel_type]
+    )
     expected = [
-        [reference.component_read(group, pixel_format, bits) for group in row] for row in image.tolist()
+        [reference.component_read(group, pixel_format, pixel_type) for group in row] for row in image.tolist()
     ]
-    assert found.tolist() == expected
+    assert found.reshape(np.shape(expected)).tolist() == expected
 
 
-def _component(value, most):
-    return value if most is None else Fraction(value, most)
+_INTEGERS = [np.uint8, np.uint16, np.uint32, np.int8, np.int16, np.int32]
 
 
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.uint32, np.float32, np.float64])
+def _as_fractions(words):
+    ones = words.ones
+    return [
+        [[Fraction(c, one) for c, one in zip(group, ones, strict=True)] for group in row]
+        for row in words.values.tolist()
+    ]
+
+
+@pytest.mark.parametrize("dtype", [*_INTEGERS, np.float32, np.float64])
 @pytest.mark.parametrize("pixel_format", IMAGE_FORMATS)
 def test_image_data_become_the_groups_of_the_specification(pixel_format, dtype):
     elements = len(IMAGE_FORMATS[pixel_format])
-    random = np.random.default_rng(2)
-    if np.issubdtype(dtype, np.floating):
-        values, most = random.uniform(-1, 2, (4, 5, elements)).astype(dtype), None
+    random, kind = np.random.default_rng(2), np.dtype(dtype)
+    if kind.kind == "f":
+        values = random.uniform(-1, 2, (4, 5, elements)).astype(dtype)
+        component = float
     else:
-        most = int(np.iinfo(dtype).max)
-        values = random.integers(0, most, (4, 5, elements), dtype, endpoint=True)
+        limits = np.iinfo(dtype)
+        values = random.integers(limits.min, limits.max, (4, 5, elements), dtype, endpoint=True)
+        values[0, 0], values[0, 1] = limits.min, limits.max
+        component = partial(reference.component, bits=8 * kind.itemsize, signed=kind.kind == "i")
     expected = [
-        [reference.pixel_of([_component(v, most) for v in group], pixel_format) for group in row]
+        [reference.pixel_of([component(v) for v in group], pixel_format) for group in row]
         for row in values.tolist()
     ]
     for image in (values, values[..., 0]) if elements == 1 else (values,):
         found = image_groups(PixelImage(image, pixel_format))
-        if most is not None:
-            assert found.one == most
-            found = [[[Fraction(c, most) for c in group] for group in row] for row in found.values.tolist()]
-        else:
-            found = found.tolist()
-        assert found == expected
+        assert (found.tolist() if kind.kind == "f" else _as_fractions(found)) == expected
+
+
+@pytest.mark.parametrize("packed", PACKED_TYPES)
+def test_packed_words_become_the_groups_of_the_specification_and_are_read_back(packed):
+    """All words, or as many of 32 bits: with every bit alone."""
+    word = np.dtype(PACKED_TYPES[packed].word)
+    if word.itemsize < 4:
+        words = np.arange(1 << 8 * word.itemsize)
+    else:
+        random = np.random.default_rng(6).integers(0, 2**32, 5000)
+        words = np.concatenate([random, 1 << np.arange(32), [0, 2**32 - 1]])
+    words = words.astype(word)[None]
+    for pixel_format in packed_formats(packed):
+        found = image_groups(PixelImage(words, pixel_format, packed))
+        expected = [
+            [reference.pixel_of(reference.unpacked(value, packed), pixel_format) for value in row]
+            for row in words.tolist()
+        ]
+        assert _as_fractions(found) == expected
+    pixel_format = packed_formats(packed)[0]
+    groups = transfer_colors(
+        image_groups(PixelImage(words, pixel_format, packed)), INITIAL_TRANSFER, IDEAL, PixelStatistics()
+    )
+    assert (packed_colors(groups, pixel_format, packed) == words).all()
+
+
+@pytest.mark.parametrize(("dtype", "pixel_type"), [(np.int8, "BYTE"), (np.int16, "SHORT"), (np.int32, "INT")])
+def test_what_a_signed_type_holds_of_zero_to_one_is_read_back(dtype, pixel_type):
+    values = np.unique(np.linspace(0, np.iinfo(dtype).max, 3000).astype(dtype))[None]
+    groups = transfer_colors(
+        image_groups(PixelImage(values, "RED")), INITIAL_TRANSFER, IDEAL, PixelStatistics()
+    )
+    assert (packed_colors(groups, "RED", pixel_type) == values).all()
 
 
 @settings(max_examples=60)
