@@ -85,7 +85,7 @@ class Mesh:
     secondary_colors    float64 [n, 3..4], or None: (0, 0, 0); without a fourth component alpha is 0
     normals             float64 [n, 3], or None: (0, 0, 1)
     texture_coordinates tuple of float64 [n, 1..4], one per coordinate set; missing components are
-                        t = 0, r = 0, q = 1
+                        t = 0, r = 0, q = 1; a set that is missing is (0, 0, 0, 1) everywhere
     fog_coordinates     float64 [n], or None: 0
     back_colors, back_secondary_colors  the same for faces seen from behind, where a vertex program wrote them
                         (NV_vertex_program's o[BFC0], o[BFC1]) and the state takes them; None: (0, 0, 0, 1)

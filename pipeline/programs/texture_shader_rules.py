@@ -26,23 +26,25 @@ WITHOUT_TEXTURE = frozenset(
 )
 # Stages that may end a fragment, or change its depth.
 DISCARDING = frozenset({Operation.CULL_FRAGMENT, Operation.DOT_PRODUCT_DEPTH_REPLACE})
-# Operations that make coordinates, and how many of the unit's own they take.  Source: table 3.C.
-DEPENDENT = {
-    Operation.OFFSET_TEXTURE_2D: 2,
-    Operation.OFFSET_TEXTURE_2D_SCALE: 2,
-    Operation.OFFSET_TEXTURE_RECTANGLE: 2,
-    Operation.OFFSET_TEXTURE_RECTANGLE_SCALE: 2,
-    Operation.DEPENDENT_AR_TEXTURE_2D: 0,
-    Operation.DEPENDENT_GB_TEXTURE_2D: 0,
-    Operation.DOT_PRODUCT_TEXTURE_2D: 3,
-    Operation.DOT_PRODUCT_TEXTURE_RECTANGLE: 3,
-    Operation.DOT_PRODUCT_TEXTURE_3D: 3,
-    Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP: 3,
-    Operation.DOT_PRODUCT_REFLECT_CUBE_MAP: 3,
-    Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP: 3,
-    Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP: 3,
-    Operation.BRDF_TEXTURE_3D: 0,
-}
+# Operations that make coordinates.  Source: table 3.C.
+DEPENDENT = frozenset(
+    {
+        Operation.OFFSET_TEXTURE_2D,
+        Operation.OFFSET_TEXTURE_2D_SCALE,
+        Operation.OFFSET_TEXTURE_RECTANGLE,
+        Operation.OFFSET_TEXTURE_RECTANGLE_SCALE,
+        Operation.DEPENDENT_AR_TEXTURE_2D,
+        Operation.DEPENDENT_GB_TEXTURE_2D,
+        Operation.DOT_PRODUCT_TEXTURE_2D,
+        Operation.DOT_PRODUCT_TEXTURE_RECTANGLE,
+        Operation.DOT_PRODUCT_TEXTURE_3D,
+        Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP,
+        Operation.DOT_PRODUCT_REFLECT_CUBE_MAP,
+        Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
+        Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP,
+        Operation.BRDF_TEXTURE_3D,
+    }
+)
 # Which textures operations read: the one of table 3.B first, then others that the chip reads all the same.
 # Measured: cube maps as volumes, 2D textures as cube maps (DotSTR3D and Texture_2D_as_cubemap captures).
 _2D, _CUBE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_CUBE_MAP

@@ -22,7 +22,7 @@ def draw(walk, command):
         if walk.takes(command):  # another mesh in a state that was checked beside one of its kind
             return
     walk.warned = False
-    pass_state(walk, state, mesh)
+    pass_state(walk, state)
     _infinite_fog(walk, state, mesh)
     _points_and_lines(walk, state, mesh)
     if state.polygon.stipple is not None and len(state.polygon.stipple) != 128:
@@ -68,17 +68,21 @@ def is_like_another(walk, command, checks):
     return True
 
 
-def pass_state(walk, state, mesh):
-    """What a Draw and a rectangle of pixels have in common; ``mesh``: whose vertices have coordinates."""
+def pass_state(walk, state):
+    """What a Draw and a rectangle of pixels have in common."""
     walk.once(vertices.vertex, state.vertex)
-    texture_units.texture_units(walk, state, mesh)
+    texture_units.texture_units(walk, state)
     vertices.normals(walk, state)
     combiners = state.register_combiners
     if combiners is not None:
         walk.once(fragments.register_combiners, combiners)
     texture_units.disabled_textures(walk, state)
     if state.color_sum and not walk.profile.fragments.color_sum:
-        walk.refuse(f"{walk.profile.name} has no color sum; add the secondary color in a second pass.")
+        walk.refuse(
+            f"{walk.profile.name} adds no secondary colors of vertices. Lighting's specular term is added "
+            "without color_sum, with Lighting(separate_specular_color=True). For a mesh's secondary colors "
+            "draw it a second time with them as colors, and Blending(BlendFactor.ONE, BlendFactor.ONE)."
+        )
     if not state.perspective_correction and not walk.profile.primitives.perspective_hint:
         walk.refuse(
             f"{walk.profile.name} always corrects for perspective; leave perspective_correction on, or "

@@ -3,9 +3,7 @@
 Fields have the types that the states say, and numbers are finite, before these functions see them.
 """
 
-from dataclasses import replace
-
-from fixedpipe.pipeline.commands import kind_of, vertex_of
+from fixedpipe.pipeline.commands import kind_of
 from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ, TextureTarget, VertexStage
 from fixedpipe.pipeline.sentences import count
 from fixedpipe.pipeline.state import VertexState
@@ -35,14 +33,10 @@ def _pixels(walk, command, width, height):
     if kind is PixelCopyType.STENCIL:
         buffers.stencil_buffer(walk, "writes the stencil buffer")
     transferred(walk, command, width, height, deep=kind is not PixelCopyType.COLOR)
-    units = command.state.texture_units
+    _rectangle_of_pixels(walk, command)
     if command.pixel_texture is None:
-        _rectangle_of_pixels(walk, command, command.position)
         return
-    # Coordinates come from the groups, and so from no vertex.
-    sets = max((unit.coordinates + 1 for unit in units if unit is not None), default=0)
-    made = ((0.0, 0.0, 0.0, 1.0),) * min(max(sets, 0), 8)
-    _rectangle_of_pixels(walk, command, replace(command.position, texture_coordinates=made))
+    units = command.state.texture_units
     known = [(i, walk.textures[u.texture]) for i, u in enumerate(units) if u is not None]
     textures = [(i, texture.target, texture.faces[0]) for i, texture in known]
     if problem := _pixel_texture_problem(command.pixel_texture, kind, command.state, textures, walk.profile):
@@ -53,13 +47,13 @@ def bitmap(walk, command):
     """Refuse a Bitmap whose bits or state the machine could not draw."""
     if problem := _bits_problem(command.bits):
         walk.refuse(problem)
-    _rectangle_of_pixels(walk, command, command.position)
+    _rectangle_of_pixels(walk, command)
 
 
-def _rectangle_of_pixels(walk, command, position):
+def _rectangle_of_pixels(walk, command):
     if problem := _rectangle_problem(command, walk.profile):
         walk.refuse(problem)
-    pass_state(walk, command.state, vertex_of(position))
+    pass_state(walk, command.state)
 
 
 def _rectangle_problem(command, profile):

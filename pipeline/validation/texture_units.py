@@ -33,7 +33,7 @@ _GENERATED_BY = {
 }
 
 
-def texture_units(walk, state, mesh):
+def texture_units(walk, state):
     """Refuse texture units, and stages, that the machine does not have or that do not fit their textures."""
     units, allowed = state.texture_units, walk.profile.textures.max_texture_units
     if len(units) > allowed:
@@ -55,18 +55,16 @@ def texture_units(walk, state, mesh):
             if state.register_combiners is None:
                 rgba = operation is TextureShaderOperation.PASS_THROUGH
                 walk.once(_environment, unit, i, BaseFormat.RGBA if rgba else None)
-            _unit_coordinates(walk, i, unit, 0 if operation is TextureShaderOperation.NONE else 3, mesh)
+            _unit_coordinates(walk, i, unit)
             continue
         if unit.texture is None:
             walk.refuse(f"texture unit {i} names no texture to sample; give one, or disable the unit.")
         known = known_texture(walk, unit.texture)
-        needed = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_2D: 2}.get(known.target, 3)
         foreign = (
             operation is TextureShaderOperation.TEXTURE_CUBE_MAP
             and known.target is not TextureTarget.TEXTURE_CUBE_MAP
         )
         if operation in DEPENDENT or foreign:
-            needed = DEPENDENT.get(operation, 3)
             rough = stages[i].roughness is not None
             _dependent_access(walk, i, unit, known, operation, rough)
         elif operation in TARGETS_READ and known.target not in _accessible(walk, operation):
@@ -75,7 +73,7 @@ def texture_units(walk, state, mesh):
                 f"{known.target.name}, which {walk.profile.name} does not read so; give the operation of "
                 "its target."
             )
-        _unit_coordinates(walk, i, unit, needed, mesh)
+        _unit_coordinates(walk, i, unit)
         walk.once(sampler, unit, known, i)
         _color_table(walk, i, unit.color_table)
         if state.register_combiners is None:
@@ -190,16 +188,10 @@ def _dependent_access(walk, number, unit, known, operation, rough):
         )
 
 
-def _unit_coordinates(walk, number, unit, needed, mesh):
+def _unit_coordinates(walk, number, unit):
     _generation(walk, number, unit)
-    sets = len(mesh.texture_coordinates)
     if unit.coordinates < 0:
         walk.refuse(f"texture unit {number} takes coordinate set {unit.coordinates}; sets count from 0.")
-    if unit.coordinates >= sets and any(gen.mode is TexGenMode.NONE for gen in unit.gen[:needed]):
-        walk.refuse(
-            f"texture unit {number} takes coordinate set {unit.coordinates}, but the mesh has "
-            f"{count(sets, 'set')}; give the mesh coordinates or generate {', '.join('str'[:needed])}."
-        )
 
 
 def _generation(walk, number, unit):

@@ -94,7 +94,6 @@ class _Beside(NamedTuple):
 
     names: tuple[str, ...]
     textures: tuple[KnownTexture | None, ...]
-    coordinate_sets: int
     primitive: PrimitiveType
     infinite_fog: bool
 
@@ -194,5 +193,4 @@ class Walk:
         if mesh not in checked_meshes:
             return None
         textures = tuple([self.textures.get(name) for name in names])
-        sets = len(mesh.texture_coordinates)
-        return _Beside(names, textures, sets, mesh.primitive, mesh in infinite_fog)
+        return _Beside(names, textures, mesh.primitive, mesh in infinite_fog)

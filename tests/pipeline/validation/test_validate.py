@@ -480,17 +480,7 @@ REFUSED = {
         ["level-of-detail bias -4.5", "-4.0 to 4.0"],
         textured(lod_bias=-4.0),
     ),
-    "coordinates that the mesh lacks": (
-        textured(coordinates=1),
-        ["coordinate set 1", "the mesh has 1 set", "generate s, t"],
-        textured(coordinates=0),
-    ),
     "a negative coordinate set": (textured(coordinates=-1), ["coordinate set -1", "from 0"], textured()),
-    "generated s without t on a bare mesh": (
-        generated(TexGenMode.EYE_LINEAR, mesh=Mesh(TRIANGLE)),
-        ["the mesh has 0 sets", "generate s, t"],
-        generated(TexGenMode.EYE_LINEAR, TexGenMode.EYE_LINEAR, mesh=Mesh(TRIANGLE)),
-    ),
     "a sphere map's r": (
         generated(*[TexGenMode.SPHERE_MAP] * 3),
         ["generates r by SPHERE_MAP", "makes s, t only"],
@@ -945,7 +935,7 @@ LACKING = {
     "composite_matrix": (False, draw(vertex=VertexState(composite=Composite())), "has no Composite"),
     "fog_registers": (False, draw(fog=Fog(registers=FogRegisters())), "has no FogRegisters"),
     "separate_specular_color": (False, lit(separate_specular_color=True), "no SEPARATE_SPECULAR_COLOR"),
-    "color_sum": (False, draw(color_sum=True), "no color sum"),
+    "color_sum": (False, draw(color_sum=True), "adds no secondary colors of vertices"),
     "depth_clamp": (False, draw(depth_clamp=DepthClamp()), "no DEPTH_CLAMP; leave depth_clamp None"),
     "ycbcr_conversion": (False, draw(ycbcr_conversion=True), "InternalFormat.YCBCR"),
     "w_buffering": (False, draw(w_buffering=True), "no W buffering"),
@@ -1009,6 +999,19 @@ def test_a_machine_that_lacks_it_refuses_it(field):
     value, commands, words = LACKING[field]
     with pytest.raises(UnsupportedState, match=words):
         check(*as_tuple(commands), profile=without(**{field: value}))
+
+
+def test_what_the_refusal_of_a_color_sum_names_adds_the_secondary_colors():
+    first, second = np.array([[0.25, 0.5, 0.75]] * 3), np.array([[0.125, 0.75, 0.0]] * 3)
+    both = Mesh(TRIANGLE, colors=first, secondary_colors=second)
+    again = Mesh(TRIANGLE, colors=second)
+    one = Blending(BlendFactor.ONE, BlendFactor.ONE)
+    summed = execute((draw(both, color_sum=True),), GEFORCE_256, 8, 8).image()
+    twice = execute(
+        (draw(Mesh(TRIANGLE, colors=first)), draw(again, blending=one)), GEFORCE_256, 8, 8
+    ).image()
+    np.testing.assert_allclose(summed[..., :3].astype(int), twice[..., :3], atol=1)
+    assert summed.any()
 
 
 @pytest.mark.parametrize("field", ["projection", "viewport"])
@@ -1116,7 +1119,6 @@ def test_what_was_found_right_is_refused_where_it_is_not():
     refusals = [
         ({"commands": (pass_,)}, "no texture 'checker'"),
         ({"commands": (store_, copy(texture="checker"), pass_)}, "1 level of 7"),
-        ({"commands": (store_, replace(pass_, mesh=Mesh(TRIANGLE)))}, "the mesh has 0 sets"),
         ({"commands": (store_, replace(pass_, mesh=Mesh(TRIANGLE * NAN)))}, "vertex 0 holds nan"),
         ({"commands": (store_, replace(pass_, mesh=None))}, "mesh is None"),
         ({"commands": (store_, replace(pass_, label=""))}, "label is empty"),
@@ -1150,12 +1152,6 @@ def test_findings_on_more_states_than_are_kept_stay_right(monkeypatch):
         with pytest.raises(UnsupportedState, match=r"the fog density is -1\.0"):
             check(*good, draw(fog=Fog(density=-1.0)))
     assert len(taken_by(GEFORCE_256).states) <= 8
-
-
-def test_a_cube_map_needs_three_generated_coordinates():
-    unit = TextureUnit("cube", sampler=LINEAR, gen=(TexGen(TexGenMode.EYE_LINEAR),) * 2 + (TexGen(),) * 2)
-    with pytest.raises(UnsupportedState, match="generate s, t, r"):
-        check(CUBE, draw(Mesh(TRIANGLE), texture_units=(unit,), register_combiners=COMBINERS))
 
 
 def test_leftover_vertices_are_opengls_business():
