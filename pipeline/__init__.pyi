@@ -60,6 +60,7 @@ from fixedpipe.pipeline.state import TextureEnvironment as TextureEnvironment
 from fixedpipe.pipeline.state import TextureShaderStage as TextureShaderStage
 from fixedpipe.pipeline.state import TextureUnit as TextureUnit
 from fixedpipe.pipeline.state import VertexState as VertexState
+from fixedpipe.pipeline.state import environment as environment
 from fixedpipe.pipeline.textures.images import Texture as Texture
 from fixedpipe.pipeline.textures.images import texture_1d as texture_1d
 from fixedpipe.pipeline.textures.images import texture_2d as texture_2d

@@ -9,7 +9,7 @@ Colours are RGBA tuples of floats; 1.0 is full intensity. Matrices are 4x4 tuple
 vectors (``clip = projection @ modelview @ object``).
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from numbers import Integral
 
@@ -430,6 +430,67 @@ class TextureEnvironment:
     color: Color = (0.0, 0.0, 0.0, 0.0)
     rgb: Combine = Combine()
     alpha: Combine = Combine(operands=(CombineOperand.SRC_ALPHA,) * 3)
+
+
+def _combine(words: Sequence[str], alpha: bool, scale: float) -> Combine:
+    """A half of an environment, of its function's name and its arguments."""
+    function, *arguments = words
+    if function not in CombineFunction.__members__:
+        raise ValueError(
+            f"an environment has no function {function!r}; it has {', '.join(CombineFunction.__members__)}."
+        )
+    sources, operands = [], []
+    for argument in arguments:
+        name = argument.removeprefix("1 - ")
+        inverted = name != argument
+        of_alpha = alpha or name.endswith(".a")
+        name = name.removesuffix(".a")
+        if name == "1":
+            name, inverted = "ZERO", not inverted
+        if name not in CombineSource.__members__:
+            raise ValueError(
+                f"{function} has an argument {argument!r}, which names no source; sources are "
+                f"{', '.join(CombineSource.__members__)}, and 1. Write 'TEXTURE', 'TEXTURE.a', '1 - TEXTURE' "
+                "or '1 - TEXTURE.a', for instance."
+            )
+        sources.append(CombineSource[name])
+        kind = "SRC_ALPHA" if of_alpha else "SRC_COLOR"
+        operands.append(CombineOperand[f"ONE_MINUS_{kind}" if inverted else kind])
+    return Combine(CombineFunction[function], tuple(sources), tuple(operands), scale)
+
+
+def environment(
+    rgb: Sequence[str],
+    alpha: Sequence[str] = ("MODULATE", "TEXTURE", "PREVIOUS"),
+    *,
+    color: Color = (0.0, 0.0, 0.0, 0.0),
+    rgb_scale: float = 1.0,
+    alpha_scale: float = 1.0,
+) -> TextureEnvironment:
+    """A COMBINE environment in words: each half is its function and its arguments, by OpenGL's names.
+
+    An argument is a source ("TEXTURE", "CONSTANT", "PRIMARY_COLOR", "PREVIOUS", "TEXTURE0" ..., "ZERO"), its
+    alpha ("TEXTURE.a"), or one minus it ("1 - TEXTURE", "1 - TEXTURE.a"); "1" is one minus ZERO. In the alpha
+    half every source is its alpha. Halves of four arguments make a COMBINE4 environment; then both have four.
+
+    >>> faded = environment(("INTERPOLATE", "TEXTURE", "PREVIOUS", "CONSTANT.a"), color=(0, 0, 0, 0.25))
+    >>> faded.rgb.operands
+    (<CombineOperand.SRC_COLOR: 0>, <CombineOperand.SRC_COLOR: 0>, <CombineOperand.SRC_ALPHA: 2>)
+
+    Raises ValueError for names that are not OpenGL's, and for halves of which one alone has four arguments.
+    """
+    four = [len(half) == 5 for half in (rgb, alpha)]
+    if any(four) and not all(four):
+        raise ValueError(
+            "one half of the environment has four arguments, which makes it COMBINE4, and the other has "
+            "not; give both four, with 'ZERO' and '1' for those that are not needed."
+        )
+    return TextureEnvironment(
+        mode=TextureEnvironmentMode.COMBINE4 if all(four) else TextureEnvironmentMode.COMBINE,
+        color=color,
+        rgb=_combine(rgb, False, rgb_scale),
+        alpha=_combine(alpha, True, alpha_scale),
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,6 +36,7 @@ from fixedpipe.pipeline.state import (
     TextureEnvironment,
     TextureShaderStage,
     TextureUnit,
+    environment,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.validation.validate import validate
@@ -743,3 +744,65 @@ def test_what_has_no_effect_is_not_refused():
         state = PassState(texture_units=units, texture_shader=(TextureShaderStage(stage),))
         mesh = replace(square(), texture_coordinates=(np.zeros((4, 3)),))
         validate(frame(state, mesh, grey=grey), NV2A, 4, 4)
+
+
+# ------------------------------------------------------------------------------------- environments in words
+
+
+def written(half, alpha):
+    """The words of a Combine's function and arguments."""
+    inverted = (OPERAND.ONE_MINUS_SRC_COLOR, OPERAND.ONE_MINUS_SRC_ALPHA)
+    of_alpha = () if alpha else (OPERAND.SRC_ALPHA, OPERAND.ONE_MINUS_SRC_ALPHA)
+    return (
+        half.function.name,
+        *(
+            f"{'1 - ' * (operand in inverted)}{source.name}{'.a' * (operand in of_alpha)}"
+            for source, operand in zip(half.sources, half.operands, strict=True)
+        ),
+    )
+
+
+def test_words_make_the_environments_that_they_name():
+    for function, operands in product(FUNCTION, product(OPERAND, repeat=2)):
+        rgb = Combine(function, (SOURCE.TEXTURE1, SOURCE.ZERO), operands, 2.0)
+        alpha = Combine(
+            FUNCTION.ADD, (SOURCE.PREVIOUS, SOURCE.CONSTANT), (OPERAND.ONE_MINUS_SRC_ALPHA,) * 2, 4.0
+        )
+        wanted = TextureEnvironment(MODE.COMBINE, (0.0, 0.25, 0.5, 1.0), rgb, alpha)
+        made = environment(
+            written(rgb, False), written(alpha, True), color=wanted.color, rgb_scale=2.0, alpha_scale=4.0
+        )
+        assert made == wanted
+
+
+def test_one_is_one_minus_zero_and_four_arguments_are_combine4():
+    made = environment(
+        ("ADD", "TEXTURE", "1", "PREVIOUS.a", "1 - 1"), ("ADD", "TEXTURE", "1", "PREVIOUS", "ZERO")
+    )
+    assert made.mode == MODE.COMBINE4
+    assert (
+        made.rgb.sources == made.alpha.sources == (SOURCE.TEXTURE, SOURCE.ZERO, SOURCE.PREVIOUS, SOURCE.ZERO)
+    )
+    color, alpha = OPERAND.SRC_COLOR, OPERAND.SRC_ALPHA
+    assert made.rgb.operands == (color, OPERAND.ONE_MINUS_SRC_COLOR, alpha, color)
+    assert made.alpha.operands == (alpha, OPERAND.ONE_MINUS_SRC_ALPHA, alpha, alpha)
+
+
+def test_an_alpha_half_that_is_not_given_is_opengls_initial_one():
+    initial = TextureEnvironment().alpha
+    given = environment(("REPLACE", "TEXTURE")).alpha
+    assert (given.function, given.sources) == (initial.function, initial.sources[:2])
+    assert given.operands == initial.operands[:2]
+
+
+@pytest.mark.parametrize(
+    ("halves", "words"),
+    [
+        ([("MULTIPLY", "TEXTURE", "PREVIOUS")], "no function 'MULTIPLY'; it has REPLACE, MODULATE"),
+        ([("MODULATE", "TEX", "PREVIOUS")], "MODULATE has an argument 'TEX', which names no source"),
+        ([("ADD", "TEXTURE", "1", "PREVIOUS", "1")], "one half of the environment has four arguments"),
+    ],
+)
+def test_words_that_are_not_opengls_are_refused(halves, words):
+    with pytest.raises(ValueError, match=words):
+        environment(*halves)
