@@ -27,7 +27,8 @@ def test_the_readme_example_gives_what_it_says():
 
 
 @pytest.mark.parametrize(
-    "page", ["precision", "machine-beside-ideal", "reading-guide", "pages-and-slides", "inspecting"]
+    "page",
+    ["precision", "machine-beside-ideal", "reading-guide", "pages-and-slides", "inspecting", "coming-from"],
 )
 def test_a_page_s_example_gives_what_it_says(page):
     results = doctest.testfile(str(ROOT / "docs" / f"{page}.md"), module_relative=False)
