@@ -79,9 +79,10 @@ def pass_state(walk, state):
     texture_units.disabled_textures(walk, state)
     if state.color_sum and not walk.profile.fragments.color_sum:
         walk.refuse(
-            f"{walk.profile.name} adds no secondary colors of vertices. Lighting's specular term is added "
-            "without color_sum, with Lighting(separate_specular_color=True). For a mesh's secondary colors "
-            "draw it a second time with them as colors, and Blending(BlendFactor.ONE, BlendFactor.ONE)."
+            f"{walk.profile.name} has no color sum of vertices' secondary colors; leave color_sum False. "
+            "Lighting(separate_specular_color=True) adds lighting's specular term all the same. For a mesh's "
+            "secondary colors, draw it again with them as colors, and Blending(BlendFactor.ONE, "
+            "BlendFactor.ONE)."
         )
     if not state.perspective_correction and not walk.profile.primitives.perspective_hint:
         walk.refuse(

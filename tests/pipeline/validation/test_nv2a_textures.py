@@ -101,12 +101,6 @@ REFUSED = {
         "3 layers.*Give 4",
         shown(volume(4), components=3),
     ),
-    "a volume without coordinates": (
-        NV2A,
-        shown(volume(), unit={"coordinates": 1}),
-        "generate s, t, r",
-        shown(volume()),
-    ),
     "a repeating rectangle": (
         NV2A,
         shown(rectangle(), replace(NEAREST, wrap_t=WrapMode.REPEAT)),

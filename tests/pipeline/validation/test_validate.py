@@ -935,7 +935,7 @@ LACKING = {
     "composite_matrix": (False, draw(vertex=VertexState(composite=Composite())), "has no Composite"),
     "fog_registers": (False, draw(fog=Fog(registers=FogRegisters())), "has no FogRegisters"),
     "separate_specular_color": (False, lit(separate_specular_color=True), "no SEPARATE_SPECULAR_COLOR"),
-    "color_sum": (False, draw(color_sum=True), "adds no secondary colors of vertices"),
+    "color_sum": (False, draw(color_sum=True), "no color sum of vertices' secondary colors"),
     "depth_clamp": (False, draw(depth_clamp=DepthClamp()), "no DEPTH_CLAMP; leave depth_clamp None"),
     "ycbcr_conversion": (False, draw(ycbcr_conversion=True), "InternalFormat.YCBCR"),
     "w_buffering": (False, draw(w_buffering=True), "no W buffering"),
