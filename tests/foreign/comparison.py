@@ -96,7 +96,9 @@ def is_held(case: Case, machine: str) -> bool:
     return True
 
 
-def on_machines(cases: Sequence[Case], disagreements: dict[tuple[str, str], str]) -> list:
+def on_machines(
+    cases: Sequence[Case], disagreements: Mapping[tuple[str, str], str] = MappingProxyType({})
+) -> list:
     """Each case on each of its machines, for ``parametrize``; where ``disagreements`` has its name and the
     machine's, it has to fail.
     """
