@@ -74,7 +74,7 @@ def _composite(walk, vertex):
 
 
 def normals(walk, state):
-    """Refuse a modelview matrix without inverse where normals go through it."""
+    """Refuse a modelview matrix whose determinant is not finite where normals go through it."""
     if needs_normals(state):
         walk.once(_inverse, state.vertex)
 

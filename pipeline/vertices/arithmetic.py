@@ -87,9 +87,10 @@ def power(base, exponent):
 
 
 def invert_upper_left(matrix):
-    """Inverse of the upper left 3x3 of a 4x4 matrix, as 3 rows of np.float64, by cofactors (docs/numbers.md).
+    """Inverse of the upper left 3x3 of a 4x4 matrix, as 3 rows of np.float64, by cofactors (docs/numbers.md);
+    where there is none, for the determinant is zero, the transpose, so that the matrix itself turns normals.
 
-    Raises ValueError if there is none: the determinant is zero, or float64 cannot hold it.
+    Raises ValueError if float64 cannot hold the determinant.
     """
     m = [[np.float64(matrix[row][column]) for column in range(3)] for row in range(3)]
     with np.errstate(all="ignore"):
@@ -102,12 +103,14 @@ def invert_upper_left(matrix):
             for i in range(3)
         ]
         determinant = (m[0][0] * cofactor[0][0] + m[0][1] * cofactor[0][1]) + m[0][2] * cofactor[0][2]
-        if determinant == 0 or not np.isfinite(determinant):
+        if not np.isfinite(determinant):
             raise ValueError(
-                f"the modelview matrix has no inverse (its upper left 3x3 has the determinant {determinant}) "
-                f"to transform normals for lighting or for the texgen modes SPHERE_MAP, NORMAL_MAP and "
-                f"REFLECTION_MAP: use an invertible matrix, or disable them"
+                f"the modelview matrix's upper left 3x3 has the determinant {determinant}, by which normals "
+                f"for lighting or for the texgen modes SPHERE_MAP, NORMAL_MAP and REFLECTION_MAP cannot be "
+                f"divided: scale the matrix down, or disable them"
             )
+        if determinant == 0:
+            return [[m[i][j] for i in range(3)] for j in range(3)]
         return [[cofactor[i][j] / determinant for i in range(3)] for j in range(3)]
 
 

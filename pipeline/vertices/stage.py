@@ -79,7 +79,7 @@ def process(mesh, state, profile, width, height, sample=(0, 0), *, rounded=True)
     Raises
     ------
     ValueError
-        If normals are needed and the modelview matrix has no inverse.
+        If normals are needed and float64 cannot hold the modelview matrix's determinant.
 
     Notes
     -----

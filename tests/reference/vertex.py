@@ -186,10 +186,15 @@ def cofactor(m, i, j):
 
 
 def inverse_3x3(matrix):
-    """Inverse of the upper left 3x3 by cofactors. Source: OpenGL 1.2.1 section 2.10.3."""
+    """Inverse of the upper left 3x3 by cofactors; where there is none, the transpose. Source: OpenGL 1.2.1
+    section 2.10.3 (undefined without an inverse); WineHQ dlls/d3d9/tests/visual.c, lighting_test (lit in
+    full); Assumed: the transpose, by which the matrix itself turns normals.
+    """
     m = [[float(x) for x in row[:3]] for row in matrix[:3]]
     c = [[cofactor(m, i, j) for j in range(3)] for i in range(3)]
     determinant = (m[0][0] * c[0][0] + m[0][1] * c[0][1]) + m[0][2] * c[0][2]
+    if determinant == 0:
+        return [[m[i][j] for i in range(3)] for j in range(3)]
     return [[c[i][j] / determinant for i in range(3)] for j in range(3)]
 
 

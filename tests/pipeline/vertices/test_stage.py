@@ -27,7 +27,7 @@ from fixedpipe.pipeline.enums import (
     VertexStage,
     WindowOrigin,
 )
-from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from fixedpipe.pipeline.state import (
     IDENTITY,
     ColorMaterial,
@@ -858,15 +858,33 @@ def test_normals_regain_unit_length_under_uniform_scaling(switch):
     assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-14)
 
 
-def test_only_states_that_read_normals_need_an_inverse():
-    flat = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+def test_only_states_that_read_normals_need_a_determinant_that_is_finite():
+    large = tuple(tuple(1e200 * (i == j) for j in range(4)) for i in range(4))
     positions = [[-1, -1, 5], [1, -1, 7], [0, 1, 9]]
-    assert len(one_triangle(positions, PassState(vertex=VertexState(modelview=flat))).triangles) == 1
+    one_triangle(positions, PassState(vertex=VertexState(modelview=large)))
     lighting = Lighting((Light(),))
-    with pytest.raises(
-        ValueError, match=r"modelview matrix has no inverse .* 0\.0\).* use an invertible matrix"
-    ):
-        one_triangle(positions, PassState(vertex=VertexState(modelview=flat, lighting=lighting)))
+    with pytest.raises(ValueError, match=r"has the determinant inf.*: scale the matrix down"):
+        one_triangle(positions, PassState(vertex=VertexState(modelview=large, lighting=lighting)))
+
+
+@pytest.mark.parametrize("profile", [GEFORCE_256, NV2A], ids=lambda p: p.name)
+@pytest.mark.parametrize("switch", [{}, {"normalize": True}])
+def test_a_matrix_without_an_inverse_turns_normals_itself(profile, switch):
+    """Source: WineHQ dlls/d3d9/tests/visual.c, lighting_test, whose singular matrix is lit in full."""
+    singular = ((1.0, 0.0, 1.0, 0.0), (0.0, 1.0, 0.0, 0.0), (1.0, 0.0, 1.0, -0.5), (0.0, 0.0, 0.0, 1.0))
+    dark, facing = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)
+    light = Light(ambient=dark, diffuse=(0.2, 1.0, 0.6, 1.0), specular=dark, position=facing)
+    front = Material(ambient=dark, diffuse=(1.0, 1.0, 1.0, 1.0), specular=dark)
+    lighting = Lighting((light,), model_ambient=dark, front=front)
+    state = PassState(vertex=VertexState(modelview=singular, lighting=lighting, **switch))
+    mesh = Mesh([[-1, -1, 5], [1, -1, 7], [0, 1, 9]], normals=[[0.0, 0.0, 1.0]] * 3)
+    found = process(mesh, state, profile, WIDTH, HEIGHT).colors
+    for i, sides in enumerate(found.tolist()):
+        vertex = reference.process_vertex(mesh, i, state, profile)
+        assert sides == [reference.color_bytes(side, False, profile) for side in vertex.colors]
+    # The normal is (1, 0, 1), as it is or normalised.
+    shown = np.array([0.2, 1.0, 0.6]) * (np.sqrt(0.5) if switch else 1.0)
+    np.testing.assert_allclose(found[:, 0, :3], np.tile(255 * shown, (3, 1)), atol=1.5)
 
 
 # --------------------------------------------------------------------- texture and fog coordinates
