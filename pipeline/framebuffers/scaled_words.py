@@ -20,7 +20,7 @@ class Words(NamedTuple):
     """Pixel groups in fixed point: whole numbers [..., 4], and of each component which is 1.0."""
 
     values: NDArray[np.integer[Any]]
-    ones: tuple[int, int, int, int]
+    ones: tuple[int, ...]
 
 
 def scaled_words(words: Words, scale: tuple[float, ...], bias: tuple[float, ...]) -> NDArray[np.float64]:
