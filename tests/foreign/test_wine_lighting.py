@@ -218,9 +218,6 @@ CASES = (
     *map(color_vertex, range(len(COLOR_VERTEX))),
 )
 DISAGREEMENTS = everywhere(NOT_AFFINE, ["lit under a matrix that is not affine"], MACHINES)
-NOWHERE = {
-    "lit under a singular matrix": "Direct3D drivers light by a matrix that has no inverse; refused here"
-}
 
 
 @pytest.mark.parametrize(("case", "machine"), on_machines(CASES, DISAGREEMENTS))
@@ -229,4 +226,4 @@ def test_lighting_is_what_wine_expects(case, machine):
 
 
 def test_every_case_is_drawn_somewhere():
-    assert_held(CASES, refused=138, nowhere=NOWHERE)
+    assert_held(CASES, refused=129)
