@@ -341,8 +341,8 @@ class Machine:
         given = primitives, covered, state, profile, target, self.textures
         passed = column_draw(*given, self.witness, otherwise)
         columns = (covered.triangle, covered.x, covered.y, passed)
-        places = primitives.places() if records else None
-        return Fragments(*(np.asarray(column, np.int32) for column in columns), places=places), lost
+        drawn = Fragments(*(np.asarray(column, np.int32) for column in columns))
+        return replace(drawn, places=primitives.places() if records else None), lost
 
     def _clear(self, command, frame):
         for surface, _ in self._targets(command.draw_buffer):

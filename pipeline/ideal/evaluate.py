@@ -44,6 +44,7 @@ from fixedpipe.pipeline.ideal.weights import fragments_of, mesh_of, pixels_of, w
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
@@ -60,7 +61,10 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
     passed: shaded by all threads, and written in order.
     """
     state, guided = command.state, guide is not None
-    machine, record = guide if guided else (IDEAL, None)
+    machine: Profile = IDEAL
+    record: Any = None
+    if guided:
+        machine, record = guide
     primitives = primitives_of(command, machine, *size)
     if guided:
         check_primitives(command, record, primitives, machine)
