@@ -341,8 +341,9 @@ class Machine:
         given = primitives, covered, state, profile, target, self.textures
         passed = column_draw(*given, self.witness, otherwise)
         columns = (covered.triangle, covered.x, covered.y, passed)
-        drawn = Fragments(*(np.asarray(column, np.int32) for column in columns))
-        return replace(drawn, places=primitives.places() if records else None), lost
+        triangle, x, y, passed = (np.asarray(column, np.int32) for column in columns)
+        places = primitives.places() if records else None
+        return Fragments(triangle, x, y, passed, places=places), lost
 
     def _clear(self, command, frame):
         for surface, _ in self._targets(command.draw_buffer):
