@@ -36,6 +36,8 @@ FLOATS = tuple(np.dtype(c) for c in np.typecodes["Float"])
 OTHERS = tuple(np.dtype(c) for c in ("D", "O", "U1"))
 BYTES = {np.dtype(np.uint8)}
 UNSIGNED = {np.dtype(t) for t in (np.uint8, np.uint16, np.uint32)}
+# OpenGL's types of images: BYTE to UNSIGNED_INT.
+IMAGE_TYPES = UNSIGNED | {np.dtype(t) for t in (np.int8, np.int16, np.int32)}
 WORDS = {*INTEGERS}
 FRAME = height_fields.frames(np.zeros((4, 4)), np.zeros((4, 4)))
 PALETTE = np.zeros(256, np.uint32)
@@ -75,7 +77,7 @@ DOORS = {
     "texture_3d": Door(images.texture_3d, (2, 4, 4, 3)),
     "texture_cube_map": Door(images.texture_cube_map, (6, 4, 4, 3)),
     "a software renderer's picture": Door(panel_picture, (4, 4, 3)),
-    "DrawPixels": Door(lambda a: checked(DrawPixels(label="d", image=PixelImage(a))), (4, 4, 4), UNSIGNED),
+    "DrawPixels": Door(lambda a: checked(DrawPixels(label="d", image=PixelImage(a))), (4, 4, 4), IMAGE_TYPES),
     "TexImage": Door(
         lambda a: checked(
             TexImage(
@@ -87,12 +89,12 @@ DOORS = {
             )
         ),
         (4, 4, 4),
-        UNSIGNED,
+        IMAGE_TYPES,
     ),
     "stencil indices": Door(
         lambda a: checked(DrawPixels(label="d", image=PixelImage(a, "STENCIL_INDEX"))),
         (4, 4),
-        UNSIGNED,
+        IMAGE_TYPES,
         floats=False,
     ),
     "Bitmap": Door(lambda a: checked(Bitmap(label="b", bits=a)), (4, 4), frozenset(), floats=False),
