@@ -13,6 +13,7 @@ import pytest
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer
+from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
@@ -72,11 +73,16 @@ def has_own_places(machine):
     return (its.guard_band, its.device_origin) != (own.guard_band, own.device_origin)
 
 
-# Each figure with its machines that have places of their own; with its others in the long proofs alone, since
-# most of their time goes into textures.
+# Each figure with its machines that have places of their own, and with its others. Most of the time goes into
+# textures, so the long proofs alone have the others, and the figures that take longest.
+_LONG = 15  # seconds of a figure with its checks
 PLACED = [
-    pytest.param(f.id, tuple(m for m in f.machines if has_own_places(m) is own), marks=marks)
-    for own, marks in ((True, ()), (False, pytest.mark.slow))
+    pytest.param(
+        f.id,
+        tuple(m for m in f.machines if has_own_places(m) is own),
+        marks=[pytest.mark.slow] * (not own or SECONDS.get(f.id, 0.0) > _LONG),
+    )
+    for own in (True, False)
     for f in FIGURES.values()
     if any(has_own_places(m) is own for m in f.machines)
 ]

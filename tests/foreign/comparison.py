@@ -100,7 +100,8 @@ def on_machines(
     cases: Sequence[Case], disagreements: Mapping[tuple[str, str], str] = MappingProxyType({})
 ) -> list:
     """Each case on each of its machines, for ``parametrize``; where ``disagreements`` has its name and the
-    machine's, it has to fail.
+    machine's, it has to fail. All machines but a case's first, the GeForce 3 and the ideal are of the long
+    proofs: most draw the same.
     """
     assert len({case.name for case in cases}) == len(cases)
     params, left = [], set(disagreements)
@@ -109,6 +110,8 @@ def on_machines(
             left.discard(key := (case.name, machine))
             reason = disagreements.get(key)
             marks = [] if reason is None else [pytest.mark.xfail(strict=True, reason=reason)]
+            if machine not in (case.machines[0], "GEFORCE_3", "IDEAL"):
+                marks.append(pytest.mark.slow)
             params.append(pytest.param(case, machine, marks=marks, id=f"{case.name}, {machine}"))
     assert not left, f"no such case or machine: {left}"
     return params
