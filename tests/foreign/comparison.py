@@ -129,7 +129,8 @@ def assert_held(
     cases: Sequence[Case], refused: int, nowhere: Mapping[str, str] = MappingProxyType({})
 ) -> None:
     """Assert that some machine draws each case but those ``nowhere`` names, each with its reason, and how
-    many frames are ``refused`` in all.
+    many frames are ``refused`` in all: a refused frame passes, so that number must not grow unseen. Whoever
+    changes it reads the sentences of ``validate``; each has to name what the machine lacks.
     """
     held = {case.name: [is_held(case, machine) for machine in case.machines] for case in cases}
     assert {name for name, answers in held.items() if not any(answers)} == set(nowhere)
