@@ -7,8 +7,6 @@ so an edit could go unnoticed. The cache folder is therefore named after a diges
 
 import hashlib
 import inspect
-import os
-import tempfile
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -21,6 +19,7 @@ from numba.core.runtime import rtsys
 from numba.extending import intrinsic
 
 from fixedpipe.raster.kernel_files import KernelCache
+from fixedpipe.raster.kernel_folder import kernel_folder, shared_folder
 
 try:
     import fcntl
@@ -28,8 +27,9 @@ except ImportError:  # where files are locked in another way
     fcntl = None
 
 _SOURCES = Path(__file__).parent
-# NumPy, which no kernel calls, and who watches it: an edit of these makes no kernel stale.
-_WITHOUT_KERNELS = {"columns", "pixels", "witness.py"}
+# NumPy, which no kernel calls, who watches it, where kernels are kept: an edit of these makes no kernel
+# stale.
+_WITHOUT_KERNELS = {"columns", "pixels", "witness.py", "kernel_folder.py"}
 
 
 def kernel_sources(folder):
@@ -50,30 +50,10 @@ def source_digest(folder):
     return digest.hexdigest()[:16]
 
 
-def _writable(folder):
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
-def _cache_folder():
-    """The first folder that can be written: the user's choice, beside the sources, the user's cache,
-    temporary.
-    """
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fixedpipe"
-    digest = source_digest(_SOURCES)
-    for base in (chosen and Path(chosen), _SOURCES.parent / ".cache", user):
-        if base and _writable(base / "kernels" / digest):
-            return base / "kernels" / digest
-    return Path(tempfile.mkdtemp(prefix="fixedpipe-kernels-"))
-
-
-CACHE_FOLDER = _cache_folder()
+STATE = source_digest(_SOURCES)
+CACHE_FOLDER = kernel_folder(STATE)
 numba.config.CACHE_DIR = str(CACHE_FOLDER)
+_of_one_signature = []  # kernels of the modules that are imported
 
 
 def kernel(signature=None, *, allocates=False):
@@ -103,7 +83,7 @@ def _compiled_by_one_process(dispatcher):
     kernel calls itself, by whatever way; a process that ends, however it does, holds none.
     """
     compile_it, function = dispatcher.compile, dispatcher.py_func
-    dispatcher._cache = KernelCache(function)
+    dispatcher._cache = KernelCache(function, CACHE_FOLDER, shared_folder(STATE))
     lock = CACHE_FOLDER / f"{function.__module__}.{function.__qualname__}.lock"
 
     def compile_alone(signature):
@@ -165,7 +145,16 @@ def _compiled_when_called(dispatcher, signature):
 
     dispatcher.get_call_template, dispatcher._compile_for_args = get_call_template, compile_for_args
     dispatcher.is_ready, dispatcher.make_ready = is_ready, compiled
+    _of_one_signature.append(dispatcher)
     return dispatcher
+
+
+def make_all_ready():
+    """Compile each kernel of one signature that the cache lacks, of the modules that are imported, and all
+    that they call.
+    """
+    for dispatcher in _of_one_signature:
+        dispatcher.make_ready()
 
 
 def _was_read(dispatcher, signature):
@@ -186,7 +175,7 @@ def _was_read(dispatcher, signature):
 
 def is_cold():
     """Whether the kernels of these sources have never been compiled on this machine."""
-    return not any(CACHE_FOLDER.rglob("*.nbc"))
+    return not any(any(folder.rglob("*.nbc")) for folder in (CACHE_FOLDER, shared_folder(STATE)))
 
 
 @intrinsic

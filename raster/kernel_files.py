@@ -11,6 +11,7 @@ import hashlib
 import pickle
 import warnings
 from functools import cache
+from pathlib import Path
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
@@ -25,11 +26,18 @@ class KernelsNotKept(UserWarning):
 class CheckedFiles(IndexDataCacheFile):
     """An index and its data files. Where Numba has a data file's name for a key, this has its digest too.
 
-    Nothing that is wrong with a file raises: it is then as if it were not there.
+    Nothing that is wrong with a file raises: it is then as if it were not there. What is not there is looked
+    for in ``shared``: the same kernel's files in another folder, or None.
     """
+
+    shared = None
 
     def load(self, key):
         """What was saved for a key; None where that is not there, whole and its own."""
+        found = self._load_own(key)
+        return self.shared.load(key) if found is None and self.shared else found
+
+    def _load_own(self, key):
         name, digest = self._load_index().get(key, (None, None))
         if name is None:
             return None
@@ -92,19 +100,21 @@ class _Compiled(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """A kernel's cache; where it cannot be written, the kernel is compiled and not kept, and a warning says
-    so, once.
+    """A kernel's cache in a folder; where that cannot be written, the kernel is compiled and not kept, and a
+    warning says so, once. What the folder lacks is read from ``shared``, which is not written.
     """
 
     _impl_class = _Compiled
 
-    def __init__(self, function):
+    def __init__(self, function, folder, shared):
         super().__init__(function)
-        self._cache_file = CheckedFiles(
-            cache_path=self._cache_path,
-            filename_base=self._impl.filename_base,
-            source_stamp=self._cache_file._source_stamp,
+        inside = Path(self._cache_path).relative_to(folder)
+        stamp = self._cache_file._source_stamp
+        self._cache_file, elsewhere = (
+            CheckedFiles(str(base / inside), self._impl.filename_base, stamp) for base in (folder, shared)
         )
+        if folder != shared:
+            self._cache_file.shared = elsewhere
 
     def save_overload(self, signature, compiled):
         """Keep what was compiled, where that can be."""

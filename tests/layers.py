@@ -18,7 +18,8 @@ PACKAGES = {
     "raster/float_depths": {"raster": "codes floats"},
     "raster/rows": {"raster": "codes"},
     "raster/kernel_files": {},
-    "raster/kernel": {"raster": "kernel_files"},
+    "raster/kernel_folder": {},
+    "raster/kernel": {"raster": "kernel_files kernel_folder"},
     "raster/witness": {},
     "raster/arrays": {},
     "raster/fixed": {"raster": "codes floats float_depths kernel"},
@@ -188,6 +189,7 @@ PACKAGES = {
         "effects": "refusal bibliography acceptance figures",
     },
     "effects/cli": {
+        "raster": "kernel kernel_folder",
         "pipeline": (
             "enums sentences profiles notations description framebuffers validation native inspection "
             "selftest golden"

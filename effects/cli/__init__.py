@@ -32,6 +32,8 @@ _COMMANDS = (
     "conformance",
     "selftest",
     "golden",
+    "warmup",
+    "cache",
 )
 
 _WELCOME = """\
@@ -71,6 +73,8 @@ What to do next:
   fixedpipe golden review       pictures that your tests drew and nobody has accepted: look, then accept
   fixedpipe conformance DIR     redraw captures of a real NV2A and count the pixels that agree
   fixedpipe selftest            does this computer draw the accepted bits, by every engine?
+  fixedpipe warmup              compile all kernels now, so that nothing waits for them later
+  fixedpipe cache               where they are kept; fixedpipe cache clear removes them
   fixedpipe --help              all commands and options"""
 
 

@@ -7,9 +7,14 @@ began the run (pytest-xdist's, or itself), which alone writes what the run found
 import fnmatch
 import json
 import os
+import sys
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 
 import pytest
+
+from fixedpipe.pipeline.native import waiting
 
 _SENT = "fixedpipe_golden"  # under which a process of pytest-xdist sends what it saw
 _RUN = "golden-run"
@@ -53,6 +58,18 @@ def pytest_configure(config):
             f"golden_folder is {folder!r}; name a folder beside the test modules: golden."
         )
     config.pluginmanager.register(_Run(config), _RUN)
+    waiting.write = partial(_write_past_capture, config)
+
+
+def _write_past_capture(config, line):
+    """A line on stderr, though pytest captures what tests write there. The first test that draws waits for
+    kernels, and a person must see why.
+    """
+    capture = config.pluginmanager.get_plugin("capturemanager")
+    streams = sys.stdout, sys.stderr  # perhaps a doctest's, which pytest would not give back
+    with capture.global_and_fixture_disabled() if capture else nullcontext():
+        print(line, file=sys.stderr, flush=True)
+    sys.stdout, sys.stderr = streams
 
 
 @pytest.fixture

@@ -1,4 +1,7 @@
-"""Kernels that are compiled because a cache has none: how many are needed, and which is being compiled."""
+"""Kernels that are compiled because a cache has none: how many are needed, and which is being compiled.
+
+Lines on stderr say so, until ``watch_compiling`` is called.
+"""
 
 import types
 from collections.abc import Callable
@@ -6,6 +9,8 @@ from functools import partial
 
 from numba.core import event
 from numba.core.dispatcher import Dispatcher
+
+from fixedpipe.pipeline.native.waiting import Lines
 
 # (name of the kernel whose compiling begins, how many are compiled, of how many): called at each.
 Say = Callable[[str, int, int], None]
@@ -55,10 +60,19 @@ class _Listener(event.Listener):
             self.ended()
 
 
+_written = Lines()
+_lines = _Listener(_written.say, _written.end)  # until another watches
+event.register(_COMPILING, _lines)
+
+
 def watch_compiling(say: Say, ended: Callable[[], None]) -> Callable[[], None]:
     """From now on ``say`` is called as the compiling of each kernel begins, and ``ended`` when one and all
     that it calls are compiled. Kernels that a cache has are not. Returns a function that ends the watching.
     """
+    global _lines
+    if _lines:
+        event.unregister(_COMPILING, _lines)
+        _lines = None
     listener = _Listener(say, ended)
     event.register(_COMPILING, listener)
     return partial(event.unregister, _COMPILING, listener)

@@ -54,10 +54,12 @@ def beside_folders_of_ours(installed, tmp_path_factory):
     for folder in FOLDERS:
         (project / folder).mkdir()
         (project / folder / "__init__.py").write_text('raise RuntimeError("not ours")\n')
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "COV_", "PYTEST"))}
+    kept = {
+        k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "COV_", "PYTEST", "NUMBA_CACHE"))
+    }
 
     def run(*arguments):
-        # Kernels are kept beside what is installed, as a user's are.
+        # Kernels are kept in the environment, as a user's are.
         found = subprocess.run(
             [python, *arguments], cwd=project, env=kept, capture_output=True, text=True, check=False
         )
@@ -83,6 +85,20 @@ def test_the_command_line_answers(beside_folders_of_ours):
     assert (
         run(place.parents[2] / "bin" / "fixedpipe", "--version").startswith("fixedpipe ") or os.name == "nt"
     )
+
+
+def test_kernels_are_kept_outside_the_package_which_pip_removes_whole(beside_folders_of_ours):
+    run, place = beside_folders_of_ours
+    prefix = place.parents[2] if os.name != "nt" else place.parents[1]
+    folder = run("-c", "from fixedpipe.raster.kernel import CACHE_FOLDER; print(CACHE_FOLDER)").strip()
+    assert folder.startswith(str(prefix / "var" / "cache" / "fixedpipe" / "kernels"))
+    assert not [path for path in (place / "fixedpipe").rglob(".*")]
+
+
+def test_the_page_names_each_extra():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    rows = re.findall(r"^\| `(\w+)` \|", (ROOT / "docs" / "install.md").read_text(), re.MULTILINE)
+    assert rows == list(extras)
 
 
 @pytest.mark.slow

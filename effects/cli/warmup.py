@@ -1,0 +1,38 @@
+"""``fixedpipe warmup``: compile all kernels now, so that nothing waits for them later."""
+
+import importlib
+import pkgutil
+import time
+
+import click
+
+from fixedpipe.effects.cli.compiling import announce_compiling
+
+
+@click.command()
+def warmup():
+    """Compile every kernel that is not yet compiled for this machine, and say where they are kept.
+
+    It takes some minutes, once. Do it after an install, or in the build of a container. If several users
+    share an install, let its owner do it: all of them read what it leaves. Exit status 1 if the kernels could
+    not be kept.
+    """
+    import fixedpipe.effects
+    import fixedpipe.raster
+    from fixedpipe.raster.kernel import CACHE_FOLDER, make_all_ready
+    from fixedpipe.raster.kernel_folder import kept
+
+    began = time.monotonic()
+    announce_compiling(None)
+    for package in fixedpipe.raster, fixedpipe.effects:
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            importlib.import_module(module.name)
+    make_all_ready()
+    click.echo(f"All kernels are compiled ({time.monotonic() - began:.0f} s).")
+    size = dict(kept()).get(CACHE_FOLDER)
+    if not size:
+        click.echo(
+            "They are not kept: no folder for them can be written. Name one in NUMBA_CACHE_DIR.", err=True
+        )
+        raise click.exceptions.Exit(1)
+    click.echo(f"They are kept in {CACHE_FOLDER} ({size / 1e6:.0f} MB).")

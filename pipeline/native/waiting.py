@@ -1,0 +1,46 @@
+"""Lines that say to a person what he waits for while kernels are compiled. Nothing here loads a compiler."""
+
+import multiprocessing
+import sys
+import time
+
+_FIRST, _NEXT = 2.0, 10.0  # seconds until the first line, and between two lines
+_WHY = (
+    "fixedpipe compiles its kernels for this machine. This happens once, and takes a minute or more. "
+    "`fixedpipe warmup` does it ahead."
+)
+
+
+def _on_stderr(line):
+    """A process that another one began says nothing: that one knows what it waits for."""
+    if multiprocessing.parent_process() is None:
+        print(line, file=sys.stderr, flush=True)
+
+
+# What writes a line. pytest takes stderr away from tests, so the plug-in puts a function of its own here.
+write = _on_stderr
+
+
+class Lines:
+    """Lines that are written as kernels are compiled: none within the first two seconds of a wait."""
+
+    def __init__(self, now=time.monotonic):
+        self._now, self._next, self._ended, self._said = now, 0.0, -_FIRST, False
+
+    def say(self, kernel, done, needed):
+        """A kernel's compiling begins; ``done`` of those that are ``needed`` are compiled."""
+        now = self._now()
+        if self._ended is not None and now - self._ended >= _FIRST:  # another wait
+            self._next = now + _FIRST
+        self._ended = None
+        if now < self._next:
+            return
+        self._next = now + _NEXT
+        if not self._said:
+            write(_WHY)
+            self._said = True
+        write(f"compiling kernel {done + 1} of {needed}: {kernel}")
+
+    def end(self):
+        """A kernel and all that it calls are compiled."""
+        self._ended = self._now()
