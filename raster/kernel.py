@@ -27,9 +27,8 @@ except ImportError:  # where files are locked in another way
     fcntl = None
 
 _SOURCES = Path(__file__).parent
-# NumPy, which no kernel calls, who watches it, where kernels are kept: an edit of these makes no kernel
-# stale.
-_WITHOUT_KERNELS = {"columns", "pixels", "witness.py", "kernel_folder.py"}
+# NumPy, which no kernel calls, and who watches it: an edit of these makes no kernel stale.
+_WITHOUT_KERNELS = {"columns", "pixels", "witness.py"}
 
 
 def kernel_sources(folder):

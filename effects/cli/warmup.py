@@ -17,15 +17,13 @@ def warmup():
     share an install, let its owner do it: all of them read what it leaves. Exit status 1 if the kernels could
     not be kept.
     """
-    import fixedpipe.effects
-    import fixedpipe.raster
     from fixedpipe.raster.kernel import CACHE_FOLDER, make_all_ready
     from fixedpipe.raster.kernel_folder import kept
 
     began = time.monotonic()
     announce_compiling(None)
-    for package in fixedpipe.raster, fixedpipe.effects:
-        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+    for name in "fixedpipe.raster", "fixedpipe.effects":
+        for module in pkgutil.walk_packages(importlib.import_module(name).__path__, f"{name}."):
             importlib.import_module(module.name)
     make_all_ready()
     click.echo(f"All kernels are compiled ({time.monotonic() - began:.0f} s).")

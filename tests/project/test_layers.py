@@ -170,16 +170,18 @@ def test_code_in_a_string_is_seen(text):
     assert BARE_NAME.search(text)
 
 
-# The command line's subcommands, figures and studies, suites, and the names at the pipeline's door.
+# The command line's subcommands, every module with kernels, figures and studies, suites, and the names at the
+# pipeline's door.
 FINDERS = {
     "effects/cli/__init__.py",
+    "effects/cli/warmup.py",
     "effects/collection.py",
     "effects/conformance/redraw.py",
     "pipeline/__init__.py",
 }
 
 
-def test_modules_are_found_by_name_in_four_places():
+def test_modules_are_found_by_name_in_five_places():
     found = {path for path in SOURCES if re.search(r"import_module|__import__", path.read_text())}
     assert {path.relative_to(ROOT).as_posix() for path in found} == FINDERS
 

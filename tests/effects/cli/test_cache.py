@@ -1,5 +1,6 @@
 """``fixedpipe cache`` and ``fixedpipe warmup``: where kernels are, and what is said if none are kept."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -58,8 +59,13 @@ def test_clearing_loads_no_compiler():
 def test_warmup_leaves_nothing_to_compile(base, monkeypatch):
     """What it calls compiles every kernel of every module; that it does is seen by one of each package."""
     asked = []
+
+    def import_module(name):
+        asked.append(name)
+        return importlib.import_module(name) if name.count(".") == 1 else None
+
     monkeypatch.setattr(kernel, "_of_one_signature", ready := [])
-    monkeypatch.setattr(command, "importlib", SimpleNamespace(import_module=asked.append))
+    monkeypatch.setattr(command, "importlib", SimpleNamespace(import_module=import_module))
     monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE)
 
     class Kernel:
@@ -75,8 +81,9 @@ def test_warmup_leaves_nothing_to_compile(base, monkeypatch):
 
 
 def test_warmup_fails_where_nothing_is_kept(base, monkeypatch):
+    package = SimpleNamespace(__path__=[])
     monkeypatch.setattr(kernel, "_of_one_signature", [])
-    monkeypatch.setattr(command, "importlib", SimpleNamespace(import_module=lambda name: None))
+    monkeypatch.setattr(command, "importlib", SimpleNamespace(import_module=lambda name: package))
     monkeypatch.setattr(kernel, "CACHE_FOLDER", base / os.devnull)
     found = run("warmup")
     assert found.exit_code == 1
