@@ -121,11 +121,16 @@ def _end(status, found):
 
 
 @golden.command()
-@click.argument("names", nargs=-1, metavar="NAME…", required=True)
+@click.argument("names", nargs=-1, metavar="NAME…")
+@click.option("--all", "everything", is_flag=True, help="Every picture that waits.")
+@click.option("-k", "expression", metavar="EXPRESSION", help="Those of the tests that pytest -k chooses.")
 @_ROOT
-def accept(names, root):
-    """Make what the tests drew golden, picture by picture: NAME as the tests and the review print it."""
-    from fixedpipe.effects.refusal import Refusal, choose, refusals
+def accept(names, everything, expression, root):
+    """Make what the tests drew golden: NAME as the tests and the review print it. In NAME * stands for any
+    characters and ? for one.
+    """
+    from fixedpipe.effects.cli.golden_choice import chosen_candidates
+    from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.pipeline.golden.accepting import accept_where_sound
     from fixedpipe.pipeline.golden.candidates import read_candidates
 
@@ -136,10 +141,7 @@ def accept(names, root):
             raise Refusal(
                 "No picture waits to be accepted: all that the tests drew is golden. Run pytest first."
             )
-        chosen = [
-            choose("picture that waits to be accepted", name, candidates) for name in dict.fromkeys(names)
-        ]
-        for candidate in chosen:
+        for candidate in chosen_candidates(candidates, names, everything, expression, root, _run_pytest):
             for sentence in accept_where_sound(root, [candidate]):
                 click.echo(sentence)
 
@@ -164,10 +166,14 @@ def orphans(remove, root):
     """Name golden pictures that no test asked for in the last run of pytest that was a whole one."""
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.pipeline.golden.candidates import ORPHAN, read_run, remove_orphan
+    from fixedpipe.pipeline.golden.store import read_store
 
     root = _place(root)
     with refusals():
-        found = {n: p for n, p in read_run(root)["pictures"].items() if p["status"] == ORPHAN}
+        pictures = read_run(root)["pictures"]
+        for store in {picture["store"] for picture in pictures.values()}:
+            read_store(root / store)  # an orphan may stand in what cannot be read
+        found = {n: p for n, p in pictures.items() if p["status"] == ORPHAN}
         for name, picture in found.items():
             if remove:
                 remove_orphan(root, name, picture)

@@ -52,6 +52,7 @@ class Golden:
     must_differ: bool = False
     asked: dict[str, str] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
+    recorded: list[str] = field(default_factory=list)  # what would be failures, were they not to be recorded
 
     # ---------------------------------------------------------------------------------------------- pictures
 
@@ -164,10 +165,8 @@ class Golden:
         known = self._golden(key)
         if known is None:
             self.asked[key] = NEW
-            if not self.place.record:
-                self.failures.append(
-                    f"{self.told(key)} has no golden picture: {golden}{self._renamed(golden)}"
-                )
+            told = self.recorded if self.place.record else self.failures
+            told.append(f"{self.told(key)} has no golden picture: {golden}{self._renamed(golden)}")
             self._propose(key, NEW, golden, None, pixels)
             return self.place.record
         equal = _equal(known, golden)

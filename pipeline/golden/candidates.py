@@ -145,7 +145,7 @@ def _kept(path, sha256, cure):
     except OSError as error:
         raise StoreError(f"{path} cannot be read: {error.strerror}; {cure}.") from error
     except ValueError as error:
-        raise StoreError(f"{error} ({cure}.)") from error
+        raise StoreError(f"{path} is damaged: it is no whole PNG file; {cure}.") from error
     if digest(pixels) != sha256:
         raise StoreError(f"{path} does not hold the pixels whose digest is kept; {cure}.")
     return pixels

@@ -21,7 +21,7 @@ from fixedpipe.pipeline.golden.candidates import (
     read_run,
 )
 from fixedpipe.pipeline.golden.differences import Difference
-from fixedpipe.pipeline.golden.store import StoreError
+from fixedpipe.pipeline.golden.store import StoreError, read_store
 
 # From what needs a person first to what needs nobody.
 STATUSES = (CHANGED, NEW, MISSING, ORPHAN, RECORDED, EXCUSED, PASSED)
@@ -41,6 +41,8 @@ def results(root: Path) -> list[dict[str, Any]]:
     candidates, found = read_candidates(root), []
     for name, picture in read_run(root)["pictures"].items():
         entry = {"name": name, **picture, "told": _SAID.get(picture["status"], ""), "difference": None}
+        if picture["status"] == MISSING:
+            entry["told"] = _unreadable(root / picture["store"]) or entry["told"]
         candidate = candidates.get(name)
         if candidate is not None and picture["status"] in (CHANGED, NEW):
             entry["told"] = candidate.told or entry["told"]
@@ -53,6 +55,15 @@ def results(root: Path) -> list[dict[str, Any]]:
                 entry["difference"] = asdict(what)
         found.append(entry)
     return sorted(found, key=_order)
+
+
+def _unreadable(store):
+    """Why a store cannot be read; empty where it can."""
+    try:
+        read_store(store)
+    except StoreError as error:
+        return str(error)
+    return ""
 
 
 def _order(entry):

@@ -485,3 +485,96 @@ def test_two_runs_that_record_at_once_record_all_and_both_say_so(project):
     assert len(read_store(project.store)) == 40
     assert project.candidates() == []
     assert project()[0] == 0
+
+
+EXPECTED = """
+@pytest.mark.xfail(reason="known", strict=True)
+def test_strict(golden):
+    golden(P)
+
+@pytest.mark.xfail(reason="known")
+def test_lenient(golden):
+    golden(P)
+
+def test_plain(golden):
+    golden(P)
+"""
+
+
+def test_recording_makes_nothing_golden_that_a_test_must_fail_with(project):
+    project.write(EXPECTED)
+    for _ in range(2):  # a run after another changes nothing
+        status, said = project.golden("record")
+        assert status == 0, said
+        assert list(read_store(project.store)) == ["test_plain"]
+        status, said = project()
+        assert (status, "1 passed, 2 xfailed" in said) == (0, True), said
+    assert "pictures: 2 excused, 1 passed" in project.golden("check")[1]
+
+
+@pytest.mark.parametrize("how", [("--pdb",), ("-n", "2")])
+def test_a_recorded_test_passes_with_a_debugger_and_with_other_processes(project, how):
+    project.write(MANY)
+    status, said = project("--golden-record", "-x", *how)
+    assert (status, "4 passed" in said) == (0, True), said
+    assert sorted(read_store(project.store)) == NAMES
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda text: text[:100], lambda text: "<<<<<<< ours\n" + text, lambda text: text[1:]]
+)
+def test_a_damaged_store_fails_in_a_sentence_and_every_command_says_so(project, damage):
+    project.write(MANY)
+    project.golden("record")
+    project.store.write_text(damage(project.store.read_text()))
+    status, said = project("-k", "plain")
+    failure = said[said.index("test_plain _") : said.index("=== short test summary")]
+    assert status == 1
+    assert len(failure.splitlines()) < 12, failure
+    assert "StoreError" in failure and "json" not in failure.replace("test_a.json", "")
+    assert "site-packages" not in failure and "asking.py" not in failure
+    status, said = project.golden("check", "--no-run")
+    assert "test_a.json" in said and "did not draw it" not in said
+    status, said = project.golden("orphans")
+    assert (status, "No picture is an orphan" in said, "test_a.json" in said) == (2, False, True), said
+
+
+@pytest.mark.parametrize("call", ["golden(P / 255)", "golden(P, name='a/b')", "golden(P); golden(P)"])
+def test_what_a_test_does_wrong_is_said_beside_its_own_line_alone(project, call):
+    project.write(f"\ndef test_a(golden):\n    {call}\n")
+    said = project()[1]
+    assert f">       {call.split('; ')[-1]}" in said.replace("    golden", "       golden") or call in said
+    assert "asking.py" not in said and "pixels.py" not in said
+    assert len(said.splitlines()) < 25, said
+
+
+def test_accept_takes_all_patterns_and_what_pytest_chooses(project):
+    def waiting():
+        return len(project.candidates())
+
+    project.write(MANY)
+    project()
+    assert waiting() == 6
+    assert project.golden("accept", "tests/test_a.py::test_many[1]::*")[0] == 0
+    assert sorted(read_store(project.store)) == NAMES[1:3]
+    status, said = project.golden("accept", "-k", "Shapes or 2")
+    assert status == 0, said
+    assert sorted(read_store(project.store)) == [NAMES[0], *NAMES[1:5]]
+    assert project.golden("accept", "--all")[0] == 0
+    assert sorted(read_store(project.store)) == NAMES
+    assert waiting() == 0
+
+
+def test_accept_refuses_what_chooses_nothing(project):
+    project.write(MANY)
+    project()
+    for arguments, sentence in (
+        (("tests/test_a.py::test_lots*",), "No picture 'tests/test_a.py::test_lots*' waits"),
+        (("tests/test_a.py::test_plan",), "Did you mean tests/test_a.py::test_plain?"),
+        (("-k", "nobody"), "No picture that waits is of a test"),
+        ((), "one of the three"),
+        (("--all", "-k", "plain"), "one of the three"),
+    ):
+        status, said = project.golden("accept", *arguments)
+        assert (status, sentence in said) == (2, True), said
+    assert len(project.candidates()) == 6

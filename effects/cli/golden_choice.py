@@ -1,0 +1,79 @@
+"""Which of the pictures that wait ``fixedpipe golden accept`` takes."""
+
+import fnmatch
+import json
+import re
+import tempfile
+from pathlib import Path
+
+from fixedpipe.effects.refusal import Refusal, nearest
+
+_SHOWN = 20  # names that a refusal lists
+
+
+def chosen_candidates(candidates, names, everything, expression, root, run_pytest):
+    """The candidates ({name: Candidate}) that are meant, in the order of their names.
+
+    names        names and patterns of them; everything: all
+    expression   what pytest's -k takes; ``run_pytest(*arguments, silent)`` asks pytest which tests those are
+    root         the project's folder
+
+    Raises Refusal where nothing is chosen, or a name or the expression chooses none.
+    """
+    ways = bool(names) + everything + (expression is not None)
+    if ways != 1:
+        raise Refusal("Name pictures, or give --all, or -k EXPRESSION: one of the three.")
+    if everything:
+        return list(candidates.values())
+    if names:
+        found = {name for given in names for name in _named(given, candidates)}
+    else:
+        tests = _tests(expression, root, run_pytest)
+        found = {n for n, c in candidates.items() if any(_is_of(c, root, *test) for test in tests)}
+        if not found:
+            raise Refusal(
+                f"No picture that waits is of a test that -k {expression!r} chooses. {_waiting(candidates)}"
+            )
+    return [candidate for name, candidate in candidates.items() if name in found]
+
+
+def _named(given, candidates):
+    if given in candidates:
+        return [given]
+    # In a name of a parametrised test [ and ] are themselves.
+    matches = re.compile(fnmatch.translate(re.sub(r"\[", "[[]", given))).match
+    found = [name for name in candidates if matches(name)] if set(given) & set("*?") else []
+    if not found:
+        raise Refusal(
+            f"No picture {given!r} waits to be accepted.{nearest(given, candidates)} {_waiting(candidates)}"
+        )
+    return found
+
+
+def _waiting(candidates):
+    more = len(candidates) - _SHOWN
+    lines = ["These wait:", *list(candidates)[:_SHOWN], *([f"and {more} more"] if more > 0 else ())]
+    return "\n  ".join(lines)
+
+
+def _tests(expression, root, run_pytest):
+    """[(a test's name behind its module's, its store)] of those that pytest chooses."""
+    with tempfile.TemporaryDirectory() as folder:
+        listed = Path(folder) / "tests.json"
+        run_pytest(
+            "--collect-only",
+            "-qqq",
+            f"--rootdir={root}",
+            "-k",
+            expression,
+            f"--golden-tests={listed}",
+            silent=True,
+        )
+        return [
+            (test["test"], Path(test["store"])) for test in json.loads(listed.read_text(encoding="utf-8"))
+        ]
+
+
+def _is_of(candidate, root, test, store):
+    same = (root / candidate.store).resolve() == store.resolve()
+    return same and (candidate.key == test or candidate.key.startswith(f"{test}::"))
