@@ -68,7 +68,7 @@ def _write_past_capture(config, line):
     capture = config.pluginmanager.get_plugin("capturemanager")
     streams = sys.stdout, sys.stderr  # perhaps a doctest's, which pytest would not give back
     with capture.global_and_fixture_disabled() if capture else nullcontext():
-        print(line, file=sys.stderr, flush=True)
+        print(f"\n{line}", file=sys.stderr, flush=True)  # pytest may have begun a line of dots
     sys.stdout, sys.stderr = streams
 
 
