@@ -98,6 +98,14 @@ def _marks(program, profiles):
     return ["yes" if _fits(program, p) else "-" for p in profiles.values()]
 
 
+def _marks_of(text):
+    """Of a program with constants, where they stand on each machine."""
+    of_each = (
+        parse_program(text, per_stage_constants=p.combiners.per_stage_constants) for p in COMBINERS.values()
+    )
+    return [_marks(program, {"": p})[0] for program, p in zip(of_each, COMBINERS.values(), strict=True)]
+
+
 def _definitions():
     rows = [(f"`{name}({argument})`", *map(_cell, texts)) for name, (argument, *texts) in DEFINITIONS.items()]
     return table(("", "machines", "ideal"), rows) + "\n"
@@ -161,7 +169,7 @@ def _formulas(key):
         program = parse_program(group.program(row))
         combiners = (_combiners(program, key == "sources"),) if translated else ()
         cells = (_cell(row.construct), _body(row.text), *combiners, _cell(row.formula))
-        rows.append((*cells, *_marks(program, COMBINERS)))
+        rows.append((*cells, *_marks_of(group.program(row))))
     combiners = ("general combiners",) if translated else ()
     head = ("construct", "program", *combiners, "result", *(f"`{name}`" for name in COMBINERS))
     return f"## {group.title}\n\n{_wrapped(group.note)}\n\n{table(head, rows)}\n"

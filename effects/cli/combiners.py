@@ -77,7 +77,9 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
     bound = _targets(targets)
     try:
         # Of the time: comments in any encoding, which the notations skip.
-        program = parse_program(read_text(file, otherwise="latin-1"), bound, _colors(constants))
+        program = parse_program(
+            read_text(file, otherwise="latin-1"), bound, _colors(constants), _per_stage_constants(machine)
+        )
     except ProgramTextError as error:
         raise Refusal(f"{'standard input' if file == '-' else file}, {error}") from error
     if not is_pixel_shader(program.notations):
@@ -120,6 +122,15 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
         from fixedpipe.effects.cli.program_table import tell_table
 
         tell_table(program, machine, inputs)
+
+
+def _per_stage_constants(machine):
+    """Whether a program's combiners have constants of their own; a machine without combiners refuses them."""
+    return (
+        machine is None
+        or not machine.combiners.max_general_combiners
+        or machine.combiners.per_stage_constants
+    )
 
 
 def _clamped(program, machine):

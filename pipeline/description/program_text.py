@@ -41,6 +41,8 @@ def usage(program: Program, most_combiners: int | None = None, most_units: int |
         own = max(map(len, _places(program).values()), default=0)
         if own:
             taken.append(f"at most {own} of 2 constants in one")
+        elif shared := {place.register for place in program.constants if place.stage is None}:
+            taken.append(f"{len(shared)} of 2 constants in all")
     if program.texture_shader is not None:
         taken.append(_of(len(program.texture_shader), most_units, "texture unit"))
     return ", ".join(taken)

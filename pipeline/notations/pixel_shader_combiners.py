@@ -76,27 +76,97 @@ class Stage:
 
     def build(self):
         """The GeneralCombiner."""
-        own = {}
-        for number, halves in enumerate(self.places):
-            if halves:
-                rgb = self.colors[halves.get("rgb", halves.get("a"))]
-                alpha = self.colors[halves.get("a", halves.get("rgb"))]
-                own[f"constant_color{number}"] = (*rgb[:3], alpha[3])
-        return GeneralCombiner(rgb=self.rgb or UNUSED_RGB, alpha=self.alpha or UNUSED_ALPHA, **own)
+        return GeneralCombiner(
+            rgb=self.rgb or UNUSED_RGB,
+            alpha=self.alpha or UNUSED_ALPHA,
+            **constant_colors(self.places, self.colors),
+        )
 
     def place(self, number, half):
         """The constant register whose half is constant ``number``'s, 0 or 1; None: both are taken."""
-        for fits in (
-            lambda halves: halves.get(half) == number,
-            lambda halves: number in halves.values() and half not in halves,
-            lambda halves: not halves,
-            lambda halves: half not in halves,
-        ):
-            for place, halves in enumerate(self.places):
-                if fits(halves):
-                    halves[half] = number
-                    return place
+        return _place(self.places, number, half)
+
+
+def constant_colors(places, colors):
+    """{field: color} of the state that owns the constant registers; ``places``, ``colors``: as of a Stage."""
+    found = {}
+    for number, halves in enumerate(places):
+        if halves:
+            rgb = colors[halves.get("rgb", halves.get("a"))]
+            alpha = colors[halves.get("a", halves.get("rgb"))]
+            found[f"constant_color{number}"] = (*rgb[:3], alpha[3])
+    return found
+
+
+def _place(places, number, half):
+    for fits in (
+        lambda halves: halves.get(half) == number,
+        lambda halves: number in halves.values() and half not in halves,
+        lambda halves: not halves,
+        lambda halves: half not in halves,
+    ):
+        for place, halves in enumerate(places):
+            if fits(halves):
+                halves[half] = number
+                return place
+    return None
+
+
+def share_constants(stages):
+    """Move the constants of all Stages to the program's own two registers; their ``places``, as of a Stage.
+
+    A half of the two holds what it holds in the order of the constants' numbers. Raises the notation's error
+    where stages read more than two colors of constants, or more than two alphas.
+    """
+    places = {}, {}
+    for half, name in (("rgb", "color"), ("a", "alpha")):
+        reads = [(halves[half], stage) for stage in stages for halves in stage.places if half in halves]
+        found = {key: stage for key, stage in reversed(reads)}
+        keys = list(dict.fromkeys(key for key, _ in reads))
+        if len(keys) > len(places):
+            read = ", ".join(map(_in_words, keys))
+            third = keys[len(places)]
+            raise found[third].token.error(
+                f"the {name} of {_in_words(third)} is the third that the program reads of constants, of "
+                f"{len(keys)} ({read}); two fit where all general combiners share two. Read fewer, or choose "
+                "a machine with per-stage constants."
+            )
+        for key in sorted(keys, key=_in_order):
+            _place(places, key, half)
+    for stage in stages:
+        moved = {
+            (register, half): CONSTANTS[_place(places, key, half)]
+            for register, halves in zip(CONSTANTS, stage.places, strict=True)
+            for half, key in halves.items()
+        }
+        stage.rgb, stage.alpha = (_moved(portion, moved) for portion in (stage.rgb, stage.alpha))
+        stage.places = {}, {}
+    return places
+
+
+def _in_order(key):
+    return (key.number, 1 + key.negative) if isinstance(key, Part) else (key, 0)
+
+
+def _in_words(key):
+    if isinstance(key, Part):
+        return f"c{key.number} where it is {'negative' if key.negative else 'positive'}"
+    return f"c{key}"
+
+
+def _moved(portion, registers):
+    """A portion with its constants in other registers, {(register, half): register}."""
+    if portion is None:
         return None
+    given = {name: getattr(portion, name) for name in "abcd"}
+    return replace(
+        portion,
+        **{
+            name: replace(i, register=registers[i.register, "a" if i.usage is ALPHA else "rgb"])
+            for name, i in given.items()
+            if i.register in CONSTANTS
+        },
+    )
 
 
 class Part(NamedTuple):

@@ -129,12 +129,14 @@ def _written(program, whole):
     """The text, read back. ``whole``: as of a Writer."""
     combiners, stages = program.combiners, program.texture_shader
     texture, places = texture_instructions(stages), None
+    shared = any(place.stage is None for place in program.constants)
     if _was_pixel_shader(program):
         places = {
-            (place.stage, place.register, half): place.constant
+            (number, place.register, half): place.constant
             for place in program.constants
             for half in ("rgb", "a")
             if place.components in ("rgba", half)
+            for number in ([place.stage] if place.stage is not None else range(len(combiners.general)))
         }
     groups = Writer(combiners, Operands(stages, places, program.colors), whole).groups()
     if places is None:
@@ -162,7 +164,7 @@ def _written(program, whole):
         lines += [f"{'+ ' if k else ''}{written.text(names)}" for k, written in enumerate(group.written)]
     text = "\n".join(lines) + "\n"
     try:
-        shader = parse(text, texture.targets, given)
+        shader = parse(text, texture.targets, given, per_stage_constants=not shared)
     except PixelShaderTextError as error:
         raise ValueError(f"Written as a pixel shader, the program is refused, at {error}") from error
     _check(program, shader)

@@ -55,11 +55,13 @@ from fixedpipe.pipeline.notations.pixel_shader_combiners import (
     Part,
     Stage,
     compared,
+    constant_colors,
     copy_of_blue,
     of_both_signs,
     one_operand,
     product,
     reading,
+    share_constants,
     stored,
     sum_of_products,
     worst_step,
@@ -108,13 +110,14 @@ class PixelShader:
     defined: frozenset[int] = frozenset()
 
 
-def parse(text, targets=None, constants=None, start=(1, 1)):
+def parse(text, targets=None, constants=None, start=(1, 1), per_stage_constants=True):
     """The PixelShader that a ``ps.1.0`` to ``ps.1.3`` program asks for.
 
     ``targets``: {unit: TextureTarget} of the textures that will be bound, as Direct3D and nvparse learn them
     from what is bound; where there is none, a 2D texture, or a cube map for texm3x3tex, texm3x3spec and
     texm3x3vspec. ``constants``: {number: color} of constants that the program does not define itself, black
     where there is none. ``start``: the line and column at which errors take the text to begin.
+    ``per_stage_constants``: whether each general combiner has two constants; otherwise the program has two.
 
     Raises PixelShaderTextError with line and column, both from 1, where the text is no program, and where the
     state cannot hold it. ``fixedpipe.pipeline.validation`` checks how many combiners and units a machine has.
@@ -129,6 +132,8 @@ def parse(text, targets=None, constants=None, start=(1, 1)):
             break
     else:
         raise too_many_combiners(translation.stages[MAX_GENERAL_COMBINERS].token)
+    if not per_stage_constants:
+        translation.share_constants()
     places = (*eyes, *translation.constant_places())
     told = sorted(dict.fromkeys((*listing.notes, *validator_notes(listing), *translation.notes)))
     notes = tuple(f"line {line}: {sentence}" for line, sentence in told)
@@ -155,6 +160,7 @@ class _Translation:
         self.colors = colors
         self.groups = grouped(listing.arithmetic)
         self.stages, self.notes = [], []
+        self.places, self.stored = ({}, {}), {}  # of constants that all general combiners share
         self.dots = {}  # registers whose alpha is in blue
         self.equal = set()  # registers whose four components are equal
         self.saturated = set()  # (register, half) that readers have to clamp
@@ -189,7 +195,9 @@ class _Translation:
             g=CombinerInput(Register.SPARE0, usage=usage),
         )
         general = tuple(stage.build() for stage in self.stages)
-        return RegisterCombiners(general=general or (UNUSED_STAGE,), final=final)
+        return RegisterCombiners(
+            general=general or (UNUSED_STAGE,), final=final, **constant_colors(self.places, self.stored)
+        )
 
     def sources(self, units):
         """The ProgramSources; ``units``: how many texture shader stages there are."""
@@ -200,13 +208,19 @@ class _Translation:
     def constant_places(self):
         return tuple(
             ConstantPlace(constant, number, CONSTANTS[place], half if shared else "rgba")
-            for number, stage in enumerate(self.stages)
-            for place, halves in enumerate(stage.places)
+            for number, places in [(None, self.places), *((n, s.places) for n, s in enumerate(self.stages))]
+            for place, halves in enumerate(places)
             for numbers in [{half: _number(key) for half, key in halves.items()}]
             for shared in [len(set(numbers.values())) > 1]
             for half, constant in numbers.items()
             if shared or half == next(iter(numbers))
         )
+
+    def share_constants(self):
+        """Leave the constants of all general combiners in the program's own two."""
+        for stage in self.stages:
+            self.stored |= stage.colors
+        self.places = share_constants(self.stages)
 
     def new_stage(self, token, what):
         return Stage(

@@ -69,11 +69,14 @@ def parse_program(
     text: str,
     targets: Mapping[int, TextureTarget] | None = None,
     constants: Mapping[int, Color] | None = None,
+    per_stage_constants: bool = True,
 ) -> Program:
     """The Program that a text holds.
 
     ``targets`` {unit: TextureTarget} and ``constants`` {number: color}: what a pixel shader leaves to whoever
-    binds textures and sets constants. Raises ProgramTextError with line and column, both from 1.
+    binds textures and sets constants. ``per_stage_constants``: whether a pixel shader's general combiners
+    have two constants each (NV_register_combiners2), as the machine's profile says; otherwise all of them
+    share the program's two, and more are refused. Raises ProgramTextError with line and column, both from 1.
     """
     if len(text) > MOST_CHARACTERS:
         raise ProgramTextError(
@@ -106,7 +109,7 @@ def parse_program(
         # Comments of the other notations, before the version, are none of this one's.
         xbox = header.group().lower().startswith("xps")
         translation = xbox_pixel_shader_translation if xbox else pixel_shader_translation
-        shader = translation.parse(text[at:], targets, constants, start=_place(text, at))
+        shader = translation.parse(text[at:], targets, constants, _place(text, at), per_stage_constants)
         notation = f"{'xps' if xbox else 'ps'}.{shader.version}"
         program = _program((notation,), shader.texture_shader, shader.combiners)
         return replace(

@@ -69,14 +69,14 @@ _DOTS = {"dp3": (True, False), "xdm": (True, False), "xdd": (True, True)}
 _BLACK = (0.0, 0.0, 0.0, 0.0)
 
 
-def parse(text, targets=None, constants=None, start=(1, 1)):
+def parse(text, targets=None, constants=None, start=(1, 1), per_stage_constants=True):
     """The PixelShader that an ``xps.1.0`` or ``xps.1.1`` program asks for; parameters and errors as
     ``pixel_shader_translation.parse`` has them.
     """
     listing = read(text, start)
     colors = {**(constants or {}), **listing.constants}
     stages, eyes = texture_stages(listing, targets or {}, colors)
-    translation = _Translation(listing, colors)
+    translation = _Translation(listing, colors, None if per_stage_constants else _shared(listing))
     combiners = translation.combiners()
     sources = translation.sources(len(stages or ()))
     for path, sentence in combiner_problems(combiners):
@@ -121,11 +121,28 @@ class _Constants:
         }
 
 
-class _Translation:
-    """The instructions of one program, in order."""
+def _shared(listing):
+    """The _Constants of a program whose combiners share two."""
+    instructions = [*listing.arithmetic, *([listing.final] if listing.final else [])]
+    reads = [source for instruction in instructions for source in instruction.sources if source.name == "c"]
+    numbers = list(dict.fromkeys(source.number for source in reads))
+    if len(numbers) > len(CONSTANTS):
+        third = next(source for source in reads if source.number == numbers[len(CONSTANTS)])
+        raise third.token.error(
+            f"c{third.number} is the third constant of the program, of {len(numbers)} "
+            f"({', '.join(f'c{number}' for number in numbers)}); two fit where all combiners share two. Read "
+            "fewer, or choose a machine with per-stage constants."
+        )
+    return _Constants("the program")
 
-    def __init__(self, listing, colors):
-        self.listing, self.colors = listing, colors
+
+class _Translation:
+    """The instructions of one program, in order. ``shared``: the _Constants of all combiners, None: each has
+    its own.
+    """
+
+    def __init__(self, listing, colors, shared):
+        self.listing, self.colors, self.shared = listing, colors, shared
         self.groups, self.notes, self.places, self.general = [], [], [], []
         for instruction in listing.arithmetic:
             if instruction.paired:
@@ -153,8 +170,10 @@ class _Translation:
                 f=CombinerInput(),
                 g=CombinerInput(Register.SPARE0, usage=ALPHA),
             )
-            return RegisterCombiners(general=general, final=final)
-        own = _Constants("the final combiner")
+            own = self.shared or _Constants("the program")
+            self.keep(own, None)
+            return RegisterCombiners(general=general, final=final, **own.colors(self.colors))
+        own = self.shared or _Constants("the final combiner")
         inputs = {
             variable: self.input(own, "a" if variable == "g" else "rgb", source, final=True)
             for variable, source in zip("abcdefg", xfc.sources, strict=True)
@@ -198,7 +217,7 @@ class _Translation:
                         "the instruction before the '+'; give one of them .rgb and the other .a."
                     )
                 taken[half] = instruction
-        own = _Constants("one general combiner")
+        own = self.shared or _Constants("one general combiner")
         # In the order of the text, by which constants take their places.
         portions = {
             half: self.portion(own, half, instruction)
@@ -207,11 +226,12 @@ class _Translation:
         }
         for instruction in group:
             self.written |= {(d.register, half) for d in instruction.destinations for half in d.mask}
-        self.keep(own, number)
+        colors = {}
+        if own is not self.shared:
+            self.keep(own, number)
+            colors = own.colors(self.colors)
         return GeneralCombiner(
-            rgb=portions.get("rgb", UNUSED_RGB),
-            alpha=portions.get("a", UNUSED_ALPHA),
-            **own.colors(self.colors),
+            rgb=portions.get("rgb", UNUSED_RGB), alpha=portions.get("a", UNUSED_ALPHA), **colors
         )
 
     def portion(self, own, half, instruction):

@@ -33,8 +33,9 @@ def register_combiners(walk, combiners):
         if own and not profile.combiners.per_stage_constants:
             walk.refuse(
                 f"general combiner {number} has its own constant colors; {profile.name} has two for all "
-                "stages together. Set constant_color0 and constant_color1 of the RegisterCombiners, or "
-                "choose a profile with per-stage constants."
+                "stages together. Set constant_color0 and constant_color1 of the RegisterCombiners (of a "
+                "pixel shader, give parse_program per_stage_constants=False), or choose a profile with "
+                "per-stage constants."
             )
     if not profile.combiners.blue_to_alpha and (number := blue_to_alpha_stage(combiners)) is not None:
         walk.refuse(

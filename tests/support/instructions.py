@@ -339,8 +339,8 @@ class Group:
 
 _ARITHMETIC = (
     "An instruction is a general combiner, and so is a pair with `+`; cmp and dp4 are two. A GeForce "
-    "256 refuses texture instructions and constants, which leaves programs of one or two instructions "
-    "of colors; what its combiners compute is the formula all the same."
+    "256 refuses texture instructions, and more than two constants in all, which leaves programs of one or "
+    "two instructions of colors; what its combiners compute is the formula all the same."
 )
 _MODIFIED = (
     "The sum is rounded first, then scaled, then clamped. `_sat` is no field of the combiner: who reads "

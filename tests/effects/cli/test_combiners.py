@@ -99,6 +99,14 @@ def test_an_xbox_program_is_told_with_its_lines_and_constants():
     assert any("final_product" in line for line in lines_of("--profile", "NV2A", "--table", given=XBOX))
 
 
+def test_a_machine_without_constants_of_each_combiner_holds_two_in_all():
+    shader = "ps.1.1\ndef c0, 0.2, 0.4, 0.6, 1\nmul r0, v0, c0\nmad r0, r0, c5, c0\n"
+    lines = lines_of("--profile", "GEFORCE_256", given=shader)
+    assert lines[0] == "ps.1.1, on GeForce 256: 2 of 2 general combiners, 2 of 2 constants in all"
+    assert "  const0 = c0 (0.2, 0.4, 0.6, 1), bytes 51 102 153 255" in lines
+    assert "  const1 = c5, set by the application (0, 0, 0, 0), bytes 0 0 0 0" in lines
+
+
 def test_json_has_the_state_the_lines_and_the_constants(tmp_path):
     path = tmp_path / "program.json"
     assert run("-", "--json", path, given=SHADER).exit_code == 0
@@ -136,6 +144,11 @@ def test_the_table_ends_at_what_direct3d_defines():
     [
         (["--profile", "GEFORCE_256"], "ps.1.1\n" + "mov r0, v0\n" * 3, "too many is line 4: mov."),
         (["--profile", "GEFORCE_256"], COMBINERS.replace("tex0 .", "tex3 ."), "(lines 3 to 5) names tex3"),
+        (
+            ["--profile", "GEFORCE_256"],
+            "ps.1.1\nmul r0, v0, c0\nmad r0, r0, c1, c2\n",
+            "line 3, column 1: the color of c2 is the third that the program reads of constants, of 3",
+        ),
         (["--constant", "16=1,1,1,1"], SHADER, "write --constant 1=0.5,0.5,0.5,1"),
         (["--constant", "9=1,1,1,1"], SHADER, "the program reads no c9"),
         (["--constant", "1=1,1,1"], SHADER, "write --constant 1=0.5,0.5,0.5,1"),

@@ -122,7 +122,8 @@ def test_a_formula_is_what_the_machine_computes(group, machine):
     profile = COMBINERS[machine]
     numbers = numbers_of(profile)
     for row in GROUPS[group].rows:
-        combiners = parse_program(GROUPS[group].program(row)).combiners
+        own = profile.combiners.per_stage_constants
+        combiners = parse_program(GROUPS[group].program(row), per_stage_constants=own).combiners
         if not fits(combiners, profile):
             continue
         value = value_of(row, profile)
