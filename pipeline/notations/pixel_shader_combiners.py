@@ -1,6 +1,17 @@
-"""General combiners in the making, as pixel shaders become them: their constants, operands, and signs."""
+"""General combiners in the making, as pixel shaders become them: their constants, operands, and signs.
+
+A constant's component is an exact number c in [-1, 1]: k/255, or the decimal that its text says. A combiner
+holds byte(s) of it, where s is c's magnitude, or, of both signs, c + 128/255 or c/2 + 128/255. Byte(s) is
+``floor(255 s + 1/2)``, at most 255, also in exact numbers: halves go up. So -1, which c/2 puts half-way
+between two bytes, is byte 1, read as -254/255, as 1 is read as 254/255.
+
+Source: byte(c) of docs/numbers.md. Assumed: Direct3D's drivers took halves up too; a GeForce 3's picture of
+``add r0, v0, c0`` with c0 of both signs and 1 in it would settle it.
+"""
 
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from math import inf, nextafter
 from typing import NamedTuple
 
 from fixedpipe.pipeline.enums import CombinerScale, ComponentUsage, Mapping, Register
@@ -54,7 +65,7 @@ READINGS = {
     },
     2: {Mapping.SIGNED_IDENTITY: Mapping.EXPAND_NORMAL, Mapping.SIGNED_NEGATE: Mapping.EXPAND_NEGATE},
 }
-_HALF = 128 / 255  # what these take off
+_HALF = Fraction(128, 255)  # what these take off
 
 
 @dataclass
@@ -178,8 +189,8 @@ class Part(NamedTuple):
     def stored(self, color):
         """What a combiner's constant holds of it."""
         sign = -1 if self.negative else 1
-        color = limited(color)
-        return (*(max(0.0, sign * value) for value in color[:3]), abs(color[3]))
+        color = exact(color)
+        return tuple(map(held, (*(max(0, sign * value) for value in color[:3]), abs(color[3]))))
 
 
 class Operand(NamedTuple):
@@ -204,9 +215,27 @@ def one_operand(half):
     return Operand(CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, RGB if half == "rgb" else ALPHA))
 
 
-def limited(color):
-    """A color's components in [-1, 1]."""
-    return [max(-1.0, min(1.0, value)) for value in color]
+def exact(color):
+    """A color's components in [-1, 1], as the exact numbers that they stand for: k/255, or a decimal."""
+    found = []
+    for value in color:
+        value = float(max(-1.0, min(1.0, value)))
+        byte = Fraction(round(255 * value), 255)
+        found.append(byte if float(byte) == value else Fraction(repr(value)))
+    return found
+
+
+def byte_of(number):
+    """The byte that stands for an exact number of [0, 1] and what is beyond: halves go up."""
+    return max(0, min(255, (510 * number + 1) // 2))
+
+
+def held(number):
+    """The nearest float64 to an exact number that every machine of bytes takes as ``byte_of`` it."""
+    value, byte = float(number), byte_of(number)
+    while constant_byte(value) != byte:
+        value = nextafter(value, inf if constant_byte(value) < byte else -inf)
+    return value
 
 
 def of_both_signs(values):
@@ -218,7 +247,7 @@ def reading(color):
     """By which factor a color whose red, green and blue differ in sign is read in one input: a key of
     READINGS. The first reaches from -128/255 to 127/255.
     """
-    color = limited(color[:3])
+    color = exact(color[:3])
     return 1 if 255 * min(color) >= -128 and 255 * max(color) <= 127 else 2
 
 
@@ -228,23 +257,22 @@ def stored(color):
     Magnitudes, for readers that negate; where red, green and blue differ in sign, what their ``reading`` maps
     to them.
     """
-    color = limited(color)
-    magnitudes = tuple(abs(value) for value in color)
-    if of_both_signs(color[:3]):
-        factor = reading(color)
-        return (*(value / factor + _HALF for value in color[:3]), magnitudes[3])
-    return magnitudes
+    factor, numbers = reading(color), exact(color)
+    magnitudes = [abs(number) for number in numbers]
+    if of_both_signs(numbers[:3]):
+        magnitudes[:3] = (number / factor + _HALF for number in numbers[:3])
+    return tuple(map(held, magnitudes))
 
 
 def worst_step(color):
     """(component, what one input reads for it, in 1/255) of a color of both signs: where the input is further
     off than a byte has to be; None: nowhere.
     """
-    factor, color, worst = reading(color), limited(color[:3]), None
-    for k, value in enumerate(color):
-        found = factor * (constant_byte(value / factor + _HALF) - 128)
-        off = abs(found - 255 * value)
-        if off > 0.5 and (worst is None or off > worst[0]):
+    factor, worst = reading(color), None
+    for k, number in enumerate(exact(color[:3])):
+        found = factor * (byte_of(number / factor + _HALF) - 128)
+        off = abs(found - 255 * number)
+        if off > Fraction(1, 2) and (worst is None or off > worst[0]):
             worst = off, k, found
     return worst and worst[1:]
 

@@ -160,6 +160,7 @@ class _Translation:
         self.colors = colors
         self.groups = grouped(listing.arithmetic)
         self.stages, self.notes = [], []
+        self.held = {number: stored(self.color(number)) for number in range(8)}
         self.places, self.stored = ({}, {}), {}  # of constants that all general combiners share
         self.dots = {}  # registers whose alpha is in blue
         self.equal = set()  # registers whose four components are equal
@@ -223,9 +224,7 @@ class _Translation:
         self.places = share_constants(self.stages)
 
     def new_stage(self, token, what):
-        return Stage(
-            token, f"line {token.line}: {what}", {number: stored(self.color(number)) for number in range(8)}
-        )
+        return Stage(token, f"line {token.line}: {what}", dict(self.held))
 
     def color(self, number):
         return self.colors.get(number, (0.0, 0.0, 0.0, 0.0))

@@ -9,7 +9,7 @@ modifiers, instruction, scale, saturation, write mask), the range of at least [-
 
 import re
 from fractions import Fraction
-from math import copysign
+from math import floor
 
 ONE = 255
 COMPONENTS = {"rgb": (0, 1, 2), "xyz": (0, 1, 2), "a": (3,), "w": (3,)}
@@ -46,12 +46,12 @@ def constant(components, divided=False):
 
     Source: def; docs/numbers.md, byte(c): halves up; Inferred: eight bits without a sign, biased, expanded.
     """
-    color = [max(-1.0, min(1.0, float(c))) for c in components]
-    steps = [int(copysign(int(abs(c) * ONE + 0.5), c)) for c in color]
+    color = [max(-1, min(1, Fraction(c))) for c in components]
+    steps = [floor(abs(c) * ONE + Fraction(1, 2)) * (-1 if c < 0 else 1) for c in color]
     if divided or not min(color[:3]) < 0 < max(color[:3]):
         return steps
     factor = 1 if ONE * min(color[:3]) >= -128 and ONE * max(color[:3]) <= 127 else 2
-    held = [min(int(ONE * (c / factor + 128 / ONE) + 0.5), ONE) for c in color[:3]]
+    held = [min(floor(ONE * c / factor + 128 + Fraction(1, 2)), ONE) for c in color[:3]]
     return [*(factor * (byte - 128) for byte in held), steps[3]]
 
 

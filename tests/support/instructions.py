@@ -26,7 +26,7 @@ DEFINITIONS = {
     "saturated": ("x", "maximum(0, minimum(x, one))", "maximum(0, minimum(x, one))"),
     "summed": ("x", "minimum(x, one)", "x"),
     "constant": ("v", "floor(one*v + 1/2)", "one*v"),
-    "signed": ("v", "2*constant((255*v + 256)/510) - expand", "one*v"),
+    "signed": ("v", "2*((one*(255*v + 256) + 255)//510) - expand", "one*v"),
     "written": ("x", "(2*255*saturated(x) + one)//(2*one)", "saturated(x)"),
 }
 

@@ -44,7 +44,7 @@ def test_equations_name_their_lines_and_constants_what_they_are():
     lines = lines_of("--constant", "1=0.2,0.4,0.6,0.8", given=SHADER)
     assert "  stage 1 (line 4: tex): tex1 = TEXTURE_2D(s1/q1, t1/q1)" in lines
     assert (
-        "  GC0: const0 = c0 (0, -1, 1, 1), stored (0.502, 0.001961, 1.002, 1), bytes 128 0 255 255" in lines
+        "  GC0: const0 = c0 (0, -1, 1, 1), stored (0.502, 0.001961, 1.002, 1), bytes 128 1 255 255" in lines
     )
     assert "  GC0: const1 = c1, set by the application (0.2, 0.4, 0.6, 0.8), bytes 51 102 153 204" in lines
     assert any(line.startswith("  GC0.rgb (line 5: lrp + mul): spare0 = sat(tex0.a) *") for line in lines)

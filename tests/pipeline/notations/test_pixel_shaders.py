@@ -16,6 +16,7 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
 )
 from fixedpipe.pipeline.enums import TextureShaderOperation as Op
+from fixedpipe.pipeline.framebuffers.framebuffer import color_codes
 from fixedpipe.pipeline.notations.pixel_shader_format import format_pixel_shader
 from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
 from fixedpipe.pipeline.notations.pixel_shader_translation import parse
@@ -75,7 +76,7 @@ def test_constants_of_both_signs_have_even_steps(constant):
     alpha = constant if constant.endswith("a") else f"{constant}.b"
     shader = check(text + f"mad r0.rgb, t0, {constant}, v0\n+ add r0.a, {alpha}, t0\n")
     stored = shader.combiners.general[0].constant_color0
-    assert [min(round(255 * value), 255) for value in stored] == [90, 204, 255, 128]
+    assert color_codes(stored) == [90, 205, 255, 128]
 
 
 @pytest.mark.parametrize("constant", ["c2", "-c2"])
