@@ -5,7 +5,7 @@ holds byte(s) of it, where s is c's magnitude, or, of both signs, c + 128/255 or
 ``floor(255 s + 1/2)``, at most 255, also in exact numbers: halves go up. So -1, which c/2 puts half-way
 between two bytes, is byte 1, read as -254/255, as 1 is read as 254/255.
 
-Source: byte(c) of docs/numbers.md. Assumed: Direct3D's drivers took halves up too; a GeForce 3's picture of
+Source: docs/numbers.md, N8.10. Assumed: Direct3D's drivers took halves up too; a GeForce 3's picture of
 ``add r0, v0, c0`` with c0 of both signs and 1 in it would settle it.
 """
 

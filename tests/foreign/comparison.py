@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.pipeline import PROFILES, execute, execute_ideal
+from fixedpipe.pipeline.execution.machine import Engine
 from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 
@@ -76,12 +77,14 @@ def picture(wanted: np.ndarray, tolerance: float | np.ndarray) -> Callable[[np.n
     return differences
 
 
-def drawn(case: Case, machine: str) -> np.ndarray | None:
-    """The picture of a case, [h, w, 4], 255.0 is one; None where the machine refuses it in a sentence."""
+def drawn(case: Case, machine: str, engine: Engine | None = None) -> np.ndarray | None:
+    """The picture of a case, [h, w, 4], 255.0 is one; None where the machine refuses it in a sentence.
+    ``engine``: as of ``execute``.
+    """
     try:
         if machine == "IDEAL":
             return np.clip(execute_ideal(case.frame, *case.size).color, 0, 1) * 255
-        result = execute(case.frame, PROFILES[machine], *case.size, depth_bits=case.depth_bits)
+        result = execute(case.frame, PROFILES[machine], *case.size, depth_bits=case.depth_bits, engine=engine)
     except UnsupportedState:
         return None
     return result.image().astype(float)
@@ -117,9 +120,9 @@ def on_machines(
     return params
 
 
-def assert_drawn(case: Case, machine: str) -> None:
+def assert_drawn(case: Case, machine: str, engine: Engine | None = None) -> None:
     """Assert that a machine draws what is expected, or refuses the frame in a sentence."""
-    image = drawn(case, machine)
+    image = drawn(case, machine, engine)
     if image is not None:
         differences = case.expected(image)
         assert not differences, f"{len(differences)} differ: {'; '.join(differences[:6])}"
