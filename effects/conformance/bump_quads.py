@@ -15,7 +15,7 @@ from fixedpipe.pipeline.enums import InternalFormat, Register, TexelWord, Textur
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage, TextureUnit
 from fixedpipe.pipeline.textures.images import Texture, texture_2d
-from fixedpipe.pipeline.textures.words import compressed_texture, texture_of_words, ycbcr_of_words
+from fixedpipe.pipeline.textures.words import compressed_texture, ycbcr_of_words
 
 SIZE = 256  # of both textures
 LEFT, TOP, EDGE, STEP = 146, 66, 168, 180
@@ -112,12 +112,8 @@ def texture_of(colors, entry):
     """(the bump texture, whether its coordinates count texels) in a format; None: DXT1."""
     if entry is None:
         return dxt1_of(picture(colors)), False
-    if (
-        entry.word is TexelWord.R6G5B5
-    ):  # Measured: BumpEnvLum_R6G5B5_B, _B_R90 (each component's highest bits)
-        red, green, blue = (picture(colors)[..., k].astype(np.int64) for k in range(3))
-        words = (red >> 2) << 10 | (green >> 3) << 5 | blue >> 3
-        return texture_of_words(words, entry.word, entry.target), entry.linear
+    if entry.word is TexelWord.R6G5B5:  # Measured: BumpEnvLum_R6G5B5_B, _B_R90
+        return texture_memory.highest_bits(picture(colors), entry), entry.linear
     if entry.word in YCBCR:
         words = texture_memory.converted_words(picture(colors), entry.word)
         texels = ycbcr_of_words(words, entry.word)

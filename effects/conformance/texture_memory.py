@@ -26,7 +26,8 @@ WORD_BYTES = {
     ),
 }  # fmt: skip
 
-# SDL's conversion: the lowest bit and the width of red, green, blue and alpha.
+# Each component's highest bits (SDL's conversion, but for R6G5B5, which is later programs' own): the lowest
+# bit and the width of red, green, blue and alpha.
 _PACKED = {
     TexelWord.A8R8G8B8: ((16, 8), (8, 8), (0, 8), (24, 8)),
     TexelWord.X8R8G8B8: ((16, 8), (8, 8), (0, 8), (24, 8)),
@@ -34,6 +35,7 @@ _PACKED = {
     TexelWord.B8G8R8A8: ((8, 8), (16, 8), (24, 8), (0, 8)),
     TexelWord.R8G8B8A8: ((24, 8), (16, 8), (8, 8), (0, 8)),
     TexelWord.R5G6B5: ((11, 5), (5, 6), (0, 5), (0, 0)),
+    TexelWord.R6G5B5: ((10, 6), (5, 5), (0, 5), (0, 0)),
     TexelWord.A1R5G5B5: ((10, 5), (5, 5), (0, 5), (15, 1)),
     TexelWord.X1R5G5B5: ((10, 5), (5, 5), (0, 5), (15, 1)),
     TexelWord.A4R4G4B4: ((8, 4), (4, 4), (0, 4), (12, 4)),
@@ -132,7 +134,7 @@ def radial_gradient(width, height):
 
 
 def packed_words(rgba, word):
-    """SDL's conversion of RGBA bytes [..., 4]: each component's highest bits."""
+    """RGBA bytes [..., 4] as words of each component's highest bits."""
     components = rgba.astype(np.int64)
     return sum(
         (components[..., k] >> (8 - bits)) << low for k, (low, bits) in enumerate(_PACKED[word]) if bits
@@ -217,7 +219,7 @@ def texture_of(rgba, entry):
     """The texture that the chip sees of a picture, RGBA bytes [rows, columns, 4], in a format."""
     if entry.word is TexelWord.R6G5B5:
         # The version that drew Texture_format's captures lets SDL write R5G6B5; the volumes' writes A1R5G5B5,
-        # the bump maps' R6G5B5 itself (``bump_quads``).
+        # those of the bump maps and the render targets R6G5B5 itself (``highest_bits``).
         return texture_of_words(packed_words(rgba, TexelWord.R5G6B5), entry.word, entry.target)
     if not entry.converted_by_sdl:
         return texture_of_words(converted_words(rgba, entry.word), entry.word, entry.target)
@@ -225,6 +227,11 @@ def texture_of(rgba, entry):
     return texture_of_words(
         read_as(words, entry.sdl_word, entry.word, not entry.linear), entry.word, entry.target
     )
+
+
+def highest_bits(rgba, entry):
+    """The texture of a picture, RGBA bytes [rows, columns, 4], whose words are the format's own."""
+    return texture_of_words(packed_words(rgba, entry.word), entry.word, entry.target)
 
 
 def dxt1_blocks(rgba):

@@ -6,7 +6,6 @@ from dataclasses import astuple
 import numpy as np
 
 from fixedpipe.pipeline.enums import (
-    InternalFormat,
     MagnificationThreshold,
     TextureCompareMode,
     TextureTarget,
@@ -16,6 +15,7 @@ from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
     DEPTH_TEXELS,
+    FORMATS_OF_WORDS,
     KEPT,
     depth_texture_mode,
     register_components,
@@ -54,7 +54,7 @@ def reads_as_columns(unit, textures):
         or sampler.max_probes > 1
         or sampler.compare_mode != TextureCompareMode.NONE
         or astuple(sampler.signed_components) != (False,) * 4
-        or texture.internal_format == InternalFormat.HILO16
+        or texture.internal_format in FORMATS_OF_WORDS
     )
 
 
@@ -95,7 +95,7 @@ class UnitSampler:
                 register_components(np.array([value], np.int64), base, self.one)
                 for value in (self.one, failed)
             ]
-        self.hilo = texture.internal_format == InternalFormat.HILO16
+        self.hilo = texture.internal_format in FORMATS_OF_WORDS
         self.signed = self._signed()
         border = numbers.fixed(s.border_color, self.one)
         self.table = None

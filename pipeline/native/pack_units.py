@@ -5,7 +5,6 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.pipeline.enums import (
-    InternalFormat,
     MagnificationThreshold,
     Register,
     TextureCompareMode,
@@ -22,6 +21,7 @@ from fixedpipe.pipeline.programs.texture_shader_rules import (
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
     DEPTH_TEXELS,
+    FORMATS_OF_WORDS,
     KEPT,
     depth_texture_mode,
     register_components,
@@ -129,7 +129,7 @@ def pack_units(state, profile, textures, used, draw):
         ):
             row[R.THRESHOLD] = 128
         row[R.TEXEL_BITS] = texture.bits
-        row[R.HILO] = texture.internal_format == InternalFormat.HILO16
+        row[R.HILO] = texture.internal_format in FORMATS_OF_WORDS
         row[R.SIGNED] = signed_bits(sampler.signed_components)
         if row[R.HILO]:  # words have the signs of their high bytes (Measured: BumpEnvLum_R16B16)
             row[R.SIGNED] &= 0x80008000

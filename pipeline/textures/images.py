@@ -76,6 +76,10 @@ def _base_format(internal_format):
 # Source: OpenGL 1.2.1 table 3.16. Assumed: a border colour reaches the registers whole with the others.
 BASE_FORMAT = {f: _base_format(f) for f in InternalFormat}
 
+# Formats whose texels are two words of 16 bits, alpha and red, green and blue: filters take a word whole, and
+# its sign is that of its high byte. Measured: Bump_map's R16B16 captures and BumpMap_Y16.
+FORMATS_OF_WORDS = frozenset({InternalFormat.HILO16, InternalFormat.LUMINANCE16})
+
 # Depth textures: their words.  Source: ARB_depth_texture.
 DEPTH_TEXELS = {
     InternalFormat.DEPTH_COMPONENT16: DEPTH_WORDS[DepthFormat.FIXED_16],

@@ -1,7 +1,6 @@
 """Validation of samplers: filters and wrap modes, comparisons and footprint assembly."""
 
 from fixedpipe.pipeline.enums import (
-    InternalFormat,
     TextureCompareMode,
     TextureFilter,
     TextureTarget,
@@ -9,7 +8,7 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.state import SignedComponents
-from fixedpipe.pipeline.textures.images import DEPTH_TEXELS
+from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, FORMATS_OF_WORDS
 from fixedpipe.pipeline.validation.textures import complete_levels
 
 _LOD_LIMIT = 1000.0  # the initial limits of table 3.17
@@ -90,7 +89,7 @@ def _footprints(walk, unit, known, place):
         )
     if sampler.max_anisotropy > 1 and (
         known.target not in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE)
-        or known.internal_format is InternalFormat.HILO16
+        or known.internal_format in FORMATS_OF_WORDS
     ):
         walk.refuse(
             f"{place} filters {unit.texture!r} anisotropically; how is known of 2D and rectangle "
@@ -162,7 +161,7 @@ def _probes_problem(place, sampler, target, internal_format, profile):
     if probes == 1:
         return None
     flat = target in (TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE)
-    if not flat or internal_format is InternalFormat.HILO16:
+    if not flat or internal_format in FORMATS_OF_WORDS:
         return (
             f"{place} assembles footprints of a {target.name} of {internal_format.name}; {profile.name} does "
             "so of 2D and rectangle textures of bytes: set max_probes to 1."

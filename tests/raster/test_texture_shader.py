@@ -223,16 +223,17 @@ def test_stages_after_a_scaled_one_equal_the_specification(profile, filtered):
 HILO_SIGNS = [SignedComponents(), SignedComponents(green=True, alpha=True), SignedComponents(green=True)]
 
 
+@pytest.mark.parametrize("kind", [TexelWord.R16B16, TexelWord.Y16], ids=lambda kind: kind.name)
 @pytest.mark.parametrize("profile", [NV2A, GEFORCE_3], ids=lambda p: p.name)
 @pytest.mark.parametrize("signed", HILO_SIGNS)
 @pytest.mark.parametrize(
     "mapping", [DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE]
 )
-def test_words_of_sixteen_bits_are_filtered_as_the_specification_filters_them(mapping, signed, profile):
+def test_words_of_sixteen_bits_are_filtered_as_the_specification_filters_them(mapping, signed, profile, kind):
     for seed in range(3):
         random = np.random.default_rng(seed)
         commands = list(frame(*CHAINS["plane"], random, TextureFilter.LINEAR))
-        image = texture_of_words(random.integers(0, 1 << 32, (4, 4)), TexelWord.R16B16)
+        image = texture_of_words(random.integers(0, 1 << 32, (4, 4)), kind)
         draw = commands[-1]
         units, stages = draw.state.texture_units, draw.state.texture_shader
         first = replace(

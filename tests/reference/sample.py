@@ -283,8 +283,12 @@ def linear_position(t):
     return position_q8 >> 8, position_q8 & 255
 
 
+# Source: NV_texture_shader (HILO); Measured: BumpMap_Y16, 303512 of 303512 pixels.
+OF_WORDS = (InternalFormat.HILO16, InternalFormat.LUMINANCE16)
+
+
 def lerp_words(p, q, fraction):
-    """A HILO texel between two, as words of 16 bits with the signs of their high bytes, which alpha and green
+    """A texel between two, as two words of 16 bits with the signs of their high bytes, which alpha and green
     are. Measured: Bump_map's R16B16 captures (docs/numbers.md section 12).
     """
     (r0, g0, b0, a0), (r1, g1, b1, a1) = p, q
@@ -300,7 +304,7 @@ def lerp_bytes(p, q, fraction):
 
 def sample_linear(texture, level, face, t, modes, border, sampler):
     """Rows first, each to bytes, then between the rows. Measured: 349524 of 349524 pixels."""
-    lerp = lerp_words if texture.internal_format == InternalFormat.HILO16 else lerp_bytes
+    lerp = lerp_words if texture.internal_format in OF_WORDS else lerp_bytes
     height, width = level_size(texture, level)
     i, a = linear_position(t[0])
     columns = [wrap_index(k, modes[0], width, linear=True) for k in (i, i + 1)]
