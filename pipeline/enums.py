@@ -272,6 +272,10 @@ class InternalFormat(IntEnum):
     INTENSITY12 = 37
     RGB12 = 38
     RGBA12 = 39
+    SIGNED_HILO16 = 40  # NV_texture_shader, from here on; as HILO16, its words are two's complement
+    DSDT8 = 41  # ds in blue and red, dt in green and alpha, all of them signed
+    DSDT8_MAG8 = 42  # ds in blue and dt in green, signed; the magnitude in red
+    SIGNED_RGBA8 = 43
 
 
 class TexelWord(IntEnum):
@@ -279,6 +283,7 @@ class TexelWord(IntEnum):
     packed pixels of OpenGL 1.2, MESA_ycbcr_texture), as Direct3D and the NV2A name them.
 
     YUY2 and UYVY: words of 16 bits; the even word of a pair holds U (Cb), the odd one V (Cr).
+    V8U8, L6V5U5, X8L8V8U8, Q8W8V8U8, V16U16: Direct3D 8's; U, V, W and Q are two's complement.
     """
 
     A8R8G8B8 = 0
@@ -305,6 +310,11 @@ class TexelWord(IntEnum):
     X8_Y24_FLOAT = 21
     Y16_FIXED = 22
     Y16_FLOAT = 23
+    V8U8 = 24
+    L6V5U5 = 25
+    X8L8V8U8 = 26
+    Q8W8V8U8 = 27
+    V16U16 = 28
 
 
 class BaseFormat(IntEnum):

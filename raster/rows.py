@@ -166,6 +166,7 @@ COMPARE_FUNCTION = _unit()
 COMPARE_HELD = _unit()  # packed: what takes a texel's place where the comparison holds
 COMPARE_FAILED = _unit()
 HILO = _unit()  # 1: texels are two words of 16 bits, alpha and red, green and blue
+COLORLESS = _unit()  # 1: the register receives (0, 0, 0, 0), later stages the texel
 DEPTH_TEXEL_MAX = _unit()  # the largest depth word of a compared texture
 DEPTH_TEXEL_FORMAT = _unit()  # codes.DEPTH_...
 ANISOTROPY = _unit()  # the largest ratio, a float64's bit pattern; 0: isotropic

@@ -14,11 +14,13 @@ from fixedpipe.pipeline.framebuffers.transfer import ENTRY_COMPONENTS, table_ent
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
+    COLORLESS_FORMATS,
     DEPTH_TEXELS,
     FORMATS_OF_WORDS,
     KEPT,
     depth_texture_mode,
     register_components,
+    with_signs,
 )
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
@@ -36,7 +38,7 @@ def unit_samplers(state, textures, profile, saw=nobody):
         None
         if unit is None or unit.texture is None
         else UnitSampler(number, unit, textures[unit.texture], profile, saw)
-        for number, unit in enumerate(state.texture_units)
+        for number, unit in enumerate(with_signs(state, textures).texture_units)
     ]
 
 
@@ -96,6 +98,7 @@ class UnitSampler:
                 for value in (self.one, failed)
             ]
         self.hilo = texture.internal_format in FORMATS_OF_WORDS
+        self.colorless = texture.internal_format in COLORLESS_FORMATS and not profile.textures.hilo_as_color
         self.signed = self._signed()
         border = numbers.fixed(s.border_color, self.one)
         self.table = None
@@ -206,6 +209,8 @@ class UnitSampler:
             texel = texture_color_table(texel, self.one, *self.table)
         if self.signed is not None:  # Measured: 732800 of 732800 pixels (Texture_signed_component_tests)
             texel = np.where(self.signed, 2 * texel, texel)
+        if self.colorless:
+            texel = np.zeros_like(texel)
         register = numbers.convert(texel, self.one, numbers.one_of(bits)).T
         self._saw("texture", unit=self.number, texel=texel, one=self.one, register=register)
         return register

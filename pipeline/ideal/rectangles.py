@@ -29,6 +29,7 @@ from fixedpipe.pipeline.ideal.per_fragment import write, write_tested
 from fixedpipe.pipeline.ideal.sample import sample
 from fixedpipe.pipeline.ideal.shade import plan_for, shade_colors
 from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.textures.images import with_signs
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 from fixedpipe.raster.witness import nobody
 
@@ -200,6 +201,7 @@ def draw_rectangle(command, buffers, textures, plans, statistics, record):
 
 def shade_rectangle(found, state, textures, plans, saw=nobody):
     """Colours of a Rectangle's fragments, float64 [k, 4]. ``saw``: who watches."""
+    state = with_signs(state, textures)
 
     def texel(i, unit, texture):
         parts = np.empty((len(found.pixel), 4))

@@ -12,6 +12,7 @@ from fixedpipe.pipeline.ideal.weights import fixed
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
+    COLORLESS_FORMATS,
     KEPT,
     REGISTER_COMPONENTS,
     depth_texture_mode,
@@ -507,11 +508,14 @@ def _in_pairs(texture, unit, coordinates, reference):
     return _sum_along(texture, unit, coordinates, reference, longer / ratio, taps())
 
 
-def as_register(texel, unit):
-    """What a unit's register receives of its texel [k, 4]: of signed components twice the byte.
+def as_register(texel, unit, internal_format):
+    """What a unit's register receives of its texel [k, 4]: of signed components twice the byte, of formats
+    that are no colours nothing.
 
     Measured: 732800 of 732800 pixels (Texture_signed_component_tests captures).
     """
+    if internal_format in COLORLESS_FORMATS and not IDEAL.textures.hilo_as_color:
+        return np.zeros_like(texel)
     texel = looked_up(texel, unit.color_table, IDEAL)
     flags = signed_flags(unit.sampler)
     return texel * np.where(flags, 2.0, 1.0) if any(flags) else texel

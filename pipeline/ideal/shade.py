@@ -16,6 +16,7 @@ from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.pipeline.programs.texture_shader_rules import reads_texture
+from fixedpipe.pipeline.textures.images import with_signs
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.witness import nobody
 
@@ -29,6 +30,7 @@ def shade(state, textures, primitives, plan, weights, saw=nobody):
     ``textures``: name to Texture with ideal levels. ``primitives``: as the vertex stage makes them; ``plan``:
     of ``plan_for``; ``weights``: those of ``weigh``; ``saw``: who watches.
     """
+    state = with_signs(state, textures)
     rows = fixed(primitives.colors).reshape(-1, 16)
     back = 8 if primitives.two_side else 0
 
@@ -163,7 +165,7 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, sa
         elif register in read or state.evaluate_before_filtering:
             found = texel(i, unit, textures.get(unit.texture))
             if state.texture_shader is None:
-                found = as_register(found, unit)
+                found = as_register(found, unit, textures[unit.texture].internal_format)
             if state.ycbcr_conversion and reads_texture(state, i):
                 found = np.concatenate([_rgb_of_ycbcr(found[:, :3]), found[:, 3:]], axis=1)
             registers[register] = found
@@ -178,7 +180,7 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, sa
             made_place(textures[unit.texture], rgb),
             rgb[:, 2] if compared else None,
         )
-        return as_register(made, unit)
+        return as_register(made, unit, textures[unit.texture].internal_format)
 
     saw("registers", registers=registers)
     return combine(plan, registers, look_up, saw)

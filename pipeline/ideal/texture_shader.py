@@ -45,7 +45,7 @@ def run_stages(state, textures, count, own, conventional, made, register, change
         Its texel at coordinates that were made, float64 [k, 3]; ``r`` is what a comparison compares;
         ``lifted``: on a boundary between texels the upper one is nearest; ``axes``: of the ellipse that a
         lookup covers, in texture coordinates, float64 [2, k, 2], or None.
-    register(texel, unit)
+    register(texel, unit, internal_format)
         What its register receives of a texel.
     change(i)
         How unit i's coordinates change to the right and upwards, float64 [2, k, 4].
@@ -89,7 +89,7 @@ def run_stages(state, textures, count, own, conventional, made, register, change
                     )
                 # What is scaled is the register alone: later stages read the texel.
                 scales = operation in C.OPERATIONS_WITH_SCALE
-                seen = run.scaled(i, texel) if scales else register(texel, unit)
+                seen = run.scaled(i, texel) if scales else register(texel, unit, texture.internal_format)
         run.registers.append(texel if seen is None else seen)
         run.keep(texel, bits, None if stage.operation in WITHOUT_TEXTURE else unit)
     return Outcome(run.registers, run.alive, run.depth)

@@ -20,11 +20,13 @@ from fixedpipe.pipeline.programs.texture_shader_rules import (
 )
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
+    COLORLESS_FORMATS,
     DEPTH_TEXELS,
     FORMATS_OF_WORDS,
     KEPT,
     depth_texture_mode,
     register_components,
+    with_signs,
 )
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -91,7 +93,7 @@ def pack_units(state, profile, textures, used, draw):
     """The units' rows, and the numbers of those whose coordinates are divided by q where it varies."""
     units, divided = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64), []
     stages = shader_stages(state)
-    for i, unit in enumerate(state.texture_units):
+    for i, unit in enumerate(with_signs(state, textures).texture_units):
         # SPARE0's alpha begins as texture 0's alpha.
         needed = Register.TEXTURE0 + i in used or (i == 0 and Register.SPARE0 in used)
         stage = None if stages is None else stages[i]
@@ -130,6 +132,7 @@ def pack_units(state, profile, textures, used, draw):
             row[R.THRESHOLD] = 128
         row[R.TEXEL_BITS] = texture.bits
         row[R.HILO] = texture.internal_format in FORMATS_OF_WORDS
+        row[R.COLORLESS] = texture.internal_format in COLORLESS_FORMATS and not profile.textures.hilo_as_color
         row[R.SIGNED] = signed_bits(sampler.signed_components)
         if row[R.HILO]:  # words have the signs of their high bytes (Measured: BumpEnvLum_R16B16)
             row[R.SIGNED] &= 0x80008000

@@ -9,6 +9,7 @@ from fixedpipe.pipeline.enums import (
     ColorWeights,
     CombineFunction,
     FogArithmetic,
+    InternalFormat,
     LightingArithmetic,
     MagnificationThreshold,
     ProductRounding,
@@ -60,11 +61,14 @@ G400 = Profile(
         power_of_two_textures=known(True, "Source: OpenGL 1.2.1 section 3.8.1"),
         texture_targets=known(frozenset({TextureTarget.TEXTURE_1D, TextureTarget.TEXTURE_2D}), _NO_VOLUMES),
         internal_formats=known(
-            CORE_FORMATS, "Source: OpenGL 1.2.1 table 3.16 (requested resolutions are kept)"
+            CORE_FORMATS | {InternalFormat.DSDT8, InternalFormat.DSDT8_MAG8},
+            "Source: OpenGL 1.2.1 table 3.16 (requested resolutions are kept); ATI_envmap_bumpmap (DU8DV8); "
+            "with a magnitude Assumed, as the scaled lookup: the board's manual would settle it",
         ),
         wrap_modes=known(CORE_WRAP_MODES, "Source: OpenGL 1.2.1 section 3.8.4"),
         cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
         signed_components=known(True, "Source: ATI_envmap_bumpmap (the offsets of DU8DV8 have signs)"),
+        hilo_as_color=known(False, "Source: ATI_envmap_bumpmap (a bump map's unit passes its colour on)"),
         max_lod_bias=known(
             4.0, "Assumed: 4; a MAX_TEXTURE_LOD_BIAS_EXT query of a G400's driver would settle it"
         ),

@@ -69,6 +69,7 @@ GEFORCE_256 = Profile(
         ),
         cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
         signed_components=known(False, "Source: NV_texture_shader (introduced with the GeForce 3)"),
+        hilo_as_color=known(False, "Source: NV_texture_shader (introduced with the GeForce 3)"),
         max_lod_bias=known(4.0, "Assumed: 4; a MAX_TEXTURE_LOD_BIAS_EXT query would settle it"),
         max_anisotropy=known(2.0, "Assumed: 2; a MAX_TEXTURE_MAX_ANISOTROPY_EXT query would settle it"),
         max_probes=known(1, "Assumed: none; no paper names such a board but Schilling's"),

@@ -75,6 +75,9 @@ GEFORCE_3 = Profile(
         signed_components=known(
             True, "Inferred: from the NV2A: 732800 of 732800 pixels (Texture_signed_component_tests captures)"
         ),
+        hilo_as_color=known(
+            False, "Source: NV_texture_shader table 3.D (0, 0, 0, 0 where the texel is no RGBA)"
+        ),
         max_lod_bias=known(16.0, "Inferred: from the NV2A: s5.8, biases of -15 to 15 (LODBias capture)"),
         max_anisotropy=known(
             8.0, "Inferred: from the NV2A: nxdk_pgraph_tests, texture_anisotropy_tests (1, 2, 4 and 8)"

@@ -39,7 +39,7 @@ from fixedpipe.pipeline.profiles.sections import (
     Vertices,
 )
 from fixedpipe.pipeline.profiles.specified import CORE_FORMATS, SUBSET_EQUATIONS
-from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
+from fixedpipe.pipeline.textures.images import SIGNED_FORMATS, TWELVE_BIT_FORMATS
 
 
 def _given(value):
@@ -63,10 +63,12 @@ IDEAL = Profile(
             CORE_FORMATS
             | TWELVE_BIT_FORMATS
             | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24, InternalFormat.HILO16}
+            | SIGNED_FORMATS
         ),
         wrap_modes=_given(frozenset(WrapMode)),
         cylinder_wrap=_given(False),
         signed_components=_given(True),
+        hilo_as_color=_given(False),
         max_lod_bias=_given(16.0),
         max_anisotropy=_given(64.0),
         max_probes=_given(64),

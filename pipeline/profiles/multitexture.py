@@ -64,6 +64,7 @@ MULTITEXTURE = Profile(
         wrap_modes=known(CORE_WRAP_MODES, "Source: OpenGL 1.2.1 section 3.8.4"),
         cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
         signed_components=known(False, NOT_CORE),
+        hilo_as_color=known(False, NOT_CORE),
         max_lod_bias=known(
             4.0, "Assumed: 4, as on the GeForce 256; EXT_texture_lod_bias ships since late 1999"
         ),

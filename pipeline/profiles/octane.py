@@ -69,6 +69,7 @@ OCTANE = Profile(
         ),
         cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
         signed_components=known(False, NOT_CORE),
+        hilo_as_color=known(False, NOT_CORE),
         max_lod_bias=known(0.0, NOT_CORE),
         max_anisotropy=known(1.0, NOT_CORE),
         max_probes=known(1, NOT_CORE),

@@ -50,6 +50,7 @@ class Textures(Section):
     wrap_modes: frozenset[WrapMode]
     cylinder_wrap: bool  # of a TextureUnit
     signed_components: bool  # of any texture, by its sampler
+    hilo_as_color: bool  # whether registers receive the bytes of HILO and DSDT texels, or (0, 0, 0, 0)
     max_lod_bias: float  # levels, of either sign
     max_anisotropy: float  # 1: none
     max_probes: int  # of footprint assembly; 1: none

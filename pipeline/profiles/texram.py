@@ -64,6 +64,7 @@ TEXRAM = Profile(
         wrap_modes=known(CORE_WRAP_MODES, "Source: OpenGL 1.2.1 section 3.8.4"),
         cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
         signed_components=known(True, "Inferred: from Schilling 1997's offset vectors, which have signs"),
+        hilo_as_color=known(False, NOT_CORE),
         max_lod_bias=known(0.0, NOT_CORE),
         max_anisotropy=known(1.0, NOT_CORE),
         max_probes=known(8, "Assumed: 8; Schilling, Knittel, Strasser 1996 would settle it"),

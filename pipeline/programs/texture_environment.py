@@ -38,7 +38,12 @@ from fixedpipe.pipeline.state import (
     RegisterCombiners,
     RGBPortion,
 )
-from fixedpipe.pipeline.textures.images import BASE_FORMAT, DEPTH_TEXELS, depth_texture_mode
+from fixedpipe.pipeline.textures.images import (
+    BASE_FORMAT,
+    COLORLESS_FORMATS,
+    DEPTH_TEXELS,
+    depth_texture_mode,
+)
 
 # Source: NV_texture_shader section 3.8.9: stages whose unit passes its colour on.
 _WITHOUT_FUNCTION = frozenset(
@@ -71,10 +76,10 @@ def texture_format(unit, internal_format, profile):
     """The BaseFormat that a unit's environment goes by where its texture has this format; None: the unit
     passes its colour on.
 
-    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture; NV_texture_shader section 3.8.9 (HILO). Inferred: RGB
-    for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
+    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture; NV_texture_shader section 3.8.9 (HILO, DSDT).
+    Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
     """
-    if internal_format == InternalFormat.HILO16:
+    if internal_format in COLORLESS_FORMATS:
         return None
     if internal_format in DEPTH_TEXELS:
         base = depth_texture_mode(unit.sampler, profile)

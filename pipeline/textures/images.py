@@ -78,7 +78,29 @@ BASE_FORMAT = {f: _base_format(f) for f in InternalFormat}
 
 # Formats whose texels are two words of 16 bits, alpha and red, green and blue: filters take a word whole, and
 # its sign is that of its high byte. Measured: Bump_map's R16B16 captures and BumpMap_Y16.
-FORMATS_OF_WORDS = frozenset({InternalFormat.HILO16, InternalFormat.LUMINANCE16})
+FORMATS_OF_WORDS = frozenset(
+    {InternalFormat.HILO16, InternalFormat.SIGNED_HILO16, InternalFormat.LUMINANCE16}
+)
+
+# Formats that are no colours: what NV_texture_shader has for dot products and offsets alone.
+COLORLESS_FORMATS = frozenset(
+    {
+        InternalFormat.HILO16,
+        InternalFormat.SIGNED_HILO16,
+        InternalFormat.DSDT8,
+        InternalFormat.DSDT8_MAG8,
+    }
+)
+
+# Which components a format's texels hold as two's complement, whatever the sampler says.
+# Source: NV_texture_shader table 3.16. Assumed: a copy of a signed component is signed.
+_SIGNED = {
+    InternalFormat.SIGNED_HILO16: ("green", "alpha"),
+    InternalFormat.DSDT8: ("red", "green", "blue", "alpha"),
+    InternalFormat.DSDT8_MAG8: ("green", "blue"),
+    InternalFormat.SIGNED_RGBA8: ("red", "green", "blue", "alpha"),
+}
+SIGNED_FORMATS = frozenset(_SIGNED)
 
 # Depth textures: their words.  Source: ARB_depth_texture.
 DEPTH_TEXELS = {
@@ -115,6 +137,21 @@ def depth_texture_mode(sampler, profile):
     if sampler.depth_texture_mode is not None:
         return sampler.depth_texture_mode
     return profile.textures.depth_texture_modes[0]
+
+
+def with_signs(state, textures):
+    """The PassState, its units' samplers with the signs that their textures' formats have."""
+    units = tuple(_with_signs(unit, textures) for unit in state.texture_units)
+    return state if units == state.texture_units else replace(state, texture_units=units)
+
+
+def _with_signs(unit, textures):
+    texture = None if unit is None else textures.get(unit.texture)
+    if texture is None or texture.internal_format not in SIGNED_FORMATS:
+        return unit
+    signs = dict.fromkeys(_SIGNED[texture.internal_format], True)
+    sampler = replace(unit.sampler, signed_components=replace(unit.sampler.signed_components, **signs))
+    return replace(unit, sampler=sampler)
 
 
 def widen_to_byte(component, bits):

@@ -16,7 +16,11 @@ ONE = None  # a component that is full intensity
 
 # What each word is stored as, and its red, green, blue and alpha as (lowest bit, bits).
 # Measured: every pixel of the formats' captures (Texture_format; Volume_texture, Y16's low byte too).
-# Source: NV_texture_shader (HILO16).
+# Source: NV_texture_shader (HILO16). From V8U8 on, Source: Direct3D 8's D3DFORMAT, U in the lowest bits; the
+# Xbox's Direct3D, where V8U8, L6V5U5, X8L8V8U8 and Q8W8V8U8 are other names of G8B8, R6G5B5, X8R8G8B8 and
+# A8B8G8R8; wined3d, which hands V8U8, Q8W8V8U8 and V16U16 to NV_texture_shader as DSDT8, SIGNED_RGBA8 and
+# SIGNED_HILO16, where U is HI. Measured: five signed bits are widened by replication, 606476 pixels of 606476
+# (BumpEnvLum_R6G5B5_B, _B_R90; as wined3d widens them 25,000 are missed).
 _FIELDS = {
     TexelWord.A8R8G8B8: (InternalFormat.RGBA8, (16, 8), (8, 8), (0, 8), (24, 8)),
     TexelWord.X8R8G8B8: (InternalFormat.RGB8, (16, 8), (8, 8), (0, 8), ONE),
@@ -36,6 +40,11 @@ _FIELDS = {
     TexelWord.A8: (InternalFormat.WHITE_ALPHA8, ONE, ONE, ONE, (0, 8)),
     TexelWord.Y16: (InternalFormat.LUMINANCE16, ONE, (8, 8), (0, 8), ONE),
     TexelWord.R16B16: (InternalFormat.HILO16, (16, 8), (8, 8), (0, 8), (24, 8)),
+    TexelWord.V8U8: (InternalFormat.DSDT8, (0, 8), (8, 8), (0, 8), (8, 8)),
+    TexelWord.L6V5U5: (InternalFormat.DSDT8_MAG8, (10, 6), (5, 5), (0, 5), ONE),
+    TexelWord.X8L8V8U8: (InternalFormat.DSDT8_MAG8, (16, 8), (8, 8), (0, 8), ONE),
+    TexelWord.Q8W8V8U8: (InternalFormat.SIGNED_RGBA8, (0, 8), (8, 8), (16, 8), (24, 8)),
+    TexelWord.V16U16: (InternalFormat.SIGNED_HILO16, (0, 8), (24, 8), (16, 8), (8, 8)),
 }
 # Depth words: what they are stored as, and how far the depth lies above bit 0.
 _DEPTHS = {

@@ -20,7 +20,7 @@ from fixedpipe.pipeline.programs.texture_shader_rules import (
 )
 from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.state import SignedComponents
-from fixedpipe.pipeline.textures.images import stored_widths
+from fixedpipe.pipeline.textures.images import COLORLESS_FORMATS, SIGNED_FORMATS, stored_widths
 from fixedpipe.pipeline.validation.sampling import sampler
 from fixedpipe.pipeline.validation.textures import known_texture
 from fixedpipe.pipeline.validation.transfer import color_table_problem
@@ -174,11 +174,18 @@ def _dependent_access(walk, number, unit, known, operation, rough):
             f"texture unit {number} {filters}, which {walk.profile.name} does along its own "
             f"coordinates, not along those that {operation.name} makes; set {limit} to 1."
         )
-    if operation in SCALING and unit.sampler.signed_components != SignedComponents():
-        walk.refuse(
-            f"texture shader stage {number} is {operation.name}, which scales unsigned components alone; "
-            "leave signed_components unset."
-        )
+    if operation in SCALING:
+        if unit.sampler.signed_components != SignedComponents():
+            walk.refuse(
+                f"texture shader stage {number} is {operation.name}, which scales unsigned components alone; "
+                "leave signed_components unset."
+            )
+        colorless = known.internal_format in COLORLESS_FORMATS and not walk.profile.textures.hilo_as_color
+        if colorless or known.internal_format in SIGNED_FORMATS:
+            walk.refuse(
+                f"texture shader stage {number} is {operation.name}, which scales unsigned colours alone; "
+                f"{unit.texture!r} is of {known.internal_format.name}: give it a texture of colours."
+            )
     targets = _accessible(walk, operation)
     if known.target not in targets:
         walk.refuse(

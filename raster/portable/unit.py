@@ -126,5 +126,8 @@ def sample_unit(p, u, count, segments, runs, scratch):
             largest = float_of(row[R.OFFSET_LARGEST])
             scale_texel(packed, R.STAGE0 + row[R.PREVIOUS], count, scale, bias, largest)
             unpack(packed, R.TEXEL_0, count, registers, (C.REGISTER_TEXTURE0 + u) * 4)
+    if row[R.COLORLESS]:
+        for c in range(4):
+            fill_plane(registers, (C.REGISTER_TEXTURE0 + u) * 4 + c, count, int32(0))
     if draw[R.YCBCR]:  # of the register alone: other stages read the texel
         convert_ycbcr(registers, (C.REGISTER_TEXTURE0 + u) * 4, count)

@@ -77,7 +77,7 @@ def unit_path(row, levels, coordinates, unit):
     if not row[R.ENABLED]:
         return int64(C.PATH_DISABLED)
     target = row[R.TARGET]
-    if target == C.TARGET_3D or row[R.HILO] or row[R.OPERATION]:
+    if target == C.TARGET_3D or row[R.HILO] or row[R.COLORLESS] or row[R.OPERATION]:
         return int64(C.PATH_PORTABLE)
     footprint = row[R.ANISOTROPY] != 0 or row[R.PROBES] != 0
     if footprint and (target != C.TARGET_2D or row[R.SIGNED]):

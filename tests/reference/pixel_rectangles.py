@@ -16,6 +16,7 @@ from tests.reference import (
     pixel_texture,
     render,
     sample,
+    signed_formats,
     strokes,
     vertex,
 )
@@ -143,6 +144,7 @@ def fragment(raster, state, profile, textures, group=None, pixel=None):
 
     Source: OpenGL 1.2.1 section 3.6.4, Conversion to Fragments; SGIX_pixel_texture.
     """
+    state = signed_formats.with_signs(state, textures)
     primary, undefined = (raster.colors[:4] if group is None else group), False
     coordinates = [divided(strq) for strq in raster.coordinates]
     if pixel is not None:

@@ -27,6 +27,7 @@ from tests.reference import (
     roughness,
     sample,
     shadow,
+    signed_formats,
     strokes,
     texel_words,
     texture_environment,
@@ -93,6 +94,7 @@ def shade(primary, secondary, fog_coordinate, texels, state, textures, profile):
 
     Source: NV_register_combiners section 3.8.12; OpenGL 1.2.1 sections 3.8.9, 3.9, 3.10.
     """
+    texels = signed_formats.as_colors(texels, state, textures, profile)
     fog_color = fixed.color_to_bytes(state.fog.color) if state.fog else [0, 0, 0, 0]
     factor = fog.fog_factor(fog_coordinate, state.fog, profile) if state.fog else 255
     if state.register_combiners is not None:
@@ -236,6 +238,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
 
     Source: OpenGL 1.2.1 chapters 3, 4.
     """
+    state = signed_formats.with_signs(state, textures)
     *vertices, provoking = corners
     kind, back, *source, _, _, counter = (TRIANGLE, False, -1, -1, -1, 0, 0, 0) if stroke is None else stroke
     shape, covers = shape_of(primitives, vertices, kind, state, profile)

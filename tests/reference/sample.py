@@ -284,7 +284,7 @@ def linear_position(t):
 
 
 # Source: NV_texture_shader (HILO); Measured: BumpMap_Y16, 303512 of 303512 pixels.
-OF_WORDS = (InternalFormat.HILO16, InternalFormat.LUMINANCE16)
+OF_WORDS = (InternalFormat.HILO16, InternalFormat.SIGNED_HILO16, InternalFormat.LUMINANCE16)
 
 
 def lerp_words(p, q, fraction):

@@ -24,10 +24,16 @@ LAYOUTS = {
     "A8": "A8",
     "Y16": "G8 B8",
     "R16B16": "A8 R8 G8 B8",
+    "V8U8": "G8 B8",
+    "L6V5U5": "R6 G5 B5",
+    "X8L8V8U8": "X8 R8 G8 B8",
+    "Q8W8V8U8": "A8 B8 G8 R8",
+    "V16U16": "G8 B8 A8 R8",
 }
 # Register components that a format takes from another of its own. Measured: their captures.
 COPIES = {
     "G8B8": {"R": "B", "A": "G"},
+    "V8U8": {"R": "B", "A": "G"},
     "R8B8": {"G": "B", "A": "R"},
     "A8Y8": {"R": "Y", "G": "Y", "B": "Y"},
     "Y8": {"R": "Y", "G": "Y", "B": "Y"},

@@ -16,6 +16,7 @@ from fixedpipe.pipeline.enums import (
     TextureShaderOperation,
 )
 from tests.reference import fixed
+from tests.reference.signed_formats import COLORLESS
 
 ONE, HALF = 255, 128
 WHITE = [ONE] * 4
@@ -51,10 +52,10 @@ _WITHOUT_FUNCTION = (
 def base_format(internal_format, sampler, profile):
     """The base format that a texture's environment goes by; None: its function is NONE.
 
-    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture; NV_texture_shader section 3.8.9 (HILO). Inferred: RGB
-    for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
+    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture; NV_texture_shader section 3.8.9 (HILO, DSDT).
+    Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
     """
-    if internal_format == InternalFormat.HILO16:
+    if internal_format in COLORLESS:
         return None
     if internal_format in _DEPTHS:
         return (

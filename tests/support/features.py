@@ -486,6 +486,22 @@ def _formats():
             InternalFormat.HILO16,
             texture_of_words(_WORDS, TexelWord.R16B16),
         ),
+        "offsets with signs, words V8U8 (DSDT8)": (
+            InternalFormat.DSDT8,
+            texture_of_words(_WORDS, TexelWord.V8U8),
+        ),
+        "offsets and a magnitude, words L6V5U5 and X8L8V8U8 (DSDT8_MAG8)": (
+            InternalFormat.DSDT8_MAG8,
+            texture_of_words(_WORDS, TexelWord.L6V5U5),
+        ),
+        "colours with signs, words Q8W8V8U8 (SIGNED_RGBA8)": (
+            InternalFormat.SIGNED_RGBA8,
+            texture_of_words(_WORDS, TexelWord.Q8W8V8U8),
+        ),
+        "words of sixteen bits with signs, V16U16 (SIGNED_HILO16)": (
+            InternalFormat.SIGNED_HILO16,
+            texture_of_words(_WORDS, TexelWord.V16U16),
+        ),
         "compressed textures (S3TC)": (
             InternalFormat.COMPRESSED_RGBA_S3TC_DXT1,
             compressed_texture(bytes(range(8)), InternalFormat.COMPRESSED_RGBA_S3TC_DXT1, 4, 4),

@@ -145,6 +145,7 @@ WITHOUT_A_FEATURE = {
     "stencil_bits",
     "blend_factors_destination",
     "depth_units_in_coordinates",
+    "hilo_as_color",
     "offset_scale_clamped",
     "shades_samples",
 }
