@@ -1,5 +1,6 @@
 """Matrox G400 (1999): two texture units, environment-mapped bump mapping.
 
+Its stages add, subtract and multiply; there is no dot product of colours (D3DTOP_DOTPRODUCT3, DOT3_RGB).
 What no extension says of it is as on the plain board.
 """
 
@@ -122,7 +123,9 @@ G400 = Profile(
                     CombineFunction.INTERPOLATE,
                 }
             ),
-            "Source: ARB_texture_env_combine (SUBTRACT is what it adds to the EXT one)",
+            "Source: ARB_texture_env_combine (SUBTRACT is what it adds to the EXT one). No DOT3: Source: "
+            "Mesa's mga driver (a stage of TDUALSTAGE0 or 1 selects an argument, a sum or a product); "
+            "AnandTech, Gigabyte GA-MG400, 2000 (bumps by environment maps, not by Dot Product 3)",
         ),
         texture_environment_crossbar=known(False, NOT_CORE),
         max_general_combiners=known(0, NOT_CORE),
