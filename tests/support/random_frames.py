@@ -93,8 +93,11 @@ from fixedpipe.pipeline.state import (
     WindowClip,
 )
 from fixedpipe.pipeline.textures.images import (
+    COLORLESS_FORMATS,
     COMPONENT_BITS,
     DEPTH_TEXELS,
+    FORMATS_OF_WORDS,
+    SIGNED_FORMATS,
     Texture,
     texture_1d,
     texture_2d,
@@ -129,6 +132,15 @@ _READ_FORMATS = (
 )  # fmt: skip
 # Edges of textures, narrow ones frequent; the last are left to frames whose machine takes them.
 _EDGES = (1, 1, 2, 4, 8, 16, 32, 64)
+_OTHER_WORDS = (  # signed ones, and words of sixteen bits
+    TexelWord.V8U8,
+    TexelWord.L6V5U5,
+    TexelWord.X8L8V8U8,
+    TexelWord.Q8W8V8U8,
+    TexelWord.V16U16,
+    TexelWord.R16B16,
+    TexelWord.Y16,
+)
 _LONG = ((1, 4096), (4096, 1), (2048, 1), (1, 2048), (2048, 2), (4, 1024))
 
 
@@ -524,16 +536,23 @@ class _Maker:
         return bytes_
 
     def tex_image(self, name):
-        """A new texture object, or another image of one: of the same target, and with levels if it had."""
+        """A new texture object, or another image of one: of the same target, with levels if it had, and of
+        the same words.
+        """
         old = self.textures.get(name)
         if old is None:
             target = TextureTarget.TEXTURE_2D
             if not self.plain and self.chance(0.25):
                 target = self.one_of(sorted(self.profile.textures.texture_targets))
             deep = target is TextureTarget.TEXTURE_2D and self.shadows() and self.chance(0.15)
-            mipmaps = self.chance(0.5)
+            mipmaps, kind = self.chance(0.5), None
+            stored = self.profile.textures.internal_formats
+            kinds = [kind for kind in _OTHER_WORDS if internal_format_of(kind) in stored]
+            if kinds and target is TextureTarget.TEXTURE_2D and not (deep or mipmaps) and self.chance(0.15):
+                kind = self.one_of(kinds)
         else:
             target, deep = old.target, old.internal_format in DEPTH_TEXELS
+            kind = next((k for k in _OTHER_WORDS if internal_format_of(k) is old.internal_format), None)
             mipmaps = len(old.levels) == max(old.width, old.height).bit_length()
         width, height = self.one_of(_EDGES), self.one_of(_EDGES)
         if not self.small and self.chance(0.1):
@@ -541,7 +560,10 @@ class _Maker:
         if self.chance(0.12):
             limit = self.profile.textures.max_texture_size
             width, height = self.one_of([s for s in _LONG if max(s) <= limit])
-        image = self.image(target, deep, mipmaps, width, height)
+        if kind is None:
+            image = self.image(target, deep, mipmaps, width, height)
+        else:
+            image = texture_of_words(self.random.integers(0, 1 << 32, (height, width)), kind)
         self.textures[name] = image
         return TexImage(label=name, texture=name, image=image)
 
@@ -616,10 +638,12 @@ class _Maker:
         if mipmapped and self.chance(0.1):
             sampler = replace(sampler, max_level=self.whole(0, 8))
         most = self.profile.textures.max_anisotropy
-        if most > 1 and texture.target is TextureTarget.TEXTURE_2D and self.chance(0.06):
+        of_bytes = texture.internal_format not in FORMATS_OF_WORDS
+        if most > 1 and of_bytes and texture.target is TextureTarget.TEXTURE_2D and self.chance(0.06):
             sampler = replace(sampler, max_anisotropy=self.one_of((most, min(2.0, most), 1.5)))
         elif (
             self.profile.textures.max_probes > 1
+            and of_bytes
             and texture.target is TextureTarget.TEXTURE_2D
             and self.chance(0.2)
         ):
@@ -651,7 +675,8 @@ class _Maker:
         """What a sampler must know of a texture."""
         texture = self.textures[name]
         complete = len(texture.levels) == max(texture.width, texture.height, texture.depth).bit_length()
-        return texture.target, texture.internal_format in DEPTH_TEXELS, complete
+        special = [texture.internal_format in formats for formats in (DEPTH_TEXELS, FORMATS_OF_WORDS)]
+        return texture.target, special, complete
 
     def unit_after(self, units):
         """A unit, or none, or one that shares coordinates and sampler with the unit before it."""
@@ -954,7 +979,9 @@ class _Maker:
         if dots and TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE not in operations[:i]:
             found.append(TextureShaderOperation.DOT_PRODUCT_DEPTH_REPLACE)
         if sampler.min_filter is sampler.mag_filter and sampler.max_anisotropy == sampler.max_probes == 1:
+            internal_format = self.textures[unit.texture].internal_format
             unsigned = sampler.signed_components == SignedComponents()
+            unsigned = unsigned and internal_format not in COLORLESS_FORMATS | SIGNED_FORMATS
             found += [
                 operation
                 for operation, needed, targets in _DEPENDENT
