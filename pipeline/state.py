@@ -316,7 +316,7 @@ class PolygonState:
 @dataclass(frozen=True, slots=True)
 class SignedComponents:
     """Which components of a texture's texels are two's complement bytes, s/127 (NV_texture_shader's signed
-    formats, which the NV2A lets any texture be).
+    formats, which the NV2A lets any texture be). A format that has signs of its own needs none of these.
     """
 
     red: bool = False

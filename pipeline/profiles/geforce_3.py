@@ -65,7 +65,8 @@ GEFORCE_3 = Profile(
         ),
         internal_formats=known(
             frozenset(InternalFormat) - TWELVE_BIT_FORMATS,
-            "Inferred: from the NV2A: Texture_format, Volume_texture and Texture_DXT captures",
+            "Source: NV_texture_shader (HILO, DSDT and signed formats). Inferred: from the NV2A: "
+            "Texture_format, Volume_texture and Texture_DXT captures",
         ),
         wrap_modes=known(
             frozenset(WrapMode),

@@ -65,7 +65,8 @@ NV2A = Profile(
         ),
         internal_formats=known(
             frozenset(InternalFormat) - TWELVE_BIT_FORMATS,
-            "Measured: Texture_format, Volume_texture and Texture_DXT captures",
+            "Measured: Texture_format, Volume_texture and Texture_DXT captures. Source: the Xbox's Direct3D, "
+            "where Direct3D 8's signed words are names of such formats",
         ),
         wrap_modes=known(
             frozenset(WrapMode), "Measured: five wrap modes, 78720 of 78720 pixels (Texture_border captures)"

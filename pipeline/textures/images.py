@@ -296,7 +296,7 @@ class Texture:
 
     levels  tuple of uint8 [faces, height, width, 4], level 0 first: register bytes, bottom row first. The
             faces are a cube map's six or a 3D texture's layers. A depth component's four bytes are its depth
-            units, lowest byte first; a HILO16's are HI in alpha and red, LO in green and blue.
+            units, lowest byte first; HILO formats have HI in alpha and red, LO in green and blue.
     ideal   the same shapes in float64 before any quantisation, or None: the ideal evaluator then reads the
             stored texels divided by their value of one
     bits    how wide a component is, 2**bits - 1 its value of one: 8, or else the levels are uint16

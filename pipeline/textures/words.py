@@ -1,4 +1,4 @@
-"""Textures from the words that memory holds: packed pixels, palettes, YCbCr pairs and S3TC blocks.
+"""Textures from the words that memory holds: packed and signed pixels, palettes, YCbCr pairs, S3TC blocks.
 
 ``images`` makes textures from components. Arrays of words are [rows, columns], or [faces or layers, rows,
 columns]; the first row is t = 0.

@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fixedpipe.pipeline import TexImage, TextureShaderStage, TextureUnit, parse_program, texture_2d
-from fixedpipe.pipeline.enums import TextureEnvironmentMode, TextureShaderOperation
+from fixedpipe.pipeline import Draw, TexImage, TextureShaderStage, TextureUnit, parse_program, texture_2d
+from fixedpipe.pipeline.enums import TexelWord, TextureEnvironmentMode, TextureShaderOperation
 from fixedpipe.pipeline.state import SignedComponents, TextureEnvironment
+from fixedpipe.pipeline.textures.words import texture_of_words
 from tests.foreign.comparison import (
+    WITH_TEXTURE_SHADER,
     Case,
     assert_drawn,
     assert_held,
@@ -121,6 +123,32 @@ def luminance(name):
     return Case(f"luminance, {name}", (clear(0), *LUMINANCE_LOAD, drawn), wanted, SIZE)
 
 
+def by_words(case, words):
+    """The case with its bump map as Direct3D's words, whose format has the signs."""
+
+    def of_words(command):
+        if isinstance(command, TexImage) and command.texture == "bump":
+            return replace(command, image=words)
+        if not isinstance(command, Draw):
+            return command
+        bare = tuple(
+            replace(unit, sampler=replace(unit.sampler, signed_components=SignedComponents()))
+            for unit in command.state.texture_units
+        )
+        return replace(command, state=replace(command.state, texture_units=bare))
+
+    frame = tuple(of_words(command) for command in case.frame)
+    return replace(case, name=f"{case.name}, as words", frame=frame, machines=WITH_TEXTURE_SHADER)
+
+
+BY_WORDS = (
+    by_words(BY_STAGES, texture_of_words(U & 255 | (V & 255) << 8, TexelWord.V8U8)),
+    *(
+        by_words(luminance(name), texture_of_words(np.array([[0x4000]]), TexelWord.L6V5U5))
+        for name in LUMINANCE
+    ),
+)
+
 # Two texbem instructions of ps.1.3 look a texture up at two places, and their texels are added.
 TARGETS = np.full((8, 8), 0x000000FF)
 TARGETS[2, 1], TARGETS[4, 6] = 0x0000FF00, 0x00FF0000
@@ -223,12 +251,17 @@ CASES = (
     texkill("texkill, q made 1", [[*corner[:3], 1.0] for corner in KILLED]),
     *ENDS,
     read_behind(),
+    *BY_WORDS,
 )
 _TEXTURE_SHADERS = ("GEFORCE_3", "NV2A", "IDEAL")
 DISAGREEMENTS = {
     **everywhere(
         "captures of an NV2A show factors above 1, which Wine's GeForce 3 and NV_texture_shader have not",
-        ["luminance, scale 10, offset 10", "luminance, scale 1000, offset -1", *(case.name for case in ENDS)],
+        [
+            *("luminance, scale 10, offset 10", "luminance, scale 1000, offset -1"),
+            *("luminance, scale 10, offset 10, as words", "luminance, scale 1000, offset -1, as words"),
+            *(case.name for case in ENDS),
+        ],
         ["NV2A"],
     ),
     **everywhere(
