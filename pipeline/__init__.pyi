@@ -10,6 +10,7 @@ from fixedpipe.pipeline.commands import CopyTexImage as CopyTexImage
 from fixedpipe.pipeline.commands import CopyTexSubImage as CopyTexSubImage
 from fixedpipe.pipeline.commands import Draw as Draw
 from fixedpipe.pipeline.commands import DrawPixels as DrawPixels
+from fixedpipe.pipeline.commands import GetTexImage as GetTexImage
 from fixedpipe.pipeline.commands import HostStep as HostStep
 from fixedpipe.pipeline.commands import MakeCurrent as MakeCurrent
 from fixedpipe.pipeline.commands import Mesh as Mesh

@@ -40,6 +40,8 @@ _INITIAL_STATE, _INITIAL_POSITION = PassState(), RasterPosition()
 ReadFormat = Literal[
     "RGBA",
     "RGB",
+    "BGRA",
+    "BGR",
     "RED",
     "GREEN",
     "BLUE",
@@ -248,11 +250,11 @@ class CopyTexSubImage:
 class ReadPixels:
     """ReadPixels (section 4.3.2) into the result's ``pixels[name]``, bottom row first.
 
-    ``format``: RGBA, RGB, RED, GREEN, BLUE, ALPHA, LUMINANCE (R + G + B, clamped), LUMINANCE_ALPHA as uint8
-    [h, w(, c)]; DEPTH_COMPONENT as uint32 [h, w] in depth units; STENCIL_INDEX as uint8 [h, w].
-    ``type``: of colours, an integer type, FLOAT (float64, clamped to [0, 1]), or a packed type of RGB or RGBA
-    (words [h, w]); the ideal reads real numbers whatever the type. Pixels go through ``transfer``; a
-    histogram's or minmax's sink leaves nothing to return.
+    ``format``: RGBA, RGB, BGRA, BGR, RED, GREEN, BLUE, ALPHA, LUMINANCE (R + G + B, clamped), LUMINANCE_ALPHA
+    as uint8 [h, w(, c)]; DEPTH_COMPONENT as uint32 [h, w] in depth units; STENCIL_INDEX as uint8 [h, w].
+    ``type``: of colours, an integer type, FLOAT (float64, clamped to [0, 1]), or a packed type of RGB, or of
+    RGBA or BGRA (words [h, w]); the ideal reads real numbers whatever the type. Pixels go through
+    ``transfer``; a histogram's or minmax's sink leaves nothing to return.
     """
 
     label: str
@@ -268,11 +270,32 @@ class ReadPixels:
 
 
 @dataclass(frozen=True, kw_only=True)
-class HostStep:
-    """What the application's processor does between commands: it looks at what ReadPixels gave, and issues
-    other commands in this one's place.
+class GetTexImage:
+    """GetTexImage (section 6.1.4) into the result's ``pixels[name]``: a level of a texture, bottom row first.
 
-    ``reads``: names that earlier ReadPixels of the same frame gave. ``commands``: a function that takes a
+    The groups are the stored components by table 6.1: luminance and intensity are red alone, with green and
+    blue zero; missing alpha, intensity's too, is one. ``face``: of a cube map, 0..5 as CopyTexSubImage's; of
+    a 3D texture all layers are read, [d, h, w(, c)]. ``format``, ``type``: as ReadPixels', without
+    STENCIL_INDEX; DEPTH_COMPONENT reads depth textures, and they nothing else. ``transfer``: the initial one,
+    but where the profile's ``transfers_texture_queries`` says that pixels go through it.
+    """
+
+    label: str
+    name: str
+    texture: str
+    level: int = 0
+    face: int = 0
+    format: ReadFormat = "RGBA"
+    type: ReadType = "UNSIGNED_BYTE"
+    transfer: PixelTransfer = INITIAL_TRANSFER
+
+
+@dataclass(frozen=True, kw_only=True)
+class HostStep:
+    """What the application's processor does between commands: it looks at what ReadPixels or GetTexImage
+    gave, and issues other commands in this one's place.
+
+    ``reads``: names that these gave earlier in the same frame. ``commands``: a function that takes a
     dictionary of these arrays, read-only, and returns a tuple of commands. A machine hands it integers, the
     ideal float64, as ``execute_ideal`` reads them; for the same shapes both must draw the same rectangles and
     meshes, so that a frame of the one can guide the other. Its commands are validated once they are there,
@@ -444,6 +467,7 @@ Command = (
     | CopyTexImage
     | CopyTexSubImage
     | ReadPixels
+    | GetTexImage
     | HostStep
     | Saturate
     | DrawPixels

@@ -177,8 +177,9 @@ class PixelTransfer:
     ``index_offset``: of stencil and colour indices. ``map_color``, ``map_stencil``: whether ``maps`` are used
     (those from colour indices to RGBA always are). Tables and filters: None, disabled. ``convolution_1d``
     applies to one-dimensional textures alone; ``convolution_2d``, and where it is disabled ``separable_2d``,
-    to DrawPixels, CopyPixels, ReadPixels and two-dimensional textures, cube map faces too; the scale and bias
-    after convolution where one took place. ``color_matrix``: rows, applied to the column (R, G, B, A).
+    to DrawPixels, CopyPixels, ReadPixels and two-dimensional textures, cube map faces too, also where
+    GetTexImage returns them; the scale and bias after convolution where one took place. ``color_matrix``:
+    rows, applied to the column (R, G, B, A).
     """
 
     scale: Color = _ONES

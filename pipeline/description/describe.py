@@ -19,6 +19,7 @@ from fixedpipe.pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    GetTexImage,
     HostStep,
     MakeCurrent,
     ReadPixels,
@@ -153,6 +154,13 @@ def _read_pixels(command):
     return [first, *_pixel_transfer(command.transfer)]
 
 
+def _get_tex_image(command):
+    as_type = "" if command.type == "UNSIGNED_BYTE" else f" as {command.type}"
+    place = f"level {command.level}" + (f", face {command.face}" if command.face else "")
+    first = f'"{command.name}": {command.format}{as_type} of texture "{command.texture}", {place}'
+    return [first, *_pixel_transfer(command.transfer)]
+
+
 def _host_step(command):
     names = " and ".join(f'"{name}"' for name in command.reads) or "nothing"
     return [f"the host reads {names}; the commands that it issues depend on that"]
@@ -254,6 +262,7 @@ DESCRIPTIONS = {
     TexImage: _tex_image,
     CopyTexImage: _copy_tex_image,
     CopyTexSubImage: _copy_tex_sub_image,
+    GetTexImage: _get_tex_image,
     ReadPixels: _read_pixels,
     HostStep: _host_step,
     Saturate: _saturate,

@@ -28,6 +28,7 @@ from fixedpipe.pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    GetTexImage,
     HostStep,
     MakeCurrent,
     ReadPixels,
@@ -48,6 +49,7 @@ from fixedpipe.pipeline.framebuffers.texture_copies import (
     defined_texture,
     replaced_texture,
 )
+from fixedpipe.pipeline.framebuffers.texture_queries import texture_pixels
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, widths_of
 from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles, recorded_fragments
@@ -400,6 +402,11 @@ class Machine:
         if read is not None:
             frame.pixels[command.name] = read
 
+    def _get_tex_image(self, command, frame):
+        read = texture_pixels(self.textures[command.texture], command, self.profile, self.statistics)
+        if read is not None:
+            frame.pixels[command.name] = read
+
     def _reset_histogram(self, command, frame):
         self.statistics.reset_histogram(command.name)
 
@@ -435,6 +442,7 @@ METHODS = {
     CopyTexImage: Machine._copy_tex_image,
     CopyTexSubImage: Machine._copy_tex_sub_image,
     ReadPixels: Machine._read_pixels,
+    GetTexImage: Machine._get_tex_image,
     HostStep: Machine._host_step,
     Saturate: Machine._saturate,
     Accum: Machine._accum,
@@ -447,7 +455,7 @@ METHODS = {
     ResetMinmax: Machine._reset_minmax,
 }
 # What waits in the queue, or reads nothing of a framebuffer; before any other command all is drawn.
-_QUEUED = frozenset({Draw, Clear, Saturate, TexImage})
+_QUEUED = frozenset({Draw, Clear, Saturate, TexImage, GetTexImage})
 
 
 def execute(

@@ -41,7 +41,7 @@ class Result(Pictured):
     framebuffer   the window's framebuffer, top row first (the same object in every Result of one Machine)
     surfaces      the pbuffers' framebuffers by name (the same objects likewise)
     textures      texture objects by name, as they are afterwards, bottom row first
-    pixels        what each ReadPixels read, by its name, bottom row first
+    pixels        what each ReadPixels and GetTexImage read, by its name, bottom row first
     fragments     how many fragments the Draws and rectangles of pixels made
     dropped       how many primitives were dropped because a projected position was not usable
     undefined     how many groups of pixel textures had no positive q, which then counted as 1

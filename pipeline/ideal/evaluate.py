@@ -22,6 +22,7 @@ from fixedpipe.pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    GetTexImage,
     HostStep,
     MakeCurrent,
     ReadPixels,
@@ -39,7 +40,7 @@ from fixedpipe.pipeline.ideal.primitives import check_primitives, primitives_of
 from fixedpipe.pipeline.ideal.rectangles import draw_rectangle
 from fixedpipe.pipeline.ideal.result import IdealResult
 from fixedpipe.pipeline.ideal.shade import plan_for, shade
-from fixedpipe.pipeline.ideal.textures import copied_texture, replaced_texture, with_ideal
+from fixedpipe.pipeline.ideal.textures import copied_texture, replaced_texture, texture_pixels, with_ideal
 from fixedpipe.pipeline.ideal.weights import fragments_of, mesh_of, pixels_of, weigh
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
@@ -238,6 +239,11 @@ class _Evaluation:
         if read is not None:
             self.pixels[command.name] = read
 
+    def get_tex_image(self, command):
+        read = texture_pixels(self.textures[command.texture], command, self.statistics)
+        if read is not None:
+            self.pixels[command.name] = read
+
     def host_step(self, command):
         self.valid.issue(command, self.pixels)
 
@@ -264,6 +270,7 @@ OPERATIONS = {
     CopyTexImage: _Evaluation.copy_tex_image,
     CopyTexSubImage: _Evaluation.copy_tex_sub_image,
     ReadPixels: _Evaluation.read_pixels,
+    GetTexImage: _Evaluation.get_tex_image,
     HostStep: _Evaluation.host_step,
     Saturate: _Evaluation.saturate,
     Accum: _Evaluation.accum,

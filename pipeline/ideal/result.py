@@ -20,7 +20,8 @@ class IdealResult(Pictured):
     depth     float64 [h, w], window depth in [0, 1]
     stencil   uint8 [h, w]
     textures  name to Texture, bottom row first, every one with its ``ideal`` levels
-    pixels    name to array, of ReadPixels, bottom row first: colours, depths float64; stencil uint8
+    pixels    name to array, of ReadPixels and GetTexImage, bottom row first: colours, depths float64; stencil
+              uint8
     histograms, minmaxes  as a Result's
     """
 

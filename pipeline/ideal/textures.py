@@ -6,11 +6,21 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.pipeline.framebuffers.texture_copies import depth_texture, sunk_texture
-from fixedpipe.pipeline.framebuffers.transfer import transfer_depths
+from fixedpipe.pipeline.framebuffers.texture_queries import queried_colors
+from fixedpipe.pipeline.framebuffers.transfer import elements_of, transfer_depths
 from fixedpipe.pipeline.ideal.buffers import transferred
 from fixedpipe.pipeline.pixel_transfer import transferred_size
 from fixedpipe.pipeline.profiles import IDEAL
-from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, Texture, pyramid, texture_2d
+from fixedpipe.pipeline.textures.images import (
+    BASE_FORMAT,
+    DEPTH_TEXELS,
+    KEPT,
+    RETURNED_COMPONENTS,
+    Texture,
+    pyramid,
+    register_components,
+    texture_2d,
+)
 
 
 def with_ideal(texture):
@@ -46,6 +56,22 @@ def replaced_texture(command, texture, buffers, statistics, own=False):
     """
     copied = _copied(command, texture, False, buffers, statistics)
     return None if copied is None else _patched(command, texture, copied, own)
+
+
+def texture_pixels(texture, command, statistics):
+    """What a GetTexImage returns of a texture with real texels; None where a sink took it."""
+    level, base = texture.ideal[command.level], BASE_FORMAT[texture.internal_format]
+    if texture.internal_format in DEPTH_TEXELS:
+        return transfer_depths(level[command.face, ..., 0], command.transfer)
+    return queried_colors(
+        texture.target,
+        level,
+        command,
+        lambda image: register_components(image[..., list(KEPT[base])], base, 1.0, RETURNED_COMPONENTS),
+        lambda groups: elements_of(groups, command.format),
+        IDEAL,
+        statistics,
+    )
 
 
 def _copied(command, known, mipmaps, buffers, statistics):

@@ -42,6 +42,7 @@ from fixedpipe.pipeline.profiles.specified import (
     CORE_WRAP_MODES,
     NOT_CORE,
     OF_SUBSET_ALONE,
+    UNTOUCHED_QUERIES,
 )
 
 _NO_VOLUMES = "Assumed: no 3D textures; a G400's driver that lists EXT_texture3D would settle it"
@@ -191,6 +192,7 @@ G400 = Profile(
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, _DRIVER),
+        transfers_texture_queries=known(False, UNTOUCHED_QUERIES),
         color_matrix=known(False, OF_SUBSET_ALONE),
         color_tables=known(False, OF_SUBSET_ALONE),
         max_color_table_size=known(0, OF_SUBSET_ALONE),

@@ -36,6 +36,7 @@ from fixedpipe.pipeline.profiles.specified import (
     CORE_FORMATS,
     CORE_SOURCE_FACTORS,
     SUBSET_EQUATIONS,
+    UNTOUCHED_QUERIES,
 )
 
 _NO_IMAGING = "Assumed: none; a driver of 1999 that lists ARB_imaging would settle it"
@@ -175,6 +176,7 @@ GEFORCE_256 = Profile(
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, "Assumed: 256; OpenGL 1.2.1 section 3.6.3 asks for 32"),
+        transfers_texture_queries=known(False, UNTOUCHED_QUERIES),
         color_matrix=known(False, _NO_IMAGING),
         color_tables=known(False, _NO_IMAGING),
         max_color_table_size=known(0, _NO_IMAGING),

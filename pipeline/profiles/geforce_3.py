@@ -38,7 +38,7 @@ from fixedpipe.pipeline.profiles.sections import (
     TextureShaders,
     Vertices,
 )
-from fixedpipe.pipeline.profiles.specified import SUBSET_EQUATIONS
+from fixedpipe.pipeline.profiles.specified import SUBSET_EQUATIONS, UNTOUCHED_QUERIES
 from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _DRIVER = "Assumed: none; a driver of 2001 would settle it"
@@ -223,6 +223,7 @@ GEFORCE_3 = Profile(
         max_pixel_map_table=known(
             256, "Assumed: as on the GeForce 256; a MAX_PIXEL_MAP_TABLE query would settle it"
         ),
+        transfers_texture_queries=known(False, UNTOUCHED_QUERIES),
         color_matrix=known(False, _DRIVER),
         color_tables=known(False, _DRIVER),
         max_color_table_size=known(0, _DRIVER),

@@ -149,6 +149,7 @@ IDEAL = Profile(
     ),
     pixels=Pixels(
         max_pixel_map_table=_given(65536),
+        transfers_texture_queries=_given(True),
         color_matrix=_given(True),
         color_tables=_given(True),
         max_color_table_size=_given(65536),

@@ -43,6 +43,7 @@ from fixedpipe.pipeline.profiles.specified import (
     NOT_CORE,
     OF_SUBSET,
     SUBSET_EQUATIONS,
+    TRANSFERRED_QUERIES,
 )
 from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
@@ -168,6 +169,7 @@ INFINITE_REALITY = Profile(
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, _DRIVER),
+        transfers_texture_queries=known(True, TRANSFERRED_QUERIES),
         color_matrix=known(True, OF_SUBSET),
         color_tables=known(True, OF_SUBSET),
         max_color_table_size=known(4096, _SUBSET),

@@ -39,6 +39,7 @@ from fixedpipe.pipeline.profiles.specified import (
     CORE_WRAP_MODES,
     NOT_CORE,
     OF_SUBSET_ALONE,
+    UNTOUCHED_QUERIES,
 )
 
 _NO_VOLUMES = "Assumed: no 3D textures; a driver of the time that lists EXT_texture3D would settle it"
@@ -166,6 +167,7 @@ MULTITEXTURE = Profile(
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, _DRIVER),
+        transfers_texture_queries=known(False, UNTOUCHED_QUERIES),
         color_matrix=known(False, OF_SUBSET_ALONE),
         color_tables=known(False, OF_SUBSET_ALONE),
         max_color_table_size=known(0, OF_SUBSET_ALONE),

@@ -42,6 +42,7 @@ from fixedpipe.pipeline.profiles.sections import (
     TextureShaders,
     Vertices,
 )
+from fixedpipe.pipeline.profiles.specified import UNTOUCHED_QUERIES
 from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _NOT_ASKED = "Assumed: none; no capture asks for it"
@@ -192,6 +193,7 @@ NV2A = Profile(
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, "Assumed: as on the GeForce 256; no capture asks for it"),
+        transfers_texture_queries=known(False, UNTOUCHED_QUERIES),
         color_matrix=known(False, _NOT_ASKED),
         color_tables=known(False, _NOT_ASKED),
         max_color_table_size=known(0, _NOT_ASKED),

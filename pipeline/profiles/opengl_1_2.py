@@ -38,6 +38,7 @@ from fixedpipe.pipeline.profiles.specified import (
     OF_SUBSET,
     OF_SUBSET_ALONE,
     SUBSET_EQUATIONS,
+    UNTOUCHED_QUERIES,
 )
 
 _NO_COMBINERS = "Assumed: does not matter; the machine has no register combiners"
@@ -157,6 +158,7 @@ OPENGL_1_2 = Profile(
         max_pixel_map_table=known(
             256, "Assumed: 256; OpenGL 1.2.1 section 3.6.3 asks for 32, and no board is meant in particular"
         ),
+        transfers_texture_queries=known(False, UNTOUCHED_QUERIES),
         color_matrix=known(False, OF_SUBSET_ALONE),
         color_tables=known(False, OF_SUBSET_ALONE),
         max_color_table_size=known(0, OF_SUBSET_ALONE),

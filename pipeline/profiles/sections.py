@@ -161,6 +161,7 @@ class Pixels(Section):
     """Rectangles of pixels on their way: pixel transfer and pixel textures."""
 
     max_pixel_map_table: int  # entries of a pixel map
+    transfers_texture_queries: bool  # whether what GetTexImage returns goes through pixel transfer
     color_matrix: bool
     color_tables: bool  # of pixel transfer
     max_color_table_size: int  # entries of a colour table and of a histogram

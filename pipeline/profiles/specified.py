@@ -14,6 +14,9 @@ from fixedpipe.pipeline.textures.images import COMPONENT_BITS
 # Evidence for what a machine lacks because OpenGL does not ask for it, and for the imaging subset.
 NOT_CORE = "Source: OpenGL 1.2.1: no part of it"
 OF_SUBSET_ALONE = "Source: OpenGL 1.2.1 section 3.6.2: part of the imaging subset alone"
+# Section 3.6.5 names GetTexImage under convolution; SGI's Sample Implementation 1.2.1 keeps to section 6.1.4.
+UNTOUCHED_QUERIES = "Source: OpenGL 1.2.1 section 6.1.4: no pixel transfer operations"
+TRANSFERRED_QUERIES = "Source: EXT_convolution, EXT_texture3D, of images that GetTexImage returns"
 OF_SUBSET = "Source: OpenGL 1.2.1 section 3.6.2, the imaging subset"
 
 # Sections 3.8, 3.8.1 (table 3.16, up to eight bits), 3.8.4, 2.10.4, 3.8.9 and 4.1.4.

@@ -40,6 +40,7 @@ from fixedpipe.pipeline.profiles.specified import (
     CORE_WRAP_MODES,
     NOT_CORE,
     OF_SUBSET_ALONE,
+    UNTOUCHED_QUERIES,
 )
 
 _PAPER = "Assumed: as on the plain board; Schilling, Knittel, Strasser 1996 would settle it"
@@ -163,6 +164,7 @@ TEXRAM = Profile(
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, _PAPER),
+        transfers_texture_queries=known(False, UNTOUCHED_QUERIES),
         color_matrix=known(False, OF_SUBSET_ALONE),
         color_tables=known(False, OF_SUBSET_ALONE),
         max_color_table_size=known(0, OF_SUBSET_ALONE),

@@ -122,11 +122,21 @@ KEPT = {
 
 # Where a base format's components go in a texture register: an index into them, or the constant 0 or 1.
 # Source: NV_register_combiners table 2.
-REGISTER_COMPONENTS = {
+REGISTER_COMPONENTS: dict[BaseFormat, tuple[str | int, ...]] = {
     BaseFormat.ALPHA: ("0", "0", "0", 0),
     BaseFormat.LUMINANCE: (0, 0, 0, "1"),
     BaseFormat.LUMINANCE_ALPHA: (0, 0, 0, 1),
     BaseFormat.INTENSITY: (0, 0, 0, 0),
+    BaseFormat.RGB: (0, 1, 2, "1"),
+    BaseFormat.RGBA: (0, 1, 2, 3),
+}
+
+# Where they go in a pixel group that GetTexImage returns, likewise.  Source: OpenGL 1.2.1 table 6.1.
+RETURNED_COMPONENTS: dict[BaseFormat, tuple[str | int, ...]] = {
+    BaseFormat.ALPHA: ("0", "0", "0", 0),
+    BaseFormat.LUMINANCE: (0, "0", "0", "1"),
+    BaseFormat.LUMINANCE_ALPHA: (0, "0", "0", 1),
+    BaseFormat.INTENSITY: (0, "0", "0", "1"),
     BaseFormat.RGB: (0, 1, 2, "1"),
     BaseFormat.RGBA: (0, 1, 2, 3),
 }
@@ -167,10 +177,17 @@ def widen_to_byte(component, bits):
     return value & 0xFF
 
 
-def register_components(components: NDArray[Any], base: BaseFormat, one: Any) -> NDArray[Any]:
-    """Base-format components [..., c] to register components [..., 4]; ``one`` is full intensity."""
+def register_components(
+    components: NDArray[Any],
+    base: BaseFormat,
+    one: Any,
+    places: dict[BaseFormat, tuple[str | int, ...]] = REGISTER_COMPONENTS,
+) -> NDArray[Any]:
+    """Base-format components [..., c] to register components [..., 4], or by RETURNED_COMPONENTS to groups;
+    ``one`` is full intensity.
+    """
     out = np.empty((*components.shape[:-1], 4), components.dtype)
-    for k, what in enumerate(REGISTER_COMPONENTS[base]):
+    for k, what in enumerate(places[base]):
         out[..., k] = components[..., what] if isinstance(what, int) else (one if what == "1" else 0)
     return out
 

@@ -22,7 +22,7 @@ DEPTH_FORMAT, STENCIL_FORMAT, COLOR_INDEX_FORMAT = "DEPTH_COMPONENT", "STENCIL_I
 INDEX_FORMATS = (STENCIL_FORMAT, COLOR_INDEX_FORMAT)
 
 # What ReadPixels reads colours as.  Source: OpenGL 1.2.1 section 4.3.2.
-READ_FORMATS = tuple(name for name in IMAGE_FORMATS if name not in ("BGRA", "BGR"))
+READ_FORMATS = tuple(IMAGE_FORMATS)
 # What it returns them as, and what NumPy type holds it. Source: OpenGL 1.2.1 table 4.7.
 COMPONENT_TYPES = {
     "UNSIGNED_BYTE": "uint8",

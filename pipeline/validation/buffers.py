@@ -99,32 +99,39 @@ def saturate(walk, command):
         surfaces.scissor(walk, command.scissor)
 
 
-def read_pixels(walk, command):
-    """Refuse a ReadPixels of what is not there, or under a name that is taken."""
-    known = (*READ_FORMATS, DEPTH_FORMAT, STENCIL_FORMAT)
-    if command.format not in known:
-        walk.refuse(f"ReadPixels knows no format {command.format!r}; give one of {', '.join(known)}.")
-    if command.format == STENCIL_FORMAT:
-        stencil_buffer(walk, "reads the stencil buffer")
+def read_as(walk, command, formats):
+    """Refuse a read under a name that is taken, of a format not among these, or as a type that does not hold
+    it; remember its name.
+    """
+    what = type(command).__name__
+    if command.format not in formats:
+        walk.refuse(f"{what} knows no format {command.format!r}; give one of {', '.join(formats)}.")
     if command.name in walk.read:
-        walk.refuse(f"an earlier ReadPixels already has the name {command.name!r}; give this one another.")
+        walk.refuse(
+            f"an earlier ReadPixels or GetTexImage already has the name {command.name!r}; give this one "
+            "another."
+        )
     walk.read.add(command.name)
     if not has_sink(command.transfer):
         walk.given.add(command.name)
-    size = surfaces.framebuffer_rectangle(walk, command)
-    color_buffer(walk, command.read_buffer)
-    colors = command.format in READ_FORMATS
     if command.type not in READ_TYPES:
-        walk.refuse(f"ReadPixels knows no type {command.type!r}; give one of {', '.join(READ_TYPES)}.")
+        walk.refuse(f"{what} knows no type {command.type!r}; give one of {', '.join(READ_TYPES)}.")
     if command.type in PACKED_TYPES and command.format not in packed_formats(command.type):
         walk.refuse(
             f"{command.type} holds groups of {' or '.join(packed_formats(command.type))}, and the format is "
             f"{command.format}; give that format, or a type of single components."
         )
-    if not colors and command.type != "UNSIGNED_BYTE":
-        walk.refuse(
-            f"{command.format} is read in the buffer's own units whatever the type; leave type alone."
-        )
-    transferred(walk, command, *size, deep=not colors)
+    if command.format not in READ_FORMATS and command.type != "UNSIGNED_BYTE":
+        walk.refuse(f"{command.format} is read in its own units whatever the type; leave type alone.")
+
+
+def read_pixels(walk, command):
+    """Refuse a ReadPixels of what is not there, or under a name that is taken."""
+    read_as(walk, command, (*READ_FORMATS, DEPTH_FORMAT, STENCIL_FORMAT))
+    if command.format == STENCIL_FORMAT:
+        stencil_buffer(walk, "reads the stencil buffer")
+    size = surfaces.framebuffer_rectangle(walk, command)
+    color_buffer(walk, command.read_buffer)
+    transferred(walk, command, *size, deep=command.format not in READ_FORMATS)
     scale = command.transfer.depth_scale, command.transfer.depth_bias
     fixed_depths(walk, command.format == DEPTH_FORMAT and scale != (1.0, 0.0), "scales depths")

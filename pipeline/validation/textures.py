@@ -6,7 +6,7 @@ from weakref import WeakSet
 import numpy as np
 
 from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
-from fixedpipe.pipeline.pixel_transfer import convolution, filter_size
+from fixedpipe.pipeline.pixel_transfer import changes_nothing, convolution, filter_size
 from fixedpipe.pipeline.sentences import count, depth_words, listed, nearest_power_of_two, quoted
 from fixedpipe.pipeline.textures.images import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
 from fixedpipe.pipeline.textures.pixel_formats import (
@@ -14,6 +14,7 @@ from fixedpipe.pipeline.textures.pixel_formats import (
     DEPTH_FORMAT,
     DEPTH_READABLE_AS,
     IMAGE_FORMATS,
+    READ_FORMATS,
     READABLE_AS,
 )
 from fixedpipe.pipeline.validation import buffers, surfaces
@@ -231,17 +232,7 @@ def copy_tex_sub_image(walk, command):
         sizes = _mipmap_sizes(walk, *known.sizes[0])
         faces = known.faces[:1] * len(sizes)
         walk.textures[command.texture] = KnownTexture(known.target, known.internal_format, sizes, faces)
-    if not 0 <= command.level < len(known.sizes):
-        walk.refuse(
-            f"level {command.level} of {command.texture!r} does not exist; it has {len(known.sizes)}. "
-            f"Give a level from 0 to {len(known.sizes) - 1}."
-        )
-    faces = known.faces[command.level]
-    if not 0 <= command.face < faces:
-        walk.refuse(
-            f"face {command.face} of {command.texture!r} does not exist; a {known.target.name} has "
-            f"{f'faces 0 to {faces - 1}' if faces > 1 else 'face 0 only'}."
-        )
+    _level_and_face(walk, command, known)
     width, height = surfaces.framebuffer_rectangle(walk, command)
     buffers.color_buffer(walk, command.read_buffer)
     deep = known.internal_format in DEPTH_TEXELS
@@ -254,6 +245,53 @@ def copy_tex_sub_image(walk, command):
         (command.x_offset, command.y_offset, width, height),
         *known.sizes[command.level],
     )
+
+
+def _level_and_face(walk, command, known, faces=None):
+    """Refuse a level or a face that a texture does not have. ``faces``: how many count; None: all."""
+    if not 0 <= command.level < len(known.sizes):
+        walk.refuse(
+            f"level {command.level} of {command.texture!r} does not exist; it has {len(known.sizes)}. "
+            f"Give a level from 0 to {len(known.sizes) - 1}."
+        )
+    faces = faces or known.faces[command.level]
+    if not 0 <= command.face < faces:
+        walk.refuse(
+            f"face {command.face} of {command.texture!r} does not exist; a {known.target.name} has "
+            f"{f'faces 0 to {faces - 1}' if faces > 1 else 'face 0 only'}."
+        )
+
+
+def get_tex_image(walk, command):
+    """Refuse a GetTexImage of what is not there, or as what the texture does not hold."""
+    buffers.read_as(walk, command, (*READ_FORMATS, DEPTH_FORMAT))
+    known = known_texture(walk, command.texture)
+    internal_format = known.internal_format
+    deep = internal_format in DEPTH_TEXELS
+    if not deep and internal_format not in {*COMPONENT_BITS, *TWELVE_BIT_FORMATS}:
+        walk.refuse(
+            f"{command.texture!r} is {internal_format.name}, and GetTexImage has no format for its words; it "
+            f"reads {listed({*COMPONENT_BITS, *TWELVE_BIT_FORMATS, *DEPTH_TEXELS})}."
+        )
+    if deep != (command.format == DEPTH_FORMAT):
+        instead = f"give {DEPTH_FORMAT}" if deep else "give a format of colours"
+        walk.refuse(
+            f"{command.texture!r} is {internal_format.name} and the format is {command.format}; {instead}."
+        )
+    _level_and_face(walk, command, known, faces=1 if known.target is TextureTarget.TEXTURE_3D else None)
+    if not (changes_nothing(command.transfer) or walk.profile.pixels.transfers_texture_queries):
+        walk.refuse(
+            f"it has a pixel transfer; {walk.profile.name} returns texture images without one. Leave "
+            "transfer out, or draw the texture and give it to ReadPixels."
+        )
+    dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(known.target, 2)
+    transferred(walk, command, *known.sizes[command.level], dimensions, deep)
+    scaled = (command.transfer.depth_scale, command.transfer.depth_bias) != (1.0, 0.0)
+    if deep and scaled and internal_format not in _FIXED_DEPTHS:
+        walk.refuse(
+            f"it scales depths of {internal_format.name}; only fixed-point depths go through pixel transfer. "
+            "Leave depth_scale and depth_bias alone."
+        )
 
 
 def bind_tex_image(walk, command):

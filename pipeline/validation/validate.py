@@ -29,6 +29,7 @@ from fixedpipe.pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    GetTexImage,
     HostStep,
     MakeCurrent,
     Mesh,
@@ -68,6 +69,7 @@ from fixedpipe.pipeline.validation.textures import (
     bind_tex_image,
     copy_tex_image,
     copy_tex_sub_image,
+    get_tex_image,
     store,
     tex_image,
 )
@@ -101,6 +103,7 @@ VALIDATIONS = {
     TexImage: tex_image,
     CopyTexImage: copy_tex_image,
     CopyTexSubImage: copy_tex_sub_image,
+    GetTexImage: get_tex_image,
     ReadPixels: read_pixels,
     HostStep: host_step,
     Saturate: saturate,

@@ -116,7 +116,8 @@ class Walk:
     surfaces    name to KnownSurface
     textures    name to KnownTexture
     warned      whether of the command at hand
-    read        names that ReadPixels gave; ``given``: those of them whose pixels no histogram's sink took
+    read        names that ReadPixels or GetTexImage gave; ``given``: those of them whose pixels no
+                histogram's sink took
     histograms, minmaxes  names of those that count
     """
 

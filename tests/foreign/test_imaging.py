@@ -11,7 +11,7 @@ import json
 import numpy as np
 import pytest
 
-from fixedpipe.pipeline.commands import DrawPixels, ReadPixels, TexImage
+from fixedpipe.pipeline.commands import DrawPixels, GetTexImage, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode, InternalFormat, TextureTarget
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.pixel_transfer import (
@@ -35,14 +35,14 @@ DTYPES = {
     "UNSIGNED_INT": np.uint32,
     "FLOAT": np.float32,
 }
-# The components that GetTexImage gave of an internal format.
-KEPT = {
-    "ALPHA8": [3],
-    "LUMINANCE8": [0],
-    "LUMINANCE8_ALPHA8": [0, 3],
-    "INTENSITY8": [0],
-    "RGB8": [0, 1, 2],
-    "RGBA8": [0, 1, 2, 3],
+# As what GetTexImage gave an internal format's components.
+QUERIED = {
+    "ALPHA8": "ALPHA",
+    "LUMINANCE8": "LUMINANCE",
+    "LUMINANCE8_ALPHA8": "LUMINANCE_ALPHA",
+    "INTENSITY8": "RED",
+    "RGB8": "RGB",
+    "RGBA8": "RGBA",
 }
 # The file's short names of a PixelTransfer's fields.
 NUMBERS = {
@@ -128,9 +128,10 @@ def found_by(case):
             target=TextureTarget[f"TEXTURE_{case['op'][-2:]}"],
             internal_format=InternalFormat[case["internal"]],
             transfer=transfer,
-        )
+        ),
+        GetTexImage(label="query", name="q", texture="t", format=QUERIED[case["internal"]]),
     )
-    return result.textures["t"].levels[0][0][..., KEPT[case["internal"]]], result
+    return result.pixels["q"], result
 
 
 def is_as_expected(case, expected):

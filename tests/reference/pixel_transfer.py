@@ -324,14 +324,16 @@ def transfer_depth(value, state):
 
 
 def component_read(group, pixel_format, pixel_type):
-    """What ReadPixels returns: a list of integers or floats, or a packed type's word. Source: OpenGL 1.2.1
-    section 4.3.2.
+    """What ReadPixels and GetTexImage return: a list of integers or floats, or a packed type's word. Source:
+    OpenGL 1.2.1 section 4.3.2.
     """
     r, g, b, a = group
     luminance = r + g + b
     elements = {
         "RGBA": [r, g, b, a],
         "RGB": [r, g, b],
+        "BGRA": [b, g, r, a],
+        "BGR": [b, g, r],
         "RED": [r],
         "GREEN": [g],
         "BLUE": [b],

@@ -131,3 +131,59 @@ def read_pixels(target, command, profile, width, height):
         [pixel_transfer.component_read(group, command.format, command.type) for group in row]
         for row in groups(target, state, profile, *box)
     ]
+
+
+# What GetTexImage makes of a base format's components.  Source: OpenGL 1.2.1 table 6.1.
+RETURNED = {
+    "ALPHA": lambda a: [0, 0, 0, a],
+    "LUMINANCE": lambda y: [y, 0, 0, 1],
+    "LUMINANCE_ALPHA": lambda y, a: [y, 0, 0, a],
+    "INTENSITY": lambda i: [i, 0, 0, 1],
+    "RGB": lambda r, g, b: [r, g, b, 1],
+    "RGBA": lambda r, g, b, a: [r, g, b, a],
+}
+
+
+def stored_component(byte, bits):
+    """The component of so many bits that was widened to a register's byte. Measured: Texture_format captures,
+    the bits are written again and again.
+    """
+    return Fraction(byte >> (8 - bits), 2**bits - 1)
+
+
+def get_tex_image(texture, command, profile):
+    """Rows, bottom row first, of a 3D texture a list of layers. ``texture``: of register bytes or of depth
+    words; no histogram and no minmax.
+
+    Source: OpenGL 1.2.1 section 6.1.4; ARB_depth_texture; EXT_texture3D: each layer is an image.
+    """
+    level, state = texture.levels[command.level], command.transfer
+    if is_depth_format(texture.internal_format):
+        words = [[sum(byte << 8 * k for k, byte in enumerate(texel)) for texel in row] for row in level[0]]
+        if (state.depth_scale, state.depth_bias) == (1.0, 0.0):
+            return words
+        bits = int(texture.internal_format.name.removeprefix("DEPTH_COMPONENT"))
+        scaled = [
+            [pixel_transfer.transfer_depth(d / float(2**bits - 1), state) for d in row] for row in words
+        ]
+        return [[depth_to_units(depth, bits) for depth in row] for row in scaled]
+    base, *bits = texel_formats.FORMATS[texture.internal_format.name]
+
+    def group(texel):
+        """Source: OpenGL 1.2.1 section 6.1.4."""
+        kept = texel_formats.kept_components(texel, base)
+        components = [stored_component(byte, b) for byte, b in zip(kept, bits, strict=True)]
+        return [Fraction(c) for c in RETURNED[base.name](*components)]
+
+    layered = texture.target.name == "TEXTURE_3D"
+    dimensions = {"TEXTURE_1D": 1, "TEXTURE_3D": 3}.get(texture.target.name, 2)
+    images = []
+    for image in level if layered else [level[command.face]]:
+        groups = [[group(texel) for texel in row] for row in image]
+        groups = pixel_transfer.transfer(
+            groups, state, dimensions, profile.arithmetic.clamps_color_matrix, None, None
+        )
+        images.append(
+            [[pixel_transfer.component_read(g, command.format, command.type) for g in row] for row in groups]
+        )
+    return images if layered else images[0]

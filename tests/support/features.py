@@ -19,6 +19,7 @@ from fixedpipe.pipeline.commands import (
     CopyTexImage,
     Draw,
     DrawPixels,
+    GetTexImage,
     MakeCurrent,
     Mesh,
     ReadPixels,
@@ -979,6 +980,21 @@ def _pixels():
         asked="convol",
         limit=lambda p: p.pixels.max_convolution_size,
         **_TRANSFER,
+    )
+    yield Feature(
+        name="GetTexImage through pixel transfer",
+        group="Pixel transfer",
+        has=lambda p: p.pixels.transfers_texture_queries,
+        commands=(
+            _store(texture_2d(_PICTURE)),
+            GetTexImage(
+                label="use", name="pixels", texture="texture", transfer=PixelTransfer(bias=(0.5,) * 4)
+            ),
+        ),
+        asked="pixel transfer",
+        reference=("tests/reference/transfer.py",),
+        implementation=("pipeline/framebuffers/texture_queries.py",),
+        tests=("tests/pipeline/framebuffers/test_texture_queries.py",),
     )
     swap = ((0.0, 0.0, 1.0, 0.0), (0.0, 1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     yield Feature(

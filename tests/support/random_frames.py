@@ -17,6 +17,7 @@ from fixedpipe.pipeline.commands import (
     CopyTexImage,
     CopyTexSubImage,
     Draw,
+    GetTexImage,
     MakeCurrent,
     Mesh,
     ReadPixels,
@@ -342,8 +343,10 @@ class _Maker:
             return [self.copy()]
         if what < 0.88:
             return self.replacement()
-        if what < 0.92:
+        if what < 0.90:
             return [self.read(self.one_of(_READ_FORMATS))]
+        if what < 0.92:
+            return self.query()
         if what < 0.95:
             redefinable = [name for name in self.textures if name.startswith("image")]
             if not redefinable:
@@ -441,6 +444,29 @@ class _Maker:
             type=self.one_of(COMPONENT_TYPES) if pixel_format in IMAGE_FORMATS else "UNSIGNED_BYTE",
             transfer=self.transfer(),
         )
+
+    def query(self):
+        names = [n for n, t in self.textures.items() if t.internal_format in COMPONENT_BITS]
+        if not names:
+            return [self.copy()]
+        name = self.one_of(names)
+        texture = self.textures[name]
+        volume = texture.target is TextureTarget.TEXTURE_3D
+        level = self.whole(0, len(texture.levels) - 1)
+        return [
+            GetTexImage(
+                label="query",
+                name=self.name("pixels"),
+                texture=name,
+                level=level,
+                face=0 if volume else self.whole(0, len(texture.levels[level]) - 1),
+                format=self.one_of(IMAGE_FORMATS),
+                type=self.one_of(COMPONENT_TYPES),
+                transfer=self.transfer()
+                if self.profile.pixels.transfers_texture_queries
+                else INITIAL_TRANSFER,
+            )
+        ]
 
     def transfer(self):
         """Pixel transfer as far as the machine has it; no image becomes smaller."""

@@ -17,6 +17,7 @@ from fixedpipe.pipeline.commands import (
     CopyTexSubImage,
     Draw,
     DrawPixels,
+    GetTexImage,
     HostStep,
     MakeCurrent,
     ReadPixels,
@@ -162,6 +163,12 @@ def _read_pixels(frame, command, profile):
     frame.types[command.name] = np.uint32 if command.format == "DEPTH_COMPONENT" else np.uint8
 
 
+def _get_tex_image(frame, command, profile):
+    read = transfer.get_tex_image(frame.textures[command.texture], command, profile)
+    frame.pixels[command.name] = read
+    frame.types[command.name] = np.uint32 if command.format == "DEPTH_COMPONENT" else np.uint8
+
+
 def _host_step(frame, command, profile):
     for issued in command.commands({name: _as_read(frame, name) for name in command.reads}):
         _run(frame, issued, profile)
@@ -303,6 +310,7 @@ OPERATIONS = {
     CopyTexImage: _copy_tex_image,
     CopyTexSubImage: _copy_tex_sub_image,
     ReadPixels: _read_pixels,
+    GetTexImage: _get_tex_image,
     HostStep: _host_step,
     Saturate: _nothing,
     Accum: _accum,

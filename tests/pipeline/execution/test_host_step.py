@@ -118,7 +118,10 @@ TEXTURED = PassState(texture_units=(TextureUnit("later"),))
         (None, 'HostStep "host": A frame is a tuple of commands; this is None'),
         (HALF, 'HostStep "host": A frame is a tuple of commands; this is one Clear'),
         ((HALF, "draw"), "Command 1 from HostStep \"host\" on: 'draw' is no command"),
-        ((HALF, READ), 'Command 1 from HostStep "host" on, "read": an earlier ReadPixels already'),
+        (
+            (HALF, READ),
+            'Command 1 from HostStep "host" on, "read": an earlier ReadPixels or GetTexImage already',
+        ),
         (
             (HALF, DrawPixels(label="x", image=PixelImage(np.zeros((1, 1, 4))), state=TEXTURED)),
             "'later'",
