@@ -415,6 +415,11 @@ class MakeCurrent:
     The first MakeCurrent that names a pbuffer makes it: zero colour, the farthest depth, stencil zero. Later
     ones say its size and formats again, and find what it holds. A frame begins with the window. ``samples``:
     of each of its pixels (WGL_ARB_multisample).
+
+    ``shares_depth``: it has no depths and stencil values of its own, but those of the pbuffer ``depth_of``,
+    or where that is None the window's, as Direct3D's SetRenderTarget keeps a depth surface. Pixels that lie
+    as far from the left and from the top have them in common; the other is at least as large, and has as many
+    depth bits and samples.
     """
 
     label: str
@@ -424,6 +429,8 @@ class MakeCurrent:
     color_format: ColorFormat = ColorFormat.A8R8G8B8
     depth_bits: int = 24
     samples: int = 1
+    shares_depth: bool = False
+    depth_of: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

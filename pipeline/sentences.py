@@ -30,6 +30,11 @@ def nearest_power_of_two(edge):
     return above if above - edge <= edge - above // 2 else above // 2
 
 
+def surface_words(name: str | None) -> str:
+    """A framebuffer in words: a pbuffer's name, or None."""
+    return "the window" if name is None else f"pbuffer {name!r}"
+
+
 def depth_words(depth_bits):
     """A depth buffer's format."""
     if depth_bits in (DepthFormat.FLOAT_16, DepthFormat.FLOAT_24):

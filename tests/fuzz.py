@@ -93,7 +93,8 @@ def outcome(frame, way):
 
 
 def _buffers(name, target):
-    return {f"{name} {kind}": np.array(getattr(target, kind)) for kind in ("color", "depth", "stencil")}
+    planes = ("color", "depth", "stencil")  # whose rows may be another's, and longer
+    return {f"{name} {kind}": np.array([r[: target.width] for r in getattr(target, kind)]) for kind in planes}
 
 
 def _specified(frame):

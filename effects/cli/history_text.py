@@ -25,14 +25,13 @@ def _lines(history: PixelHistory) -> Iterator[Text]:
     )
     for touched in history.touched:
         yield Text()
-        yield from _heading(touched)
+        yield from _heading(touched, history.surface)
         for number, fragment in enumerate(touched.fragments):
             yield from _fragment(number, len(touched.fragments), fragment)
 
 
-def _heading(touched: Touched) -> Iterator[Text]:
-    sample = f", sample {touched.sample}" if touched.sample else ""
-    yield Text(f"command {touched.number}, {touched.kind}{sample}: {touched.label}", style="bold cyan")
+def _heading(touched: Touched, surface: str | None) -> Iterator[Text]:
+    yield Text(touched.heading(surface), style="bold cyan")
     if touched.before == touched.after:
         yield Text("  unchanged")
     else:

@@ -244,7 +244,9 @@ def _make_current(command):
     depth_format = DepthFormat(command.depth_bits)
     depth = depth_format.name if depth_format.is_float else f"{command.depth_bits} bits"
     samples = "" if command.samples == 1 else f", {count(command.samples, 'sample')} a pixel"
-    return [f'pbuffer "{command.surface}": {size}, {formats} {depth}{samples}']
+    of = "the window" if command.depth_of is None else f'pbuffer "{command.depth_of}"'
+    shared = f", shared with {of}" if command.shares_depth else ""
+    return [f'pbuffer "{command.surface}": {size}, {formats} {depth}{shared}{samples}']
 
 
 def _bind_tex_image(command):

@@ -225,7 +225,7 @@ class Machine:
 
     def _run(self, commands, trace, record):
         held = self.width, self.height, self.depth_bits, self.textures, self.surfaces, self.statistics
-        valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read))
+        valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read, self.samples or 1))
         self._current, self._drawn_samples = self.framebuffer, self._samples
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
         engine = chosen_engine("portable" if record else self.engine)
@@ -245,6 +245,7 @@ class Machine:
                     frame.snapshots.append(self._snapshot(command))
         finally:  # what was reached before an error is drawn
             self._flush()
+            self._share_depths()
         return Result(
             self.profile,
             self.framebuffer,
@@ -394,6 +395,7 @@ class Machine:
         self.textures[command.texture] = replaced_texture(source, command, *given)
 
     def _bind_tex_image(self, command, frame):
+        self._share_depths()
         samples = self._surface_samples.get(command.surface)
         self.textures[command.texture] = bound_texture(self.surfaces[command.surface], command, samples)
 
@@ -423,16 +425,40 @@ class Machine:
 
     def _make_current(self, command, frame):
         """The framebuffer that is named is made when it is named first."""
+        self._share_depths()
         if command.surface is None:
             self._current, self._drawn_samples = self.framebuffer, self._samples
             return
         name, samples = command.surface, command.samples
         if name not in self.surfaces:
             size = command.width, command.height, command.depth_bits
-            self.surfaces[name] = Framebuffer.new(*size, command.color_format, samples=samples)
+            shared = {"shares_depth": command.shares_depth, "depth_of": command.depth_of}
+            self.surfaces[name] = Framebuffer.new(*size, command.color_format, samples=samples, **shared)
             if samples > 1:
                 self._surface_samples[name] = Samples(self.surfaces[name], samples)
+            if command.shares_depth:
+                self._take_depths(name, command.depth_of)
         self._current, self._drawn_samples = self.surfaces[name], self._surface_samples.get(name)
+
+    def _share_depths(self):
+        """Framebuffers that share their depths with the current one have what was drawn to it."""
+        current = next((name for name, made in self.surfaces.items() if made is self._current), None)
+        owner = self._current.depth_of if self._current.shares_depth else current
+        if self._current.shares_depth:
+            self._take_depths(owner, current)
+        for name, made in self.surfaces.items():
+            if made.shares_depth and made.depth_of == owner and name != current:
+                self._take_depths(name, owner)
+
+    def _take_depths(self, name, source):
+        """Depths and stencil values of one framebuffer, sample by sample, from another; None: the window."""
+        taken, given = (
+            [made for made, _ in samples.targets] if samples else [self.surfaces.get(one, self.framebuffer)]
+            for one in (name, source)
+            for samples in [self._samples if one is None else self._surface_samples.get(one)]
+        )
+        for to, of in zip(taken, given, strict=True):
+            to.take_depths(of)
 
 
 METHODS = {

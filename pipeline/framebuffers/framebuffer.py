@@ -84,6 +84,7 @@ class Framebuffer:
     blending does not clamp, colours are int32, 2**color_bits - 1 is one, and only where it does not clamp do
     values leave [0, one]. ``accumulation``: int32 [h, w, 4] (docs/numbers.md, section 16), None until
     something is stored there. ``samples``: how many a pixel has, of which colours are then the means.
+    ``shares_depth``, ``depth_of``: as the MakeCurrent said; ``take_depths`` keeps such framebuffers alike.
     """
 
     color: NDArray[np.uint8 | np.int32]
@@ -94,6 +95,8 @@ class Framebuffer:
     color_bits: int = 8
     accumulation: NDArray[np.int32] | None = None
     samples: int = 1
+    shares_depth: bool = False
+    depth_of: str | None = None
     _auxiliary: dict[ColorBuffer, "Framebuffer"] = field(default_factory=dict)
 
     @classmethod
@@ -106,6 +109,8 @@ class Framebuffer:
         color_bits: int = 8,
         clamped: bool = True,
         samples: int = 1,
+        shares_depth: bool = False,
+        depth_of: str | None = None,
     ) -> "Framebuffer":
         """An empty framebuffer of ``width`` x ``height`` pixels. ``clamped``: blending clamps."""
         return cls(
@@ -116,7 +121,16 @@ class Framebuffer:
             color_format,
             color_bits,
             samples=samples,
+            shares_depth=shares_depth,
+            depth_of=depth_of,
         )
+
+    def take_depths(self, other: "Framebuffer") -> None:
+        """The depths and stencil values of another become this one's, where both have a pixel as far from the
+        left and from the top.
+        """
+        both = slice(min(self.height, other.height)), slice(min(self.width, other.width))
+        self.depth[both], self.stencil[both] = other.depth[both], other.stencil[both]
 
     @property
     def depth_bits(self) -> int:

@@ -9,6 +9,7 @@ from types import UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from fixedpipe.pipeline.inspection.pixel import PixelValue
+from fixedpipe.pipeline.sentences import surface_words
 
 
 @dataclass(frozen=True)
@@ -99,6 +100,9 @@ class Fragment:
 class Touched:
     """A command that touched the pixel: its number among those that ran, label and type, the sample of the
     pixel, what the pixel held before and after, the fragments that it made there, the ideal's colour after.
+
+    surface  the pbuffer that it drew to; None: the window. It may be another than the history's, which has
+             its depths in common; then the colours are that one's
     """
 
     number: int
@@ -109,6 +113,13 @@ class Touched:
     after: PixelValue
     fragments: tuple[Fragment, ...]
     ideal: tuple[float, ...] = ()
+    surface: str | None = None
+
+    def heading(self, surface: str | None) -> str:
+        """What it is, in words, in the history of a pixel of ``surface``."""
+        sample = f", sample {self.sample}" if self.sample else ""
+        elsewhere = "" if self.surface == surface else f" to {surface_words(self.surface)}"
+        return f"command {self.number}, {self.kind}{elsewhere}{sample}: {self.label}"
 
 
 @dataclass(frozen=True)

@@ -69,7 +69,7 @@ def history(
         if beside is not None:
             ideals = beside.follow(touch, touch.passed, FragmentWitness) or ideals
         fragments = tuple(
-            fragment_of(seen, state, shown.color_bits, found)
+            fragment_of(seen, state, frame.shown(touch.step.surface).color_bits, found)
             for seen, found in zip(touch.fragments, ideals, strict=True)
         )
         buffer = getattr(command if state is None else state, "draw_buffer", ColorBuffer.BACK)
@@ -83,6 +83,7 @@ def history(
                 touch.after,
                 fragments,
                 () if beside is None else beside.color(buffer),
+                touch.step.surface,
             )
         )
     replayed.check()

@@ -46,7 +46,7 @@ def history_html(history: PixelHistory) -> str:
     final = (
         f"{len(history.touched)} of {history.commands} commands touched it; in the end {held(history.final)}."
     )
-    parts = "".join(_touched(touched, history.one) for touched in history.touched)
+    parts = "".join(_touched(touched, history.one, history.surface) for touched in history.touched)
     return f"<p>{escape(where)}<br>{_chip(history.final.color, history.one)} {escape(final)}</p>{parts}"
 
 
@@ -56,9 +56,7 @@ def _chip(color, one):
     return f'<span class=chip style="background:rgb({red},{green},{blue})"></span>'
 
 
-def _touched(touched: Touched, one: int) -> str:
-    sample = f", sample {touched.sample}" if touched.sample else ""
-    head = f"command {touched.number}, {touched.kind}{sample}: {touched.label}"
+def _touched(touched: Touched, one: int, surface: str | None) -> str:
     change = "unchanged"
     if touched.before != touched.after:
         pair = (touched.before, touched.after)
@@ -67,7 +65,7 @@ def _touched(touched: Touched, one: int) -> str:
         _fragment(number, len(touched.fragments), fragment)
         for number, fragment in enumerate(touched.fragments)
     )
-    return f"<h2>{escape(head)}</h2><p>{change}</p>{parts}"
+    return f"<h2>{escape(touched.heading(surface))}</h2><p>{change}</p>{parts}"
 
 
 def _fragment(number: int, count: int, fragment: Fragment) -> str:

@@ -54,9 +54,14 @@ class PixelBuffers:
     ``everywhere``  the same memory as a framebuffer of full size, of which every pixel is this one
     """
 
-    def __init__(self, like: Framebuffer, accumulation: NDArray[np.int32]):
+    def __init__(
+        self, like: Framebuffer, accumulation: NDArray[np.int32], sharing: "PixelBuffers | None" = None
+    ):
+        """``sharing``: other buffers whose depth and stencil value these are."""
         new = np.zeros((1, 1, 4), like.color.dtype)
         depth, stencil = np.full((1, 1), 2**like.depth_bits - 1, np.uint32), np.zeros((1, 1), np.uint8)
+        if sharing is not None:
+            depth, stencil = sharing.one.depth, sharing.one.stencil
         colors = {which: new.copy() for which in ColorBuffer}
 
         def seen(plane):
@@ -104,14 +109,29 @@ class Touch:
     passed: tuple[bool, ...] = ()
     alone: PassState | None = None
 
+    @property
+    def changes_depths(self) -> bool:
+        """Whether the depth or the stencil value is another afterwards."""
+        before, after = self.before, self.after
+        return (before.depth, before.stencil) != (after.depth, after.stencil)
+
 
 class ReplayedPixel:
     """Pixel (x, y) of a RecordedFrame's window or pbuffer, x to the right and y downwards from the top left.
 
+    Framebuffers that have their depths in common have that pixel's too: what is drawn to them counts.
+
     Raises ValueError for a pixel outside, and for a pbuffer that is not there.
     """
 
-    def __init__(self, frame: RecordedFrame, x: int, y: int, surface: str | None = None):
+    def __init__(
+        self,
+        frame: RecordedFrame,
+        x: int,
+        y: int,
+        surface: str | None = None,
+        _first: "ReplayedPixel | None" = None,
+    ):
         shown = frame.shown(surface)
         for name, value in (("x", x), ("y", y)):
             if not isinstance(value, Integral):
@@ -124,20 +144,32 @@ class ReplayedPixel:
         self.frame, self.x, self.y, self.surface, self._shown = frame, x, y, surface, shown
         positions = SAMPLE_POSITIONS[frame.samples if surface is None else shown.samples]
         accumulation = np.zeros((1, 1, 4), np.int32)
-        self._targets = [(PixelBuffers(shown, accumulation), position) for position in positions]
+        shared = [None] * len(positions) if _first is None else [buffers for buffers, _ in _first._targets]
+        self._targets = [
+            (PixelBuffers(shown, accumulation, sharing), position)
+            for sharing, position in zip(shared, positions, strict=True)
+        ]
         one = len(positions) == 1
         self._window = self._targets[0][0] if one else PixelBuffers(shown, accumulation)
+        self._sharing = {surface: self}
+        for other in () if _first else frame.sharing(surface):
+            there = frame.shown(other)
+            if other != surface and x < there.width and y < there.height:
+                self._sharing[other] = ReplayedPixel(frame, x, y, other, self)
 
     def run(self, witness: Callable[[], Witness]) -> Iterator[Touch]:
-        """A Touch for every command, and sample, that touched the pixel, in order.
+        """A Touch for every command, and sample, that touched the pixel, in order; of those that drew to
+        another framebuffer, where they changed the depth or the stencil value that both have.
 
         ``witness``: makes the witness of a fragment before it is drawn; the Touch names it.
         """
         for step in self.frame.steps:
-            draw = _DRAWING.get(type(step.command))
-            if draw is None or step.surface != self.surface:
+            draw, pixel = _DRAWING.get(type(step.command)), self._sharing.get(step.surface)
+            if draw is None or pixel is None:
                 continue
-            yield from draw(self, step, step.command, witness)
+            for touch in draw(pixel, step, step.command, witness):
+                if pixel is self or touch.changes_depths:
+                    yield touch
 
     def check(self) -> None:
         """Raise AssertionError where the pixel is not what the frame left in it."""

@@ -74,6 +74,12 @@ class RecordedFrame:
             raise ValueError(f"This frame has no pbuffer {surface!r}; there are: {there}.")
         return self.result.surfaces[surface]
 
+    def sharing(self, surface: str | None) -> tuple[str | None, ...]:
+        """The framebuffers that have their depths in common with one, itself among them; None: the window."""
+        made = self.result.surfaces
+        owner = {name: it.depth_of if it.shares_depth else name for name, it in made.items()}
+        return tuple(name for name in (None, *made) if owner.get(name) == owner.get(surface))
+
 
 def record(commands: Any, profile: Profile, width: int, height: int, **machine: Any) -> RecordedFrame:
     """Run ``commands`` as ``execute`` does, and remember what any pixel needs. Returns a RecordedFrame.

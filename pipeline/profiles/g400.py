@@ -189,6 +189,7 @@ G400 = Profile(
         samples=known((1,), NOT_CORE),
         shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
         surface_formats=known(frozenset(), NOT_CORE),
+        shared_depth=known(False, NOT_CORE),
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, _DRIVER),

@@ -173,6 +173,7 @@ GEFORCE_256 = Profile(
         surface_formats=known(
             frozenset(), "Assumed: none; a driver of 1999 that lists WGL_ARB_pbuffer would settle it"
         ),
+        shared_depth=known(False, "Source: WGL_ARB_pbuffer: each has its own buffers; here no pbuffers"),
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, "Assumed: 256; OpenGL 1.2.1 section 3.6.3 asks for 32"),

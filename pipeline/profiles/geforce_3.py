@@ -218,6 +218,11 @@ GEFORCE_3 = Profile(
         surface_formats=known(
             frozenset(ColorFormat), "Inferred: from the NV2A: nv_objects.h, SET_SURFACE_FORMAT_COLOR"
         ),
+        shared_depth=known(
+            True,
+            "Inferred: from the NV2A's two offsets; Direct3D 8 keeps a depth surface with another target. "
+            "WGL_ARB_pbuffer offers it to no OpenGL program",
+        ),
     ),
     pixels=Pixels(
         max_pixel_map_table=known(

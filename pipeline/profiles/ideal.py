@@ -146,6 +146,7 @@ IDEAL = Profile(
         samples=_given((1,)),
         shades_samples=_given(True),
         surface_formats=_given(frozenset()),
+        shared_depth=_given(False),
     ),
     pixels=Pixels(
         max_pixel_map_table=_given(65536),

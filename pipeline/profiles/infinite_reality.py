@@ -166,6 +166,7 @@ INFINITE_REALITY = Profile(
         samples=known((1, 4, 8), "Assumed: 1, 4 or 8; Montrym, Baum, Dignam, Migdal 1997 would settle it"),
         shades_samples=known(True, "Assumed: as docs/decisions, page 0012, says"),
         surface_formats=known(frozenset(), NOT_CORE),
+        shared_depth=known(False, NOT_CORE),
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, _DRIVER),

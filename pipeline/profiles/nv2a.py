@@ -190,6 +190,9 @@ NV2A = Profile(
         ),
         shades_samples=known(False, "Measured: one colour for a pixel, two coverages (Swath_width captures)"),
         surface_formats=known(frozenset(ColorFormat), "Source: nv_objects.h, SET_SURFACE_FORMAT_COLOR"),
+        shared_depth=known(
+            True, "Source: nv_objects.h, SET_SURFACE_COLOR_OFFSET and SET_SURFACE_ZETA_OFFSET apart"
+        ),
     ),
     pixels=Pixels(
         max_pixel_map_table=known(256, "Assumed: as on the GeForce 256; no capture asks for it"),

@@ -154,6 +154,7 @@ class Framebuffers(Section):
         bool  # of several each computes its own fragment; else all take that of the pixel's middle
     )
     surface_formats: frozenset[ColorFormat]  # of pbuffers' colours; none: no pbuffers
+    shared_depth: bool  # whether a pbuffer's depths may be the window's or another pbuffer's
 
 
 @dataclass(frozen=True, kw_only=True)

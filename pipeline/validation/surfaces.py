@@ -2,7 +2,7 @@
 
 from fixedpipe.pipeline.commands import box_read
 from fixedpipe.pipeline.enums import DepthFormat
-from fixedpipe.pipeline.sentences import count, depth_words, listed, shown
+from fixedpipe.pipeline.sentences import count, depth_words, listed, quoted, shown, surface_words
 from fixedpipe.pipeline.validation.types import check_int
 from fixedpipe.pipeline.validation.walk import KnownSurface, UnsupportedState
 
@@ -59,7 +59,9 @@ def make_current(walk, command):
     if name is None:
         if command.width is not None or command.height is not None:
             walk.refuse("the window has its size; give width and height to pbuffers only.")
-        walk.width, walk.height, walk.depth_bits = walk.window
+        if command.shares_depth or command.depth_of is not None:
+            walk.refuse("the window has its own depths; let the pbuffer share them.")
+        walk.width, walk.height, _, walk.depth_bits = walk.window[:4]
         walk.in_window = True
         return
     if not walk.profile.framebuffers.surface_formats:
@@ -79,8 +81,8 @@ def make_current(walk, command):
             f"pbuffer {name!r} has {count(command.samples, 'sample')} in each pixel; "
             f"{walk.profile.name} has {allowed}. Give one of these."
         )
-    given = command.width, command.height, command.color_format, command.depth_bits, command.samples
-    asked = KnownSurface(*given)
+    asked = KnownSurface(*(getattr(command, name) for name in KnownSurface._fields))
+    _shared_depth(walk, command)
     made = walk.surfaces.setdefault(name, asked)
     if made != asked:
         walk.refuse(
@@ -92,6 +94,49 @@ def make_current(walk, command):
     )
     walk.width, walk.height, walk.depth_bits = command.width, command.height, command.depth_bits
     walk.in_window = False
+
+
+def _shared_depth(walk, command):
+    """Refuse a depth buffer that a pbuffer cannot have in common with another framebuffer."""
+    name, of = command.surface, command.depth_of
+    if not command.shares_depth:
+        if of is not None:
+            walk.refuse(
+                f"pbuffer {name!r} names the depths of {of!r} and shares none; set shares_depth, or leave "
+                "depth_of out."
+            )
+        return
+    if not walk.profile.framebuffers.shared_depth:
+        walk.refuse(
+            f"every pbuffer of {walk.profile.name} has its own depths; leave shares_depth False, and draw "
+            "them again."
+        )
+    owner = walk.window if of is None else walk.surfaces.get(of)
+    if owner is None or of == name:
+        made = quoted([known for known in walk.surfaces if known != name])
+        walk.refuse(
+            f"pbuffer {name!r} shares the depths of {of!r}, and there is no such pbuffer yet (made so far: "
+            f"{made}); name one of these, or None for the window."
+        )
+    if owner.shares_depth:
+        walk.refuse(
+            f"pbuffer {name!r} shares the depths of {of!r}, whose depths are those of "
+            f"{surface_words(owner.depth_of)}; name that."
+        )
+    if command.width > owner.width or command.height > owner.height:
+        walk.refuse(
+            f"pbuffer {name!r} is {command.width}x{command.height}, and {surface_words(of)}, whose depths it "
+            f"shares, {owner.width}x{owner.height}; give at most that."
+        )
+    for what, own, others in (
+        ("depth_bits", int(command.depth_bits), int(owner.depth_bits)),
+        ("samples", command.samples, owner.samples),
+    ):
+        if own != others:
+            walk.refuse(
+                f"pbuffer {name!r} has {what} {own}, and {surface_words(of)}, whose depths it shares, "
+                f"{others}; give that."
+            )
 
 
 def inside(walk, what, rectangle, width, height):

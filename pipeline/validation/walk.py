@@ -11,7 +11,7 @@ from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.commands import Clear, Command, Draw, Mesh
 from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
 from fixedpipe.pipeline.profiles.profile import Profile
-from fixedpipe.pipeline.sentences import depth_words
+from fixedpipe.pipeline.sentences import depth_words, surface_words
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation.meshes import checked_meshes, infinite_fog
 from fixedpipe.pipeline.validation.remembered import Remembered
@@ -43,11 +43,14 @@ class KnownSurface(NamedTuple):
     color_format: ColorFormat
     depth_bits: int
     samples: int = 1
+    shares_depth: bool = False
+    depth_of: str | None = None
 
     def __str__(self):
         depth = depth_words(self.depth_bits)
         several = "" if self.samples == 1 else f" and {self.samples} samples in each pixel"
-        return f"{self.width}x{self.height} {self.color_format.name} with {depth}{several}"
+        shared = f", those of {surface_words(self.depth_of)}" if self.shares_depth else ""
+        return f"{self.width}x{self.height} {self.color_format.name} with {depth}{shared}{several}"
 
 
 class KnownTexture(NamedTuple):
@@ -132,13 +135,16 @@ class Walk:
         surfaces: "Mapping[str, Framebuffer]",
         statistics: "PixelStatistics | None",
         read: Iterable[str] = (),
+        samples: int = 1,
     ):
         self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
         self.taken = taken_by(profile)
-        self.window = width, height, depth_bits
+        self.window = KnownSurface(width, height, ColorFormat.A8R8G8B8, depth_bits, samples)
         self.in_window, self.warned = True, False
         self.surfaces = {
-            name: KnownSurface(f.width, f.height, f.color_format, f.depth_format, f.samples)
+            name: KnownSurface(
+                f.width, f.height, f.color_format, f.depth_format, f.samples, f.shares_depth, f.depth_of
+            )
             for name, f in surfaces.items()
         }
         self.textures: dict[str, KnownTexture] = {}

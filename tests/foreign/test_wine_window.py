@@ -1,13 +1,13 @@
 """Clears, depths, clipping, stencil, viewports, points and which pixels a triangle has. Source: WineHQ, wine,
-dlls/d3d8/tests/visual.c, clear_test, z_range_test, test_filling_convention, test_pointsize and
-test_edge_antialiasing_blending; dlls/d3d9/tests/visual.c, depth_clamp_test, clip_planes_test,
-stencil_cull_test, test_viewport and test_depthbias.
+dlls/d3d8/tests/visual.c, clear_test, z_range_test, test_filling_convention, test_pointsize,
+test_edge_antialiasing_blending, depth_buffer_test and depth_buffer2_test; dlls/d3d9/tests/visual.c,
+depth_clamp_test, clip_planes_test, stencil_cull_test, test_viewport and test_depthbias.
 """
 
 import pytest
 
 from fixedpipe.pipeline import Blending, ColorMask, DepthTest, Scissor, StencilTest, VertexState
-from fixedpipe.pipeline.commands import Clear, Mesh
+from fixedpipe.pipeline.commands import Clear, MakeCurrent, Mesh
 from fixedpipe.pipeline.enums import (
     BlendFactor,
     ComparisonFunction,
@@ -122,6 +122,70 @@ CLAMPED = Case(
     ),
     pixels([(75, 75, WHITE, 1), (150, 150, WHITE, 1), (320, 240, 0x002B7F, 1), (320, 330, 0xF9E814, 1)]),
     FULL,
+)
+
+# depth_buffer_test and depth_buffer2_test: SetRenderTarget keeps the window's depth surface.
+TARGETS = ("GEFORCE_3", "NV2A")
+BACK = MakeCurrent(label="SetRenderTarget")
+
+
+def render_target(name, width, height):
+    """SetRenderTarget of one with the window's depth surface."""
+    size = {"width": width, "height": height}
+    return MakeCurrent(label="SetRenderTarget", surface=name, shares_depth=True, **size)
+
+
+def nearest(z, color, size, write=True):
+    return draw(
+        strip([[x, y, z] for y in (1, -1) for x in (-1, 1)], color),
+        size,
+        depth_test=DepthTest(ComparisonFunction.LEQUAL, write=write),
+    )
+
+
+def quarters(rows):
+    """The colours of 4x4 places, from the top."""
+    return pixels(
+        [(80 * (2 * j + 1), 60 * (2 * i + 1), c, 0) for i, row in enumerate(rows) for j, c in enumerate(row)]
+    )
+
+
+SHARED = (
+    Case(
+        "targets of three sizes draw into one depth surface",
+        (
+            render_target("third", 640, 480),
+            clear(0xFF0000FF, 0.0),
+            BACK,
+            clear(0xFF0000FF, 1.0),
+            render_target("first", 320, 240),
+            clear(0xFFFFFFFF, 0.0),
+            render_target("second", 480, 360),
+            nearest(0.50, 0xFFFF00FF, (480, 360)),
+            BACK,
+            nearest(0.33, 0xFF00FF00, FULL, write=False),
+            nearest(0.66, 0xFFFF0000, FULL, write=False),
+        ),
+        quarters([[BLUE, BLUE, GREEN, RED], [BLUE, BLUE, GREEN, RED], [GREEN, GREEN, GREEN, RED], [RED] * 4]),
+        FULL,
+        TARGETS,
+    ),
+    Case(
+        "a clear of a smaller target clears a part of the depth surface",
+        (
+            render_target("first", 640, 480),
+            clear(0xFF0000FF, 1.0),
+            BACK,
+            clear(0xFF00FF00, 0.5),
+            render_target("second", 480, 360),
+            clear(0xFFFFFFFF, 0.0),
+            BACK,
+            nearest(0.66, 0xFFFF0000, FULL, write=False),
+        ),
+        quarters([[GREEN] * 4] * 4),
+        FULL,
+        TARGETS,
+    ),
 )
 
 CLIPPED = Case(
@@ -347,6 +411,7 @@ MOVED = [viewport(*VIEWPORTS[-1], function) for function in (GREATER, LESS)]
 CASES = (
     *CLEARS,
     *DEPTHS,
+    *SHARED,
     CLAMPED,
     CLIPPED,
     STENCIL,

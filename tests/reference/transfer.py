@@ -106,7 +106,7 @@ def texels_of(target, internal_format):
     A depth format reads the depth words, the lowest byte first. Source: WGL_NV_render_depth_texture.
     """
     if is_depth_format(internal_format):
-        return [[word_bytes(word) for word in row] for row in target.depth]
+        return [[word_bytes(word) for word in row[: target.width]] for row in target.depth]
     base, *bits = texel_formats.FORMATS[internal_format.name]
     texels = []
     for row in target.color:

@@ -1137,6 +1137,17 @@ def _framebuffers():
             ideal=False,
             **_SURFACES,
         )
+    yield Feature(
+        name="a depth buffer that framebuffers share",
+        group="Framebuffers",
+        has=lambda p: p.framebuffers.shared_depth,
+        commands=(MakeCurrent(label="use", surface="s", width=8, height=4, shares_depth=True), _draw()),
+        asked="pbuffers|its own depths",
+        ideal=False,
+        reference=("tests/support/run_reference.py",),
+        implementation=("pipeline/execution/machine.py", "pipeline/framebuffers/framebuffer.py"),
+        tests=("tests/pipeline/framebuffers/test_shared_depths.py", "tests/foreign/test_wine_window.py"),
+    )
 
 
 FEATURES = tuple(

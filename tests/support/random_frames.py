@@ -516,7 +516,16 @@ class _Maker:
         width, height = self.power_of_two(most), self.power_of_two(most)
         if self.chance(0.3):
             width, height = self.whole(1, most), self.whole(1, most)
-        name = f"{width}x{height} {color_format.name} {depth_bits}"
+        shared = {}
+        owners = {None: (*self.window, self.window_depth)} | {
+            s.surface: (s.width, s.height, s.depth_bits) for s in self.surfaces.values() if not s.shares_depth
+        }
+        if self.profile.framebuffers.shared_depth and self.chance(0.4):
+            of = self.one_of(list(owners))
+            across, up, depth_bits = owners[of]
+            width, height = self.whole(1, min(across, most)), self.whole(1, min(up, most))
+            shared = {"shares_depth": True, "depth_of": of}
+        name = f"{width}x{height} {color_format.name} {depth_bits}{f' of {of}' if shared else ''}"
         command = MakeCurrent(
             label="pbuffer",
             surface=name,
@@ -524,9 +533,12 @@ class _Maker:
             height=height,
             color_format=color_format,
             depth_bits=depth_bits,
+            **shared,
         )
         self.surfaces[name] = command
         self.width, self.height, self.depth_bits = width, height, depth_bits
+        if shared:  # what is there decides
+            return [command, self.draw(), self.draw()]
         cleared = Clear(label="begin", color=(0.0, 0.0, 0.0, 0.0), depth=1.0, stencil=0)
         return [command, cleared, self.draw()]
 

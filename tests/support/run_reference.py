@@ -179,9 +179,12 @@ def _make_current(frame, command, profile):
         frame.current = frame.target
         return
     if command.surface not in frame.surfaces:
-        frame.surfaces[command.surface] = render.Target(
+        made = frame.surfaces[command.surface] = render.Target(
             command.width, command.height, command.depth_bits, color_format=command.color_format
         )
+        if command.shares_depth:  # the other's rows, the upper ones, of which it has no more than its width
+            other = frame.target if command.depth_of is None else frame.surfaces[command.depth_of]
+            made.depth, made.stencil = other.depth[: command.height], other.stencil[: command.height]
     frame.current = frame.surfaces[command.surface]
 
 

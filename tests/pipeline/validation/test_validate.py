@@ -944,7 +944,13 @@ LACKING = {
 
 def test_every_limit_set_and_switch_of_a_profile_is_checked():
     limits = {name for name, section in SECTION_OF.items() if section != "arithmetic"}
-    with_tests_of_their_own = {"per_stage_constants", "max_viewport", "depth_bits", "surface_formats"}
+    with_tests_of_their_own = {
+        "per_stage_constants",
+        "max_viewport",
+        "depth_bits",
+        "surface_formats",
+        "shared_depth",
+    }
     with_tests_of_their_own |= {"texture_shader_operations", "dot_product_mappings", "combiner_flags"}
     with_tests_of_their_own |= {"blue_to_alpha"}
     with_tests_of_their_own |= {"foreign_texture_targets"}
