@@ -362,13 +362,14 @@ class Sampler:
     """Texture parameters (table 3.17): how a texture image is sampled. Level 0 is the base level.
 
     ``compare_mode``, ``compare_function`` (ARB_shadow, EXT_shadow_funcs): of a depth texture; every texel
-    read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered.
+    read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered. NONE:
+    its depths are read as colours, and ``border_color``'s red is one; by register combiners as alpha alone.
     ``max_anisotropy``: EXT_texture_filter_anisotropic's.
     ``compare_fail_value`` (SGIX_shadow_ambient, ARB_shadow_ambient): what takes the place of zero.
     ``max_probes``: of footprint assembly, a power of two; 1: none. ``exact_probes``: a footprint takes as
     many as cover it, up to any ``max_probes``, and not a power of two.
-    ``depth_texture_mode`` (ARB_depth_texture): whether a comparison's result is LUMINANCE, INTENSITY or
-    ALPHA; None: the machine's usual one.
+    ``depth_texture_mode`` (ARB_depth_texture): whether a depth texture is LUMINANCE, INTENSITY or ALPHA;
+    None: the machine's usual one.
     """
 
     min_filter: TextureFilter = TextureFilter.NEAREST_MIPMAP_LINEAR

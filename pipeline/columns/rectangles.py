@@ -33,6 +33,7 @@ from fixedpipe.pipeline.framebuffers.transfer import (
 )
 from fixedpipe.pipeline.framebuffers.widths import fragment_bits
 from fixedpipe.pipeline.pixel_transfer import changes_nothing
+from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.vertices.colors import fragment_colors
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 from fixedpipe.raster.columns import numbers
@@ -60,7 +61,7 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
     formats, itself or the samples of its pixels. ``statistics``: the machine's PixelStatistics;
     ``saw``: who watches.
     """
-    state = without_footprints(command.state)
+    state, textures = depths_as_colors(without_footprints(command.state), textures, profile)
     where = raster_vertex(command.position, state, profile, framebuffer.width, framebuffer.height)
     if where is None:  # the command is ignored
         return []

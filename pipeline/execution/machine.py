@@ -58,6 +58,7 @@ from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
 from fixedpipe.pipeline.native.readiness import chosen_engine, covers_by_kernels
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS, Profile
+from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.textures.words import stored_texture
 from fixedpipe.pipeline.validation.frames import frame_of
@@ -293,13 +294,15 @@ class Machine:
     def _draw(self, command, frame):
         size = self._current.width, self._current.height
         state = within_viewport(command.mesh, canonical(command.state), *size)
+        state, textures = depths_as_colors(state, self.textures, self.profile)
         for number, (surface, place) in enumerate(self._targets(state.draw_buffer)):
             position, sample = sampled(place, self.profile)
             target = surface.buffer(state.draw_buffer)
-            draw = frame.kept.get(command, surface, self.textures)  # what is kept is the native engines'
-            if draw is None and self._draws_columns(state, target, frame.engine):
+            draw = frame.kept.get(command, surface, textures)  # what is kept is the native engines'
+            if draw is None and self._draws_columns(state, textures, target, frame.engine):
                 self._queue.flush()
-                drawn, lost = self._drawn_by_columns(command, state, target, position, sample, frame.record)
+                given = command, state, textures, target, position, sample, frame.record
+                drawn, lost = self._drawn_by_columns(*given)
                 self._queue.fragments += len(drawn.x)
                 if frame.record and number == 0:
                     frame.records.append(drawn)
@@ -309,7 +312,7 @@ class Machine:
                 rounded = fragment_bits(self.profile, target) == NATIVE_BITS
                 given = command.mesh, state, self.profile, *size, position
                 primitives = stage.process(*given, rounded=rounded)
-                draw = Prepared.of(primitives, state, self.profile, self._current, self.textures, sample)
+                draw = Prepared.of(primitives, state, self.profile, self._current, textures, sample)
                 frame.kept.keep(command, surface, draw)
             lost = draw.dropped
             if frame.record:
@@ -323,14 +326,14 @@ class Machine:
                 self._queue.draw(draw, target, frame.engine)
         frame.dropped += lost  # as the last sample's: the same in each
 
-    def _draws_columns(self, state, target, engine):
+    def _draws_columns(self, state, textures, target, engine):
         """Whether a Draw is the column engine's."""
         if "columns" in (self.engine, engine):
             return True
-        given = state, self.profile, target, self.textures
+        given = state, self.profile, target, textures
         return needs_columns(*given) or not (covers_by_kernels() or are_native(widths_of(*given)))
 
-    def _drawn_by_columns(self, command, state, target, position, sample, records):
+    def _drawn_by_columns(self, command, state, textures, target, position, sample, records):
         """Draw by the column engine: its Fragments, and how many primitives were dropped."""
         profile, size = self.profile, (target.width, target.height)
         # Vertices' colours are rounded where the fragment's width is known.
@@ -341,7 +344,7 @@ class Machine:
             covered = covered_triangles(primitives, state, profile, target)
             lost = primitives.dropped
         otherwise = None if self.otherwise is None else self.otherwise(command)
-        given = primitives, covered, state, profile, target, self.textures
+        given = primitives, covered, state, profile, target, textures
         passed = column_draw(*given, self.witness, otherwise)
         columns = (covered.triangle, covered.x, covered.y, passed)
         triangle, x, y, passed = (np.asarray(column, np.int32) for column in columns)

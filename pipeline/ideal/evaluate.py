@@ -46,6 +46,7 @@ from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
@@ -61,7 +62,8 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
     """A Draw's fragments, of its own coverage or those of a ``guide``, the machine and its Fragments, that
     passed: shaded by all threads, and written in order.
     """
-    state, guided = command.state, guide is not None
+    guided = guide is not None
+    state, textures = depths_as_colors(command.state, textures, IDEAL)
     machine: Profile = IDEAL
     record: Any = None
     if guided:

@@ -29,6 +29,7 @@ from fixedpipe.pipeline.ideal.per_fragment import write, write_tested
 from fixedpipe.pipeline.ideal.sample import sample
 from fixedpipe.pipeline.ideal.shade import plan_for, shade_colors
 from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.textures.images import with_signs
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 from fixedpipe.raster.witness import nobody
@@ -182,7 +183,7 @@ def draw_rectangle(command, buffers, textures, plans, statistics, record):
     found = rectangle(command, buffers, statistics)
     if found is None:
         return
-    state = without_footprints(command.state)
+    state, textures = depths_as_colors(without_footprints(command.state), textures, IDEAL)
     if found.stencil is not None:
         if record is None:
             stored, test = buffers.stencil.reshape(-1), state.stencil_test

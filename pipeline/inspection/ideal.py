@@ -35,6 +35,7 @@ from fixedpipe.pipeline.ideal.weights import mesh_of, weigh
 from fixedpipe.pipeline.inspection.pixel import Touch, Witness
 from fixedpipe.pipeline.inspection.recording import RecordedFrame
 from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.validation.frames import frame_of
 
 # What fragments read of other pixels, or what one pixel alone cannot tell: then the whole ideal runs, once.
@@ -131,7 +132,8 @@ class IdealPixel:
         return tuple(self.buffers.buffer(which).color[0, 0].tolist())
 
     def _draw(self, command, textures, touch, passed, witness):
-        frame, state, seen = self.ideal.frame, command.state, []
+        frame, seen = self.ideal.frame, []
+        state, textures = depths_as_colors(command.state, textures, IDEAL)
         primitives = primitives_of(command, frame.profile, frame.width, frame.height)
         mesh = mesh_of(primitives, state.line, frame.profile)
         plan = plan_for(state, textures, self._plans)
@@ -151,7 +153,8 @@ class IdealPixel:
         return seen
 
     def _rectangle(self, command, textures, touch, passed, witness):
-        state, number = without_footprints(command.state), touch.step.number
+        number = touch.step.number
+        state, textures = depths_as_colors(without_footprints(command.state), textures, IDEAL)
         source = self.ideal.sources[number]
         if source is None:
             source = _Size(self.ideal.frame.width, self.ideal.frame.height)

@@ -30,6 +30,7 @@ from fixedpipe.pipeline.inspection.recording import RecordedFrame, Step
 from fixedpipe.pipeline.native.coverage import Covered, covered_pixels, covered_triangles
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.state import PassState, Scissor
+from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
 
@@ -239,6 +240,7 @@ class ReplayedPixel:
         state = within_viewport(command.mesh, command.state, *size)
         if not self._inside(state.scissor):
             return
+        state, textures = depths_as_colors(state, step.textures, profile)
         alone = self._alone(state)
 
         def change(buffers, position):
@@ -264,7 +266,7 @@ class ReplayedPixel:
                 saw("vertices", mesh=command.mesh, state=state, primitives=primitives, triangle=row)
                 columns = covered.triangle, covered.x, covered.y, covered.covered
                 one = Covered(*(c if c is None else c[k : k + 1] for c in columns))
-                passed += column_draw(primitives, one, state, profile, target, step.textures, saw).tolist()
+                passed += column_draw(primitives, one, state, profile, target, textures, saw).tolist()
             return seen, covered.triangle.tolist(), passed
 
         yield from self._on_each(step, state.draw_buffer, change, alone)

@@ -14,7 +14,9 @@ from fixedpipe.pipeline.ideal.shade import plan_for, shade
 from fixedpipe.pipeline.ideal.weights import mesh_of, weigh
 from fixedpipe.pipeline.inspection.ideal import RecordedIdeal, record_ideal
 from fixedpipe.pipeline.inspection.recording import record
+from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.raster.columns import numbers
 
@@ -55,7 +57,8 @@ class _Beside:
             frame, meant = self.ideal.frame, self.ideal.commands[self.number]
             primitives = primitives_of(meant, frame.profile, frame.width, frame.height)
             mesh = mesh_of(primitives, meant.state.line, frame.profile)
-            self.draw = meant.state, self.ideal.textures[self.number], primitives, mesh
+            state, textures = depths_as_colors(meant.state, self.ideal.textures[self.number], IDEAL)
+            self.draw = state, textures, primitives, mesh
 
     def _iteration(self, triangle, **columns):
         self.triangle = triangle

@@ -32,7 +32,7 @@ class KeptDraws:
     def get(self, command, surface, textures):
         """The prepared Draw, or None."""
         found = self._kept.get((id(command), id(surface)))
-        if found is None or not all([textures[name] is texture for name, texture in found.bound]):
+        if found is None or not all([textures.get(name) is texture for name, texture in found.bound]):
             return None
         self._left[id(command)] -= 1
         if not self._left[id(command)]:

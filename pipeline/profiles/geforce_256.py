@@ -83,6 +83,7 @@ GEFORCE_256 = Profile(
         shadow_functions=known(frozenset(), _NO_SHADOW),
         shadow_ambient=known(False, "Assumed: none; the machine compares no textures"),
         depth_texture_modes=known((), "Assumed: none; the machine compares no textures"),
+        depths_as_colors=known(False, "Assumed: none; the machine compares no textures"),
         depth_units_in_coordinates=known(False, "Assumed: false; the machine has no such coordinates"),
     ),
     texture_shaders=TextureShaders(

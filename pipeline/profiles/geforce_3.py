@@ -97,6 +97,7 @@ GEFORCE_3 = Profile(
             (BaseFormat.INTENSITY, BaseFormat.LUMINANCE, BaseFormat.ALPHA),
             "Inferred: INTENSITY, from the NV2A; the others: Source: ARB_depth_texture",
         ),
+        depths_as_colors=known(True, "Source: ARB_shadow (TEXTURE_COMPARE_MODE NONE), ARB_depth_texture"),
         depth_units_in_coordinates=known(
             False, "Source: ARB_shadow, NV_texture_shader (DOT_PRODUCT_DEPTH_REPLACE)"
         ),

@@ -81,6 +81,7 @@ IDEAL = Profile(
         shadow_functions=_given(frozenset(ComparisonFunction)),
         shadow_ambient=_given(True),
         depth_texture_modes=_given((BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA)),
+        depths_as_colors=_given(True),
         depth_units_in_coordinates=_given(False),
     ),
     texture_shaders=TextureShaders(

@@ -96,6 +96,11 @@ INFINITE_REALITY = Profile(
         ),
         shadow_ambient=known(True, "Source: SGIX_shadow_ambient"),
         depth_texture_modes=known((BaseFormat.LUMINANCE,), "Source: SGIX_shadow (as if LUMINANCE)"),
+        depths_as_colors=known(
+            True,
+            "Assumed: SGIX_depth_texture names uses of depths beside shadows and leaves them open; a picture "
+            "of a depth texture with TEXTURE_COMPARE off, drawn by an InfiniteReality, would settle it",
+        ),
         depth_units_in_coordinates=known(
             False, "Inferred: from SGIX_shadow, which compares r with depths in [0, 1]"
         ),

@@ -95,6 +95,11 @@ NV2A = Profile(
             (BaseFormat.INTENSITY,),
             "Measured: 255 in all four components (Texture_shadow_comparator captures)",
         ),
+        depths_as_colors=known(
+            False,
+            "Inferred: its depth formats are compared by one of eight functions, NEVER among them "
+            "(Texture_shadow_comparator); its method has no value for none",
+        ),
         depth_units_in_coordinates=known(True, "Measured: Texture_shadow_comparator and DotZW captures"),
     ),
     texture_shaders=TextureShaders(

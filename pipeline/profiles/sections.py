@@ -60,7 +60,8 @@ class Textures(Section):
     texture_compare_modes: frozenset[TextureCompareMode]
     shadow_functions: frozenset[ComparisonFunction]  # of a texture comparison
     shadow_ambient: bool  # SGIX_shadow_ambient: what a texel in shadow is
-    depth_texture_modes: tuple[BaseFormat, ...]  # what a comparison's result may be, the usual one first
+    depth_texture_modes: tuple[BaseFormat, ...]  # what depth textures may be, the usual one first
+    depths_as_colors: bool  # whether a depth texture is read without a comparison too
     # Whether depths that come from texture coordinates, those that a depth texture is compared with and those
     # of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1].
     depth_units_in_coordinates: bool

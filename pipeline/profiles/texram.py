@@ -78,6 +78,7 @@ TEXRAM = Profile(
         shadow_functions=known(frozenset(), NOT_CORE),
         shadow_ambient=known(False, NOT_CORE),
         depth_texture_modes=known((), NOT_CORE),
+        depths_as_colors=known(False, NOT_CORE),
         depth_units_in_coordinates=known(False, NOT_CORE),
     ),
     texture_shaders=TextureShaders(

@@ -143,7 +143,7 @@ RETURNED_COMPONENTS: dict[BaseFormat, tuple[str | int, ...]] = {
 
 
 def depth_texture_mode(sampler, profile):
-    """The BaseFormat as which comparisons of a depth texture reach the registers (ARB_depth_texture)."""
+    """The BaseFormat as which a depth texture reaches the registers (ARB_depth_texture)."""
     if sampler.depth_texture_mode is not None:
         return sampler.depth_texture_mode
     return profile.textures.depth_texture_modes[0]

@@ -38,22 +38,32 @@ def sampler(walk, unit, known, number):
 
 
 def _comparison(walk, unit, known, place):
-    """Refuse a depth texture that is not compared, another texture that is, and what comparisons lack."""
+    """Refuse a depth texture that the machine only compares, another texture that is compared, and what
+    comparisons lack.
+    """
     profile, sampler = walk.profile, unit.sampler
     deep = known.internal_format in DEPTH_TEXELS
     compares = sampler.compare_mode is not TextureCompareMode.NONE
-    if deep is not compares:
+    read = f"{place} reads {unit.texture!r}, {known.internal_format.name}, with compare_mode "
+    if compares and not deep:
+        walk.refuse(f"{read}{sampler.compare_mode.name}; only depth textures are compared. Give NONE.")
+    if deep and not compares and not _has_colors(profile, known.internal_format):
         walk.refuse(
-            f"{place} reads {unit.texture!r}, {known.internal_format.name}, with compare_mode "
-            f"{sampler.compare_mode.name}; depth textures are read by comparing, and only they can be."
+            f"{read}NONE; {profile.name} reads such textures by comparing alone. Give a compare_mode, or "
+            "store the depths in a format of colours."
         )
-    if problem := _shadow_problem(place, sampler, profile):
+    if problem := _shadow_problem(place, sampler, profile, deep):
         walk.refuse(problem)
     if compares and {sampler.wrap_s, sampler.wrap_t} & {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}:
         walk.refuse(
             f"{place} compares and may read its border colour, which is no depth; use CLAMP_TO_EDGE or "
             "REPEAT."
         )
+
+
+def _has_colors(profile, internal_format):
+    """Whether a depth texture of a format is read without a comparison: one of fixed words, if any."""
+    return profile.textures.depths_as_colors and DEPTH_TEXELS[internal_format].form is None
 
 
 def _levels(walk, unit, known, place):
@@ -122,8 +132,10 @@ def _rectangle_sampler(walk, place, sampler, mipmapped):
             )
 
 
-def _shadow_problem(place, sampler, profile):
-    """What is wrong with a sampler's comparison, a sentence, or None. ``place``: which texture unit."""
+def _shadow_problem(place, sampler, profile, deep):
+    """What is wrong with a sampler's comparison, a sentence, or None. ``place``: which texture unit;
+    ``deep``: whether it reads a depth texture.
+    """
     mode, value = sampler.depth_texture_mode, sampler.compare_fail_value
     compares = sampler.compare_mode is not TextureCompareMode.NONE
     if compares and sampler.compare_function not in profile.textures.shadow_functions:
@@ -139,8 +151,10 @@ def _shadow_problem(place, sampler, profile):
         )
     if not 0 <= value <= 1:
         return f"{place} has the compare_fail_value {value:g}; give 0 to 1."
-    if mode is not None and not (compares and mode in profile.textures.depth_texture_modes):
-        has = listed(profile.textures.depth_texture_modes) if compares else "none without a compare_mode"
+    if mode is not None and not deep:
+        return f"{place} has the depth_texture_mode {mode.name}, and its texture holds no depths. Give None."
+    if mode is not None and mode not in profile.textures.depth_texture_modes:
+        has = listed(profile.textures.depth_texture_modes)
         return f"{place} has the depth_texture_mode {mode.name}; {profile.name} has {has}. Give None."
     return None
 

@@ -13,12 +13,14 @@ from fixedpipe.pipeline.enums import (
     ComparisonFunction,
     InternalFormat,
     TextureCompareMode,
+    TextureEnvironmentMode,
     TextureFilter,
     TextureTarget,
     WrapMode,
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.pixel_transfer import PixelImage
 from fixedpipe.pipeline.profiles import (
     GEFORCE_3,
     GEFORCE_256,
@@ -28,7 +30,14 @@ from fixedpipe.pipeline.profiles import (
     SCHILLING,
     TEXRAM,
 )
-from fixedpipe.pipeline.state import DepthTest, PassState, Sampler, SignedComponents, TextureUnit
+from fixedpipe.pipeline.state import (
+    DepthTest,
+    PassState,
+    Sampler,
+    SignedComponents,
+    TextureEnvironment,
+    TextureUnit,
+)
 from fixedpipe.pipeline.textures.images import Texture, depth_texels, texture_2d, texture_3d
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from fixedpipe.raster.portable.check import MOST_PROBES
@@ -49,6 +58,8 @@ MACHINE = GEFORCE_3.changed(
 )
 NEAREST, LINEAR = TextureFilter.NEAREST, TextureFilter.LINEAR
 COMPARES = TextureCompareMode.COMPARE_R_TO_TEXTURE
+SHADOW = Sampler(NEAREST, NEAREST, compare_mode=COMPARES)
+_DEPTH_16 = InternalFormat.DEPTH_COMPONENT16
 
 
 def frozen(levels):
@@ -68,7 +79,7 @@ def depth_image(random, width, height):
 
 
 def frame_of(seed, kind):
-    """A textured frame whose unit reads a depth texture, a volume, or along footprints."""
+    """A textured frame whose unit compares a depth texture, or reads its depths, a volume, or footprints."""
     random = np.random.default_rng(seed)
     image, draw = textured_frame(seed, WIDTH, HEIGHT)
     (unit,), mesh = draw.state.texture_units, draw.mesh
@@ -85,13 +96,17 @@ def frame_of(seed, kind):
             wrap_s=WrapMode.REPEAT,
             wrap_t=WrapMode.CLAMP_TO_EDGE,
         )
+    elif kind == "depths":
+        texture = depth_image(random, width, height)
+        border = tuple(random.random(4).tolist())
+        sampler = replace(sampler, depth_texture_mode=random.choice([None, *MODES]), border_color=border)
     elif kind == "volume":
         shape = (int(random.choice([1, 2, 4, 8])), height, width, 4)
         texture = texture_3d(random.integers(0, 256, shape, np.uint8), mipmaps=True)
         sampler = replace(sampler, wrap_r=WrapMode(int(random.integers(5))))
     else:
         texture = texture_2d(random.integers(0, 256, (height, width, 4), np.uint8), mipmaps=True)
-    if kind == "footprint" or (random.random() < 0.3 and kind == "compare"):
+    if kind == "footprint" or (random.random() < 0.3 and kind in ("compare", "depths")):
         sampler = replace(sampler, max_probes=int(random.choice([2, 4, 8, 16])))
         if random.random() < 0.5:
             sampler = replace(sampler, max_probes=int(random.integers(2, 17)), exact_probes=True)
@@ -106,6 +121,8 @@ def frame_of(seed, kind):
     mesh = replace(mesh, texture_coordinates=(coordinates,))
     unit = replace(unit, sampler=sampler)
     state = replace(draw.state, texture_units=(unit,))
+    if kind == "depths" and random.random() < 0.7:  # register combiners look at no mode
+        state = replace(state, register_combiners=None)
     return (replace(image, image=texture), replace(draw, mesh=mesh, state=state))
 
 
@@ -121,7 +138,7 @@ def assert_every_engine_equals_the_specification(commands, profile, batch):
 batches = st.sampled_from((16, 17, 256))
 
 
-@pytest.mark.parametrize("kind", ["compare", "volume", "footprint"])
+@pytest.mark.parametrize("kind", ["compare", "depths", "volume", "footprint"])
 @settings(max_examples=60)
 @given(seeds, batches)
 def test_every_engine_equals_the_specification(kind, seed, batch):
@@ -129,7 +146,7 @@ def test_every_engine_equals_the_specification(kind, seed, batch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["compare", "volume", "footprint"])
+@pytest.mark.parametrize("kind", ["compare", "depths", "volume", "footprint"])
 @settings(max_examples=3000)
 @given(seeds, batches)
 def test_thousands_of_frames_equal_the_specification(kind, seed, batch):
@@ -273,6 +290,104 @@ def test_a_shadow_map_of_23_bits_is_copied_and_compared():
         assert (red[:, 8:] == one).all()
 
 
+# ---------------------------------------------------------------------------- depths without a comparison
+
+EVERY_WORD = np.arange(1 << 16).reshape(256, 256)
+
+
+def depth_texture_of(words, internal_format):
+    return Texture(TextureTarget.TEXTURE_2D, internal_format, (depth_texels(words)[None],))
+
+
+def pictures_of_depths(internal_format, words, mode, profile, **window_of):
+    """The window, [y, x] from below, that shows a depth texture of its size, by every engine."""
+    sampler = Sampler(NEAREST, NEAREST, depth_texture_mode=mode)
+    unit = TextureUnit("t", sampler, environment=TextureEnvironment(TextureEnvironmentMode.REPLACE))
+    commands = [
+        TexImage(label="t", texture="t", image=depth_texture_of(words, internal_format)),
+        window(SQUARE, (unit,)),
+    ]
+    for engine in (None, "portable", "columns"):
+        shown = execute(commands, profile, *words.shape[::-1], engine=engine, **window_of)
+        yield shown.framebuffer.color[::-1].astype(int)
+
+
+@pytest.mark.parametrize(
+    ("mode", "filled"),
+    [
+        (BaseFormat.LUMINANCE, (True, True, True, None)),
+        (BaseFormat.INTENSITY, (True, True, True, True)),
+        (BaseFormat.ALPHA, (None, None, None, True)),
+    ],
+)
+@pytest.mark.parametrize("bits", [8, 12])
+def test_depths_are_read_as_the_highest_bits_of_every_word(mode, filled, bits):
+    """A component that the mode fills is the word's highest bits; others are the primary color's, white."""
+    machine = INFINITE_REALITY.changed(depth_texture_modes=MODES, texture_bits=bits)
+    one = (1 << bits) - 1
+    for internal_format, low in (
+        (InternalFormat.DEPTH_COMPONENT16, 0),
+        (InternalFormat.DEPTH_COMPONENT24, 0x00),
+        (InternalFormat.DEPTH_COMPONENT24, 0xFF),
+    ):
+        deeper = 8 if internal_format is InternalFormat.DEPTH_COMPONENT24 else 0
+        expected = EVERY_WORD >> (16 - bits)
+        words = EVERY_WORD << deeper | low
+        for shown in pictures_of_depths(internal_format, words, mode, machine, color_bits=bits):
+            for channel, fills in enumerate(filled):
+                np.testing.assert_array_equal(shown[..., channel], expected if fills else one)
+
+
+@pytest.mark.parametrize("mode", [None, *MODES])
+def test_register_combiners_read_depths_as_alpha_whatever_the_mode(mode):
+    sampler = Sampler(NEAREST, NEAREST, depth_texture_mode=mode)
+    commands = [
+        TexImage(label="t", texture="t", image=depth_texture_of(np.full((1, 1), 0xABCD), _DEPTH_16)),
+        window(SQUARE, (TextureUnit("t", sampler),), register_combiners=SHOW_TEXTURE),
+    ]
+    assert execute(commands, GEFORCE_3, 1, 1).framebuffer.color[0, 0].tolist() == [0, 0, 0, 0xAB]
+    alpha = execute_ideal(commands, 1, 1).color[0, 0]
+    np.testing.assert_allclose(alpha, [0, 0, 0, 0xABCD / 0xFFFF], atol=1e-12)  # float64
+
+
+def test_a_kept_draw_whose_depth_texture_becomes_one_of_colors_is_drawn_anew():
+    deep = TexImage(label="t", texture="t", image=depth_texture_of(np.zeros((1, 1), int), _DEPTH_16))
+    red = TexImage(label="t", texture="t", image=texture_2d(np.array([[[1.0, 0.0, 0.0]]])))
+    unit = TextureUnit("t", Sampler(NEAREST, NEAREST))
+    draw, clear = window(SQUARE, (unit,)), Clear(label="clear", color=(0.5,) * 4)
+    for first, second, color in ((deep, red, [255, 0, 0]), (red, deep, [0, 0, 0])):
+        shown = execute((first, draw, second, clear, draw), GEFORCE_3, 1, 1).framebuffer.color
+        assert shown[0, 0, :3].tolist() == color
+
+
+def test_two_units_read_one_depth_texture_by_a_comparison_and_without():
+    """The shadow, times the depth: one texture, two samplers."""
+    word = np.full((1, 1), 0xC000)
+    units = (
+        TextureUnit("t", replace(SHADOW, compare_function=ComparisonFunction.LEQUAL)),
+        TextureUnit("t", Sampler(NEAREST, NEAREST, depth_texture_mode=BaseFormat.LUMINANCE)),
+    )
+    mesh = window([[0.0, 0.0, 0.5]] * 4, units).mesh
+    mesh = replace(mesh, texture_coordinates=mesh.texture_coordinates * 2)
+    commands = [
+        TexImage(label="t", texture="t", image=depth_texture_of(word, _DEPTH_16)),
+        Draw(label="window", mesh=mesh, state=PassState(texture_units=units)),
+    ]
+    assert execute(commands, GEFORCE_3, 1, 1).framebuffer.color[0, 0].tolist() == [0xC0, 0xC0, 0xC0, 255]
+
+
+def test_the_ideal_reads_whole_depths():
+    depths = np.array([[0.25, 0.75], [1.0, 0.1]])
+    commands = [
+        TexImage(
+            label="t", texture="t", internal_format=_DEPTH_16, pixels=PixelImage(depths, "DEPTH_COMPONENT")
+        ),
+        window(SQUARE, (TextureUnit("t", Sampler(LINEAR, LINEAR, WrapMode.CLAMP_TO_EDGE)),)),
+    ]
+    color = execute_ideal(commands, 1, 1).color[0, 0]
+    np.testing.assert_allclose(color[:3], depths.mean(), atol=1e-12)  # float64, and LUMINANCE
+
+
 # ----------------------------------------------------------------------------------------------- the ideal
 
 
@@ -393,7 +508,6 @@ DEPTHS = Texture(
     InternalFormat.DEPTH_COMPONENT24,
     (depth_texels(np.zeros((4, 4), np.int64))[None],),
 )
-SHADOW = Sampler(NEAREST, NEAREST, compare_mode=COMPARES)
 
 
 @pytest.mark.parametrize(
@@ -417,7 +531,21 @@ SHADOW = Sampler(NEAREST, NEAREST, compare_mode=COMPARES)
         (replace(SHADOW, compare_fail_value=1.5), INFINITE_REALITY, DEPTHS, "give 0 to 1"),
         (replace(PYRAMID, compare_fail_value=0.5), INFINITE_REALITY, COLORS, "in comparisons alone"),
         (replace(SHADOW, depth_texture_mode=BaseFormat.ALPHA), INFINITE_REALITY, DEPTHS, "has LUMINANCE"),
-        (replace(PYRAMID, depth_texture_mode=BaseFormat.ALPHA), INFINITE_REALITY, COLORS, "none without"),
+        (replace(PYRAMID, depth_texture_mode=BaseFormat.ALPHA), GEFORCE_3, COLORS, "holds no depths"),
+        (SHADOW, GEFORCE_3, COLORS, "only depth textures are compared. Give NONE"),
+        (Sampler(NEAREST, NEAREST), NV2A, DEPTHS, "reads such textures by comparing alone"),
+        (
+            Sampler(NEAREST, NEAREST, depth_texture_mode=BaseFormat.ALPHA),
+            INFINITE_REALITY,
+            DEPTHS,
+            "has LUMINANCE. Give None",
+        ),
+        (
+            Sampler(NEAREST, NEAREST),
+            GEFORCE_3,
+            replace(DEPTHS, internal_format=InternalFormat.DEPTH_COMPONENT16_FLOAT),
+            "by comparing alone",
+        ),
     ],
 )
 def test_what_a_machine_has_not_is_refused(sampler, profile, image, words):

@@ -16,6 +16,7 @@ from tests.reference import (
     pixel_texture,
     render,
     sample,
+    shadow,
     signed_formats,
     strokes,
     vertex,
@@ -139,6 +140,12 @@ def texture_of(texture, pixel, group):
     )
 
 
+def read(unit, state, textures, profile, pixel, group):
+    """(unit, texture) as a group reads them. Source: SGIX_impact_pixel_texture; ARB_shadow (NONE)."""
+    texture, unit = shadow.as_colors(textures[unit.texture], unit, state.register_combiners, profile)
+    return unit, texture_of(texture, pixel, group)
+
+
 def fragment(raster, state, profile, textures, group=None, pixel=None):
     """(colour after texturing and fog, whether q was undefined) of a fragment; ``group``: its colour.
 
@@ -156,7 +163,7 @@ def fragment(raster, state, profile, textures, group=None, pixel=None):
     texels = [
         [0, 0, 0, 255]
         if unit is None
-        else texel(coordinates[i], unit, texture_of(textures[unit.texture], pixel, group))
+        else texel(coordinates[i], *read(unit, state, textures, profile, pixel, group))
         for i, unit in enumerate(state.texture_units)
     ]
     if pixel is not None and pixel.alpha_replace:

@@ -123,7 +123,9 @@ class Access:
         Source: docs/numbers.md sections 6, 7 and 12.
         """
         unit = self.state.texture_units[i]
-        texture = self.textures[unit.texture]
+        texture, unit = shadow.as_colors(
+            self.textures[unit.texture], unit, self.state.register_combiners, self.profile
+        )
         foreign = texture.target != TextureTarget.TEXTURE_CUBE_MAP
         if foreign and operation == TextureShaderOperation.TEXTURE_CUBE_MAP:
             made = sample.iterate_coordinates(self.triangles[i].coordinates, self.weights)

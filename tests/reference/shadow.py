@@ -1,5 +1,6 @@
-"""Depth textures: every texel compared, before any filter. docs/numbers.md section 12."""
+"""Depth textures: every texel compared, or made a colour, before any filter. docs/numbers.md section 12."""
 
+from dataclasses import replace
 from math import floor, frexp
 from types import SimpleNamespace
 
@@ -48,10 +49,10 @@ def reference_word(strq, projective, internal_format, mode, profile):
     return depth_word(r * units, internal_format)
 
 
-def as_mode(value, mode):
-    """A comparison's value in a register. Source: ARB_depth_texture, NV_register_combiners table 2."""
+def as_mode(value, mode, one=255):
+    """A depth texel's value in a register. Source: ARB_depth_texture, NV_register_combiners table 2."""
     return {
-        BaseFormat.LUMINANCE: [value, value, value, 255],
+        BaseFormat.LUMINANCE: [value, value, value, one],
         BaseFormat.INTENSITY: [value] * 4,
         BaseFormat.ALPHA: [0, 0, 0, value],
     }[mode]
@@ -77,3 +78,34 @@ def compared(texture, sampler, reference, profile):
         for level in texture.levels
     ]
     return SimpleNamespace(target=texture.target, internal_format=InternalFormat.RGBA8, levels=levels)
+
+
+def as_colors(texture, unit, combiners, profile):
+    """(texture, unit) as a lookup without a comparison reads them: a depth texture as one of colours, whose
+    texels are the highest bits of its words. Others, and those that are compared, stay. ``combiners``: the
+    register combiners, or None.
+
+    Source: ARB_shadow (NONE gives the depth), ARB_depth_texture (the mode; the border's red is a depth),
+    NV_register_combiners table 2 (0, 0, 0 and the depth, whatever the mode); Assumed: docs/numbers.md N12.23
+    (which bits, and that filters come after).
+    """
+    if texture.internal_format not in FIXED or unit.sampler.compare_mode != TextureCompareMode.NONE:
+        return texture, unit
+    mode, bits = unit.sampler.depth_texture_mode, profile.arithmetic.texture_bits
+    if combiners is not None:
+        mode = BaseFormat.ALPHA
+    elif mode is None:
+        mode = profile.textures.depth_texture_modes[0]
+    unread = (FIXED[texture.internal_format] + 1) >> bits
+
+    def color(texel):
+        return as_mode(sum(byte << (8 * k) for k, byte in enumerate(texel)) // unread, mode, 2**bits - 1)
+
+    levels = [
+        [[[color(texel) for texel in row] for row in face] for face in level] for level in texture.levels
+    ]
+    colors = SimpleNamespace(
+        target=texture.target, internal_format=InternalFormat[f"{mode.name}8"], levels=levels, bits=bits
+    )
+    red = unit.sampler.border_color[0]
+    return colors, replace(unit, sampler=replace(unit.sampler, border_color=(red,) * 4))

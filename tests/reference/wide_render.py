@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import floor
 
 from fixedpipe.pipeline.enums import Clamp, Register, TextureFilter
-from tests.reference import combine, coverage, depth, fixed, interpolate, per_fragment, sample, wide
+from tests.reference import combine, coverage, depth, fixed, interpolate, per_fragment, sample, shadow, wide
 
 
 @dataclass
@@ -160,7 +160,9 @@ def draw(target, primitives, state, textures, profile, widths):
             iterated = [wide.color(shares, [c[k] for c in colors], bits) for k in range(8)]
             texels = []
             for i, unit in enumerate(state.texture_units):
-                texture = textures[unit.texture]
+                texture, unit = shadow.as_colors(
+                    textures[unit.texture], unit, state.register_combiners, profile
+                )
                 corners = [primitives.coordinates[v][i] for v in vertices]
                 s, t, *_ = sample.iterate_coordinates(corners, weights)
                 found = texel(texture, unit.sampler, s, t, widths.fraction)

@@ -562,6 +562,16 @@ def _shadows():
         asked="DEPTH_COMPONENT24|shadow ambient",
         **_SHADOWS,
     )
+    yield Feature(
+        name="depths as colors, without a comparison (ARB_depth_texture)",
+        group="Shadow maps",
+        has=lambda p: p.textures.depths_as_colors,
+        commands=_compared(compare.NONE),
+        asked="DEPTH_COMPONENT24|by comparing alone",
+        reference=("tests/reference/shadow.py",),
+        implementation=("pipeline/textures/depths_as_colors.py",),
+        tests=("tests/raster/test_sampling.py",),
+    )
     for mode in (BaseFormat.LUMINANCE, BaseFormat.INTENSITY, BaseFormat.ALPHA):
         yield Feature(
             name=f"DEPTH_TEXTURE_MODE {mode.name} (ARB_depth_texture)",

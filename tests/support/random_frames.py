@@ -669,6 +669,9 @@ class _Maker:
             )
             if self.profile.textures.shadow_ambient and self.chance(0.5):
                 sampler = replace(sampler, compare_fail_value=self.uniform(0.0, 1.0))
+            fixed = DEPTH_TEXELS[texture.internal_format].form is None
+            if self.profile.textures.depths_as_colors and fixed and self.chance(0.4):
+                sampler = replace(sampler, compare_mode=TextureCompareMode.NONE, compare_fail_value=0.0)
         if self.plain or deep:
             return sampler
         if mipmapped and self.chance(0.1):

@@ -960,7 +960,7 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
     with_tests_of_their_own |= {"hilo_as_color"}  # test_signed_formats.py: it refuses nothing
     with_tests_of_their_own |= {"roughness_lookups"}  # test_roughness.py
     with_tests_of_their_own |= {"max_anisotropy"}  # test_anisotropic.py
-    with_tests_of_their_own |= {"depth_texture_modes"}  # test_sampling.py
+    with_tests_of_their_own |= {"depth_texture_modes", "depths_as_colors"}  # test_sampling.py
     with_tests_of_their_own |= {"depth_units_in_coordinates"}  # nothing lacks it
     with_tests_of_their_own |= {  # test_nv2a_textures.py
         "max_3d_texture_size",
