@@ -301,8 +301,9 @@ class Machine:
             draw = frame.kept.get(command, surface, textures)  # what is kept is the native engines'
             if draw is None and self._draws_columns(state, textures, target, frame.engine):
                 self._queue.flush()
-                given = command, state, textures, target, position, sample, frame.record
-                drawn, lost = self._drawn_by_columns(*given)
+                drawn, lost = self._drawn_by_columns(
+                    command, state, textures, target, position, sample, frame.record
+                )
                 self._queue.fragments += len(drawn.x)
                 if frame.record and number == 0:
                     frame.records.append(drawn)

@@ -10,13 +10,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fixedpipe.pipeline.commands import HostStep, TexImage
-from fixedpipe.pipeline.enums import Clamp, TextureFilter, WrapMode
+from fixedpipe.pipeline.enums import BaseFormat, Clamp, InternalFormat, TextureFilter, WrapMode
 from fixedpipe.pipeline.inspection.ideal import record_ideal
 from fixedpipe.pipeline.inspection.inspect import history
 from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
 from fixedpipe.pipeline.inspection.recording import record
 from fixedpipe.pipeline.inspection.registers import register_uses
-from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A
+from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, IDEAL, NV2A
 from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_cube_map
 from fixedpipe.pipeline.validation.walk import UnsupportedState
@@ -210,6 +211,29 @@ def test_a_host_step_s_commands_have_maps_of_stages():
 
 
 ON_SIZE = GEFORCE_256, SIZE, SIZE
+
+
+def test_depths_read_without_a_comparison_are_told_and_mapped():
+    depths = np.random.default_rng(4).random((8, 8))
+    load = TexImage(
+        label="depths",
+        texture="t",
+        internal_format=InternalFormat.DEPTH_COMPONENT16,
+        pixels=PixelImage(depths, "DEPTH_COMPONENT"),
+    )
+    sampler = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR, depth_texture_mode=BaseFormat.LUMINANCE)
+    commands = load, triangle(PassState(texture_units=(TextureUnit("t", sampler),)))
+    on = GEFORCE_3, SIZE, SIZE
+    frame, seen = record(commands, *on), []
+    ideal = record_ideal(commands, frame, commands)
+    for y, x in np.ndindex(SIZE, SIZE):
+        (touched, *_) = history(frame, (x, y), ideal=ideal).touched or [None]
+        if touched is not None:
+            seen.append(255 * touched.ideal[0] - touched.after.color[0])
+    # A depth of 16 bits is cut to its byte, 0 to 1 less; filter, weights and product round by a half each.
+    assert len(seen) > 3 and min(seen) > -2.0 and max(seen) < 3.0 and max(map(abs, seen)) > 0.0
+    for kind in KINDS:
+        assert frame_maps(commands, *on, kind), kind
 
 
 def errors_of(fragment):
