@@ -87,6 +87,25 @@ def _values(profile):
     return table
 
 
+def _change_text(now, other):
+    """What a field's value is; of a set, what it has more or less than the profile's."""
+    if not isinstance(now, frozenset):
+        return _value_text(now) or "none"
+    parts = [("without", other - now), ("with", now - other)]
+    return ", ".join(f"{word} {', '.join(m.name for m in sorted(of))}" for word, of in parts if of)
+
+
+def _driver_lines(profile, driver):
+    """What a machine is with a driver that it is not without one: lines, one for each evidence."""
+    yield f'Driver "{driver.name}", {driver.since}' + (":" if driver.facts else ": as below.")
+    changes = {}
+    for name, fact in driver.facts.items():
+        text = _change_text(fact.value, profile.facts[name].value)
+        changes.setdefault(fact.evidence, []).append(f"{name} {text}")
+    for evidence, texts in changes.items():
+        yield f"  {'; '.join(texts)}. {evidence}."
+
+
 @click.command(short_help="Print the machines, with evidence.")
 @click.argument("names", metavar="[NAME …]", nargs=-1)
 def profiles(names):
@@ -111,6 +130,9 @@ def profiles(names):
         console.print(f"{name}: {profile.description}", style="bold")
         if profile.ancestor is not None:
             console.print(f"Made from: {profile.ancestor.name}.")
+        for driver in profile.drivers:
+            for line in _driver_lines(profile, driver):
+                console.print(line)
         said = {fact.evidence for fact in profile.facts.values()}
         if len(said) == 1:
             console.print(f"All values: {said.pop()}.")

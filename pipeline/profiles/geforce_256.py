@@ -1,11 +1,14 @@
 """NVIDIA GeForce 256 (NV10, 1999): two texture units, two general combiners, 9-bit signed registers."""
 
+from typing import Any
+
 from fixedpipe.pipeline.enums import (
     Clamp,
     ColorWeights,
     CombineFunction,
     CombinerFunction,
     FogArithmetic,
+    InternalFormat,
     LightingArithmetic,
     MagnificationThreshold,
     ProductRounding,
@@ -18,7 +21,7 @@ from fixedpipe.pipeline.enums import (
     WrapMode,
 )
 from fixedpipe.pipeline.profiles.known import known
-from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.profiles.profile import Driver, Profile
 from fixedpipe.pipeline.profiles.sections import (
     Arithmetic,
     Combiners,
@@ -45,9 +48,42 @@ _LATER = "Source: NV_texture_shader (GeForce 3 and later)"
 _NO_SHADOW = "Assumed: none; a driver of 1999 that lists SGIX_shadow would settle it"
 _OCTANES_ALONE = "Source: Kautz, Seidel 2000, section 5 (pixel textures on Octanes alone)"
 
+# Its drivers. Release 4 and Release 5 are NV_register_combiners' names of NVIDIA's drivers of 2000.
+_APPROVED = (
+    "Source: ARB_texture_env_combine and ARB_texture_env_dot3 were approved on February 16, 2001; Assumed: "
+    "no driver had their functions under another name; a list of its extensions would settle it"
+)
+_LISTED = "Source: berkelium.com, NVIDIA OpenGL Extensions (a list of about 2000, undated)"
+_POINTS: dict[str, Any] = {"point_parameters": known(True, _LISTED)}
+_WITHOUT_DOT3: dict[str, Any] = {
+    "combine_functions": known(
+        frozenset(CombineFunction)
+        - {CombineFunction.SUBTRACT, CombineFunction.DOT3_RGB, CombineFunction.DOT3_RGBA},
+        _APPROVED,
+    )
+}
+_S3TC: dict[str, Any] = {
+    "internal_formats": known(
+        CORE_FORMATS | frozenset(f for f in InternalFormat if "S3TC" in f.name),
+        "Source: nvnews.net, Detonator Driver Report, part 2 (April 11, 2000): S3TC is new with 5.13",
+    )
+}
+_DRIVERS = (
+    Driver(name="Release 4", since="early 2000", facts=_POINTS | _WITHOUT_DOT3),
+    Driver(name="Release 5", since="June 2000", facts=_POINTS | _WITHOUT_DOT3 | _S3TC),
+    Driver(
+        name="a driver of 2001",
+        since="spring 2001, once ARB_texture_env_combine was approved",
+        facts=_POINTS
+        | _S3TC
+        | {"combine_functions": known(frozenset(CombineFunction), "Source: ARB_texture_env_combine")},
+    ),
+)
+
 GEFORCE_256 = Profile(
     name="GeForce 256",
     description="NVIDIA NV10, 1999: register combiners, two texture units, cube maps",
+    drivers=_DRIVERS,
     textures=Textures(
         max_texture_units=known(2, "Source: Kautz, Seidel 2000, section 5 (limited to two textures)"),
         max_texture_size=known(

@@ -26,7 +26,7 @@ from fixedpipe.pipeline.enums import (
     WrapMode,
 )
 from fixedpipe.pipeline.profiles.known import known
-from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.profiles.profile import Driver, Profile
 from fixedpipe.pipeline.profiles.sections import (
     Arithmetic,
     Combiners,
@@ -43,9 +43,48 @@ from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 
 _DRIVER = "Assumed: none; a driver of 2001 would settle it"
 
+# Texture targets, formats and operations that came with Detonator XP.
+_BEFORE_XP = (
+    "Source: tecchannel.de, Test: NVIDIAs Titanium-Grafikchips (2001): shadow buffers and 3D textures are of "
+    "every GeForce 3, and Detonator XP turned them on"
+)
+_XP = "Source: SGIX_shadow, SGIX_depth_texture; ARB_shadow was approved on February 14, 2002"
+_DEPTHS = frozenset(f for f in InternalFormat if f.name.startswith("DEPTH_COMPONENT"))
+_VOLUMES = frozenset({TextureShaderOperation.TEXTURE_3D, TextureShaderOperation.DOT_PRODUCT_TEXTURE_3D})
+_OPERATIONS = frozenset(TextureShaderOperation) - {TextureShaderOperation.BRDF_TEXTURE_3D}
+_DRIVERS = (
+    Driver(
+        name="before Detonator XP",
+        since="spring 2001, with the board",
+        facts={
+            "max_3d_texture_size": known(0, _BEFORE_XP),
+            "texture_targets": known(frozenset(TextureTarget) - {TextureTarget.TEXTURE_3D}, _BEFORE_XP),
+            "internal_formats": known(frozenset(InternalFormat) - TWELVE_BIT_FORMATS - _DEPTHS, _BEFORE_XP),
+            "texture_compare_modes": known(frozenset({TextureCompareMode.NONE}), _BEFORE_XP),
+            "shadow_functions": known(frozenset(), _BEFORE_XP),
+            "depth_texture_modes": known((), _BEFORE_XP),
+            "depths_as_colors": known(False, _BEFORE_XP),
+            "texture_shader_operations": known(_OPERATIONS - _VOLUMES, _BEFORE_XP),
+        },
+    ),
+    Driver(
+        name="Detonator XP",
+        since="autumn 2001",
+        facts={
+            "shadow_functions": known(
+                frozenset({ComparisonFunction.LEQUAL, ComparisonFunction.GEQUAL}),
+                f"{_XP}, EXT_shadow_funcs is of March 22, 2002",
+            ),
+            "depth_texture_modes": known((BaseFormat.LUMINANCE,), f"{_XP}, ARB_depth_texture as well"),
+        },
+    ),
+    Driver(name="a driver of 2002", since="spring 2002, once ARB_shadow was approved", facts={}),
+)
+
 GEFORCE_3 = Profile(
     name="GeForce 3",
     description="NVIDIA NV20, 2001: texture shaders, eight general combiners, four texture units",
+    drivers=_DRIVERS,
     textures=Textures(
         max_texture_units=known(4, "Inferred: from the NV2A: four texture units (Pixel_shader captures)"),
         max_texture_size=known(4096, "Assumed: as on the NV2A; a MAX_TEXTURE_SIZE query would settle it"),
@@ -103,10 +142,7 @@ GEFORCE_3 = Profile(
         ),
     ),
     texture_shaders=TextureShaders(
-        texture_shader_operations=known(
-            frozenset(TextureShaderOperation) - {TextureShaderOperation.BRDF_TEXTURE_3D},
-            "Source: NV_texture_shader, NV_texture_shader2",
-        ),
+        texture_shader_operations=known(_OPERATIONS, "Source: NV_texture_shader, NV_texture_shader2"),
         dot_product_mappings=known(
             frozenset(DotProductMapping),
             "Inferred: from the NV2A: six mappings, 56909 pixels each (DotSTRCube captures)",

@@ -33,12 +33,27 @@ NATIVE_SUBPIXEL_BITS = 4
 
 
 @dataclass(frozen=True, kw_only=True)
+class Driver:
+    """A driver of a machine, by what the machine is with it and its profile is not.
+
+    name   what it is asked for by, as in "Detonator XP"
+    since  when it came, in words
+    facts  fields of the profile's sections, each as known(value, evidence); none: the profile is as with it
+    """
+
+    name: str
+    since: str
+    facts: Mapping[str, Any]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Profile:
     """A machine.
 
     ``name`` is what errors call it, ``description`` one line. ``ancestor`` is the machine that it was made
     from (``descendant``); None: it was written whole. ``changed_from`` is the machine that this one is with
-    other values (``changed``); equal machines may differ in it.
+    other values (``changed``); equal machines may differ in it. ``drivers`` are those whose dates are known,
+    the oldest first; ``driver`` is the name of the one that it has (``with_driver``), None: none was chosen.
 
     Raises ValueError for ``diamond_exit_lines`` with ``color_weights`` EIGHT_BITS.
     """
@@ -56,6 +71,8 @@ class Profile:
     arithmetic: Arithmetic
     ancestor: "Profile | None" = None
     changed_from: "Profile | None" = field(default=None, compare=False, repr=False)
+    drivers: tuple[Driver, ...] = field(default=(), compare=False, repr=False)
+    driver: str | None = None
 
     def __post_init__(self) -> None:
         # Weights of eight bits are measured between 0 and 1 and clamp nothing; a line of diamonds takes
@@ -117,7 +134,35 @@ class Profile:
         """
         if inherited is not None:
             own = {field: known(was.value, inherited) for field, was in self.facts.items()} | own
-        return self._with(own, name=name, description=description, ancestor=self, changed_from=None)
+        changes = {"ancestor": self, "changed_from": None, "drivers": (), "driver": None}
+        return self._with(own, name=name, description=description, **changes)
+
+    def with_driver(self, name: str) -> "Profile":
+        """The machine as it was with one of its ``drivers``. What a later one brought is refused, in a
+        sentence that names that driver.
+
+        Raises ValueError for a name that none of them has, and where a driver was chosen already.
+        """
+        if self.driver is not None:
+            raise ValueError(
+                f"{self.name} has a driver; ask the machine without one, its changed_from, for {name!r}."
+            )
+        for driver in self.drivers:
+            if driver.name == name:
+                named = {"name": f"{self.name} with {name}", "driver": name, "changed_from": self}
+                return self._with(driver.facts, **named)
+        known_names = ", ".join(repr(driver.name) for driver in self.drivers)
+        has = f"those known are {known_names}" if self.drivers else "none of its drivers is known"
+        raise ValueError(f"{self.name} has no driver {name!r}; {has}.")
+
+    def later_drivers(self) -> "tuple[Profile, ...]":
+        """The machine with each driver that came after the one that it has, the oldest first."""
+        own = self
+        while own.driver is not None and own.changed_from is not None:
+            own = own.changed_from
+        names = [driver.name for driver in self.drivers]
+        first = 0 if self.driver is None else names.index(self.driver) + 1
+        return tuple(own.with_driver(name) for name in names[first:])
 
     def _with(self, given, **changes):
         """The machine with fields as ``given``, each with its evidence, and other changes of its own."""

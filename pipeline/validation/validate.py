@@ -75,7 +75,7 @@ from fixedpipe.pipeline.validation.textures import (
 )
 from fixedpipe.pipeline.validation.transfer import reset_histogram, reset_minmax
 from fixedpipe.pipeline.validation.types import TypeChecks
-from fixedpipe.pipeline.validation.walk import Known, Walk
+from fixedpipe.pipeline.validation.walk import Known, UnsupportedState, Walk
 
 if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
     from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
@@ -183,6 +183,29 @@ def walked(walk: Walk, commands: Iterable[Command], since: str = "", first: int 
 
     Returns what is known after every HostStep, and at last after all of the commands.
     """
+    if walk.profile.driver is None:
+        return _walked(walk, commands, since, first)
+    commands, before = frame_of(commands), walk.known()
+    try:
+        return _walked(walk, commands, since, first)
+    except UnsupportedState as refused:
+        for later in walk.profile.later_drivers():
+            if _takes_all(Walk.of(later, before), commands):
+                raise UnsupportedState(f"{refused} It came with {later.driver}.") from None
+        raise
+
+
+def _takes_all(walk, commands):
+    """Whether a machine takes all of the commands."""
+    try:
+        _walked(walk, commands, "", 0)
+    except UnsupportedState:
+        return False
+    return True
+
+
+def _walked(walk, commands, since, first):
+    """``walked``, whatever the driver."""
     known = []
     for number, command in enumerate(frame_of(commands), first):
         if walk.takes(command):

@@ -152,6 +152,16 @@ class Walk:
         self.histograms = set() if statistics is None else set(statistics.histograms)
         self.minmaxes = set() if statistics is None else set(statistics.minmaxes)
 
+    @classmethod
+    def of(cls, profile: Profile, known: Known) -> "Walk":
+        """A Walk of a machine that knows what another did at a place."""
+        width, height, depth_bits, in_window = known.target
+        walk = cls(profile, width, height, depth_bits, {}, None)
+        walk.in_window = in_window
+        walk.surfaces, walk.textures = dict(known.surfaces), dict(known.textures)
+        walk.read, walk.given, walk.histograms, walk.minmaxes = map(set, known.names)
+        return walk
+
     def known(self) -> Known:
         """A copy of what is known here."""
         names = self.read, self.given, self.histograms, self.minmaxes

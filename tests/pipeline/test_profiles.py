@@ -175,7 +175,7 @@ def test_sets_that_machines_share_are_the_specification_s(name):
 
 
 def test_sections_are_the_profiles_and_no_two_have_a_field_of_one_name():
-    assert [f.name for f in fields(Profile)][2:-2] == list(SECTIONS)
+    assert [f.name for f in fields(Profile)][2:-4] == list(SECTIONS)
     assert len(SECTION_OF) == sum(len(kind.names()) for kind in SECTIONS.values())
 
 
@@ -283,3 +283,42 @@ def test_a_descendant_says_what_is_inherited_in_its_own_words():
 def test_profiles_can_be_copied_and_sent():
     for profile in PROFILES.values():
         assert pickle.loads(pickle.dumps(profile)) == profile == copy.deepcopy(profile)
+
+
+# ------------------------------------------------------------------------------------------------- drivers
+
+DRIVEN = [(key, driver.name) for key, profile in PROFILES.items() for driver in profile.drivers]
+
+
+def test_the_machines_with_drivers_are_those_whose_dates_are_known():
+    assert {key for key, _ in DRIVEN} == {"GEFORCE_256", "GEFORCE_3"}
+    assert len(set(DRIVEN)) == len(DRIVEN)
+
+
+@pytest.mark.parametrize(("key", "name"), DRIVEN)
+def test_a_driver_changes_what_it_says_and_nothing_else(key, name):
+    own, made = PROFILES[key], PROFILES[key].with_driver(name)
+    (driver,) = [d for d in own.drivers if d.name == name]
+    assert (made.name, made.driver, made.changed_from) == (f"{own.name} with {name}", name, own)
+    for field, fact in own.facts.items():
+        assert made.facts[field] == driver.facts.get(field, fact), field
+        if field in driver.facts:
+            assert made.facts[field].value != fact.value, f"{field} is as without the driver"
+
+
+def test_the_geforce_3_as_it_is_has_the_last_of_its_drivers():
+    own = PROFILES["GEFORCE_3"]
+    assert own.with_driver(own.drivers[-1].name).facts == own.facts
+
+
+def test_drivers_stay_with_their_machine():
+    assert PROFILES["GEFORCE_3"].changed(max_lights=1).drivers == PROFILES["GEFORCE_3"].drivers
+    assert PROFILES["FUTURE"].drivers == () and PROFILES["FUTURE"].driver is None
+    with pytest.raises(ValueError, match="no driver 'Release 9'; those known are 'Release 4', 'Release 5'"):
+        GEFORCE_256.with_driver("Release 9")
+    with pytest.raises(ValueError, match="none of its drivers is known"):
+        NV2A.with_driver("Release 5")
+    with pytest.raises(ValueError, match="has a driver; ask the machine without one"):
+        GEFORCE_256.with_driver("Release 4").with_driver("Release 5")
+    later = [profile.driver for profile in GEFORCE_256.with_driver("Release 4").later_drivers()]
+    assert later == ["Release 5", "a driver of 2001"]

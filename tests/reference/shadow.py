@@ -99,7 +99,7 @@ def as_colors(texture, unit, combiners, profile):
     unread = (FIXED[texture.internal_format] + 1) >> bits
 
     def color(texel):
-        """Assumed: docs/numbers.md N12.21 (the highest bits)."""
+        """Assumed: docs/numbers.md N12.23 (the highest bits)."""
         return as_mode(sum(byte << (8 * k) for k, byte in enumerate(texel)) // unread, mode, 2**bits - 1)
 
     levels = [
