@@ -359,7 +359,7 @@ class ColorTable:
 
 @dataclass(frozen=True, slots=True)
 class Sampler:
-    """Texture parameters (table 3.17): how a texture image is sampled. Level 0 is the base level.
+    """Texture parameters (table 3.17): how a texture image is sampled.
 
     ``compare_mode``, ``compare_function`` (ARB_shadow, EXT_shadow_funcs): of a depth texture; every texel
     read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered. NONE:
@@ -370,6 +370,8 @@ class Sampler:
     many as cover it, up to any ``max_probes``, and not a power of two.
     ``depth_texture_mode`` (ARB_depth_texture): whether a depth texture is LUMINANCE, INTENSITY or ALPHA;
     None: the machine's usual one.
+    ``base_level`` (TEXTURE_BASE_LEVEL, SGIS_texture_lod): the level that is sampled as if it were level 0.
+    ``min_lod`` and ``max_lod`` count from it, ``max_level`` counts from level 0.
     """
 
     min_filter: TextureFilter = TextureFilter.NEAREST_MIPMAP_LINEAR
@@ -389,6 +391,7 @@ class Sampler:
     max_probes: int = 1
     exact_probes: bool = False
     depth_texture_mode: BaseFormat | None = None
+    base_level: int = 0
 
     @property
     def magnifies_late(self) -> bool:

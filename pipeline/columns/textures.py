@@ -22,6 +22,7 @@ from fixedpipe.pipeline.textures.images import (
     register_components,
     with_signs,
 )
+from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
 from fixedpipe.raster.pixels.transfer import texture_color_table
@@ -37,7 +38,7 @@ def unit_samplers(state, textures, profile, saw=nobody):
     return [
         None
         if unit is None or unit.texture is None
-        else UnitSampler(number, unit, textures[unit.texture], profile, saw)
+        else UnitSampler(number, unit, sampled_texture(unit, textures), profile, saw)
         for number, unit in enumerate(with_signs(state, textures).texture_units)
     ]
 
@@ -80,7 +81,7 @@ class UnitSampler:
             TextureTarget.TEXTURE_RECTANGLE: (1.0, 1.0, 0.0),
         }.get(texture.target, (width, height, 0.0))
         s = self.sampler
-        self.levels = texture.levels[: s.max_level + 1]
+        self.levels = texture.levels[: s.max_level - s.base_level + 1]
         self.anisotropic, self.probes = s.max_anisotropy > 1, s.max_probes > 1
         self.needs_lambda = s.min_filter != s.mag_filter
         opengl_c = profile.arithmetic.magnification_threshold == MagnificationThreshold.OPENGL_C

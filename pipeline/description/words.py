@@ -79,6 +79,7 @@ FIELD_WORDS = {
     (Sampler, "min_lod"): "TEXTURE_MIN_LOD",
     (Sampler, "max_lod"): "TEXTURE_MAX_LOD",
     (Sampler, "max_level"): "TEXTURE_MAX_LEVEL",
+    (Sampler, "base_level"): "TEXTURE_BASE_LEVEL",
     (Sampler, "compare_fail_value"): "TEXTURE_COMPARE_FAIL_VALUE",
     (Sampler, "depth_texture_mode"): "DEPTH_TEXTURE_MODE",
     (Sampler, "max_probes"): "footprint probes",

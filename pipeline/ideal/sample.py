@@ -551,7 +551,7 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
     if sampler.min_filter is sampler.mag_filter:
         sampling.add(levels[0], sampler.mag_filter.is_linear, out)
         return out
-    levels = levels[: sampler.max_level + 1]
+    levels = levels[: sampler.max_level - sampler.base_level + 1]
     last, mipmap = len(levels) - 1, sampler.min_filter.mipmap
     size = float(texture.width), 0.0 if one_dimensional else float(texture.height), float(texture.depth)
     squared, logarithm, share = np.empty((3, len(out)))

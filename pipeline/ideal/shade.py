@@ -17,6 +17,7 @@ from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.pipeline.programs.texture_shader_rules import reads_texture
 from fixedpipe.pipeline.textures.images import with_signs
+from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.witness import nobody
 
@@ -163,7 +164,7 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, sa
             # A disabled unit's register is opaque black.  Source: docs/numbers.md, section 7.
             registers[register] = constant_color((0.0, 0.0, 0.0, 1.0))
         elif register in read or state.evaluate_before_filtering:
-            found = texel(i, unit, textures.get(unit.texture))
+            found = texel(i, unit, None if unit.texture is None else sampled_texture(unit, textures))
             if state.texture_shader is None:
                 found = as_register(found, unit, textures[unit.texture].internal_format)
             if state.ycbcr_conversion and reads_texture(state, i):
@@ -174,10 +175,11 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, sa
         unit = state.texture_units[lookup.unit]
         level_0 = replace(unit.sampler, min_filter=unit.sampler.mag_filter)
         compared = unit.sampler.compare_mode is not TextureCompareMode.NONE
+        texture = sampled_texture(unit, textures)
         made = sample(
-            textures[unit.texture],
+            texture,
             replace(unit, sampler=level_0),
-            made_place(textures[unit.texture], rgb),
+            made_place(texture, rgb),
             rgb[:, 2] if compared else None,
         )
         return as_register(made, unit, textures[unit.texture].internal_format)

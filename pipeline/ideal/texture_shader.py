@@ -14,6 +14,7 @@ from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.ideal.sample import signed, signed_flags
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, WITHOUT_TEXTURE, shader_stages
+from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.raster import codes as C
 
 _PAIRS = {Operation.DEPENDENT_AR_TEXTURE_2D: (3, 0), Operation.DEPENDENT_GB_TEXTURE_2D: (1, 2)}
@@ -73,7 +74,7 @@ def run_stages(state, textures, count, own, conventional, made, register, change
             case Operation.DOT_PRODUCT:
                 pass
             case operation:
-                texture = textures[unit.texture]
+                texture = sampled_texture(unit, textures)
                 bits = texture.bits
                 if operation in CONVENTIONAL:
                     texel = conventional(i, unit, texture)

@@ -36,6 +36,7 @@ from fixedpipe.pipeline.inspection.pixel import Touch, Witness
 from fixedpipe.pipeline.inspection.recording import RecordedFrame
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
+from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.pipeline.validation.frames import frame_of
 
 # What fragments read of other pixels, or what one pixel alone cannot tell: then the whole ideal runs, once.
@@ -175,7 +176,7 @@ class IdealPixel:
 def _levels(state, textures):
     """The real texels of each texture unit that reads some, a level each."""
     return {
-        number: textures[unit.texture].ideal
+        number: sampled_texture(unit, textures).ideal
         for number, unit in enumerate(state.texture_units)
         if unit is not None and unit.texture is not None
     }

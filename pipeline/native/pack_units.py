@@ -28,6 +28,7 @@ from fixedpipe.pipeline.textures.images import (
     register_components,
     with_signs,
 )
+from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.columns.numbers import one_of
@@ -109,9 +110,9 @@ def pack_units(state, profile, textures, used, draw):
             if stage.operation in WITHOUT_TEXTURE:
                 units[i, R.ENABLED], units[i, R.TEXEL_BITS] = 1, R.BITS_OF_BYTES
                 continue
-        texture, sampler = textures[unit.texture], unit.sampler
+        texture, sampler = sampled_texture(unit, textures), unit.sampler
         magnification, minification = sampler.mag_filter, sampler.min_filter
-        levels = min(len(texture.levels), sampler.max_level + 1)
+        levels = min(len(texture.levels), sampler.max_level - sampler.base_level + 1)
         row = units[i]
         row[R.ENABLED], row[R.TARGET], row[R.LEVELS] = 1, texture.target, levels
         row[R.WRAP_S], row[R.WRAP_T] = sampler.wrap_s, sampler.wrap_t

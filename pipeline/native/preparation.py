@@ -11,6 +11,7 @@ import numpy as np
 from fixedpipe.pipeline.native import pack
 from fixedpipe.pipeline.native.combiner_plan import plan_combiners
 from fixedpipe.pipeline.native.texels import NO_LEVELS, NO_TEXELS, texels_of
+from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.pipeline.vertices.colors import fragment_colors
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.raster import codes as C
@@ -94,8 +95,8 @@ class Prepared:
         if len(order) == 0:
             return cls(dropped + p.dropped, bound)
         texels, levels = [None] * 4, [NO_LEVELS] * len(packed.units)
-        for i, name, signed in packed.reads:
-            texels[i] = texels_of(textures[name], signed)
+        for i, _, signed in packed.reads:
+            texels[i] = texels_of(sampled_texture(state.texture_units[i], textures), signed)
             levels[i] = texels[i].levels
         size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
         return cls(

@@ -37,8 +37,8 @@ def _pixels(walk, command, width, height):
     if command.pixel_texture is None:
         return
     units = command.state.texture_units
-    known = [(i, walk.textures[u.texture]) for i, u in enumerate(units) if u is not None]
-    textures = [(i, texture.target, texture.faces[0]) for i, texture in known]
+    read = [(i, u.sampler.base_level, walk.textures[u.texture]) for i, u in enumerate(units) if u is not None]
+    textures = [(i, texture.target, texture.faces[base]) for i, base, texture in read]
     if problem := _pixel_texture_problem(command.pixel_texture, kind, command.state, textures, walk.profile):
         walk.refuse(problem)
 

@@ -68,19 +68,32 @@ def _has_colors(profile, internal_format):
 
 def _levels(walk, unit, known, place):
     """Refuse a minification filter that asks for levels which the texture does not have."""
-    sampler, (width, height) = unit.sampler, known.sizes[0]
+    sampler, given = unit.sampler, len(known.sizes)
+    base, last = sampler.base_level, given - 1
     mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
     if known.target is TextureTarget.TEXTURE_RECTANGLE:
         _rectangle_sampler(walk, place, sampler, mipmapped)
-    layers = known.faces[0] if known.target is TextureTarget.TEXTURE_3D else 1
-    complete = complete_levels(width, max(height, layers))
     if sampler.max_level < 0:
         walk.refuse(f"{place} has the maximum level {sampler.max_level}; levels count from 0.")
-    if mipmapped and len(known.sizes) < min(complete, sampler.max_level + 1):
+    if not 0 <= base <= last:
+        walk.refuse(
+            f"{place} has the base level {base}, but {unit.texture!r} has {count(given, 'level')}; give a "
+            f"base_level from 0 to {last}."
+        )
+    if base > sampler.max_level:
+        walk.refuse(
+            f"{place} has the base level {base} above the maximum level {sampler.max_level}: it is as if the "
+            "unit were disabled. Leave the unit None, or give a max_level that is not below base_level."
+        )
+    width, height = known.sizes[base]
+    layers = known.faces[base] if known.target is TextureTarget.TEXTURE_3D else 1
+    complete = base + complete_levels(width, max(height, layers))
+    if mipmapped and given < min(complete, sampler.max_level + 1):
+        width, height = known.sizes[0]
         walk.refuse(
             f"{place} minifies with {sampler.min_filter.name}, but {unit.texture!r} ({width}x{height}) "
-            f"has {count(len(known.sizes), 'level')} of {complete}; build it with mipmaps=True, set "
-            f"max_level to {len(known.sizes) - 1}, or set min_filter to LINEAR or NEAREST."
+            f"has {count(given, 'level')} of {complete}; build it with mipmaps=True, set "
+            f"max_level to {last}, or set min_filter to LINEAR or NEAREST."
         )
 
 

@@ -83,7 +83,7 @@ _POLYGON = (
 )
 _SAMPLER = (
     *("min_filter", "mag_filter", "wrap_s", "wrap_t", "wrap_r", "border_color", "min_lod", "max_lod"),
-    *("max_level", "compare_mode", "compare_function"),
+    *("max_level", "base_level", "compare_mode", "compare_function"),
 )
 _PASS = (
     *("color_sum", "fog", "scissor", "alpha_test", "stencil_test", "depth_test", "blending", "logic_op"),
@@ -361,6 +361,7 @@ class _Painter:
         for name in ("min_lod", "max_lod"):
             GL.glTexParameterf(target, getattr(GL, f"GL_TEXTURE_{name.upper()}"), getattr(sampler, name))
         GL.glTexParameteri(target, GL.GL_TEXTURE_MAX_LEVEL, sampler.max_level)
+        GL.glTexParameteri(target, GL.GL_TEXTURE_BASE_LEVEL, sampler.base_level)
         GL.glTexParameterfv(target, GL.GL_TEXTURE_BORDER_COLOR, sampler.border_color)
 
     def generation(self, coordinate, gen):

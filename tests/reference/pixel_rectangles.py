@@ -121,29 +121,32 @@ def texel(strq, unit, texture):
     Source: OpenGL 1.2.1 section 3.8.5; SGIX_pixel_texture (lambda is zero).
     """
     whole = SimpleNamespace(divided=False)
-    found = sample.sample_level(whole, strq, texture, unit.sampler, 0, unit.sampler.mag_filter)
-    return sample.to_register(found, unit.sampler)
+    sampler = unit.sampler
+    found = sample.sample_level(whole, strq, texture, sampler, sampler.base_level, sampler.mag_filter)
+    return sample.to_register(found, sampler)
 
 
-def texture_of(texture, pixel, group):
-    """The texture that a group reads: one of its volumes where q chooses one.
+def texture_of(texture, pixel, group, base):
+    """The texture that a group reads: one of its base level's volumes where q chooses one.
 
     Source: SGIX_impact_pixel_texture; Assumed: volumes lie behind one another.
     """
     if pixel is None or pixel.volumes is None:
         return texture
     number = pixel_texture.volume(group, 255, pixel.volumes, pixel.q_filter)
-    layers = len(texture.levels[0]) // pixel.volumes
-    level = texture.levels[0][number * layers : (number + 1) * layers]
+    layers = len(texture.levels[base]) // pixel.volumes
+    level = texture.levels[base][number * layers : (number + 1) * layers]
     return SimpleNamespace(
-        target=TextureTarget.TEXTURE_3D, internal_format=texture.internal_format, levels=[level]
+        target=TextureTarget.TEXTURE_3D,
+        internal_format=texture.internal_format,
+        levels=[None] * base + [level],
     )
 
 
 def read(unit, state, textures, profile, pixel, group):
     """(unit, texture) as a group reads them. Source: SGIX_impact_pixel_texture; ARB_shadow (NONE)."""
     texture, unit = shadow.as_colors(textures[unit.texture], unit, state.register_combiners, profile)
-    return unit, texture_of(texture, pixel, group)
+    return unit, texture_of(texture, pixel, group, unit.sampler.base_level)
 
 
 def fragment(raster, state, profile, textures, group=None, pixel=None):

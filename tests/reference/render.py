@@ -138,14 +138,7 @@ class Access:
             texture = shadow.compared(texture, unit.sampler, word, self.profile)
         if rough is not None:
             found = roughness.footprint(
-                self.triangles,
-                i,
-                operation,
-                self.pixel,
-                *rough,
-                texture,
-                unit.sampler.max_probes,
-                unit.sampler.exact_probes,
+                self.triangles, i, operation, self.pixel, *rough, texture, unit.sampler
             )
             texel = roughness.sample_rough(made[:2], found, texture, unit, operation, self.profile)
             return sample.to_register(texel, unit.sampler)

@@ -33,7 +33,7 @@ def undisplaced(triangles, i, operation, at):
     return sample.exact_coordinates(triangles[i - 1].coordinates, b0, b2)[2], own[2]
 
 
-def footprint(triangles, i, operation, pixel, jacobian, d, texture, most, exact):
+def footprint(triangles, i, operation, pixel, jacobian, d, texture, sampler):
     """(along s, along t, probes, lambda) of a fragment's lookup.
 
     Source: Schilling 1997, section 8 (roughness read anisotropically); the sum of pixel and roughness is
@@ -44,7 +44,7 @@ def footprint(triangles, i, operation, pixel, jacobian, d, texture, most, exact)
     points = [undisplaced(triangles, i, operation, at) for at in ((x, y), (x + 1, y), (x, y + 1))]
     if None in points:
         return nothing
-    width, height = sample.texel_scales(texture, 0)[:2]
+    width, height = sample.texel_scales(texture, sampler.base_level)[:2]
     (su, sv), (tu, tv) = jacobian
     d1, d2, d3 = d
     sides = [((s - points[0][0]) * width, (t - points[0][1]) * height) for s, t in points[1:]]
@@ -62,8 +62,8 @@ def footprint(triangles, i, operation, pixel, jacobian, d, texture, most, exact)
     length = sqrt(axis[0] * axis[0] + axis[1] * axis[1])
     axis = (axis[0] / length, axis[1] / length) if length > 0.0 else (1.0, 0.0)
     probes, rho2 = 1, longer
-    if most > 1:
-        probes, rho2 = sample.probes_of(longer, shorter, most, exact)
+    if sampler.max_probes > 1:
+        probes, rho2 = sample.probes_of(longer, shorter, sampler.max_probes, sampler.exact_probes)
     along = axis[0] * sqrt(longer) / width, axis[1] * sqrt(longer) / height
     return *along, probes, sample.lambda_of(rho2)
 

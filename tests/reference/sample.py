@@ -126,8 +126,8 @@ def lambda_of(rho2):
     return 128 * (exponent - 1) + sum(2.0 * mantissa >= step for step in octave_fractions()) - 1
 
 
-def footprint_point(triangle, px, py, texture, face):
-    """(T_s, T_t) of level 0 at a pixel that the triangle need not cover, or None where there are none.
+def footprint_point(triangle, px, py, texture, face, base=0):
+    """(T_s, T_t) of the base level at a pixel that the triangle need not cover, or None where there are none.
 
     Source: docs/numbers.md section 7.
     """
@@ -142,24 +142,24 @@ def footprint_point(triangle, px, py, texture, face):
             face = cube_map_face(strq)
         if not face_components(strq, face)[2] > 0.0:
             return None
-        return (*face_coordinates(strq, face, level_size(texture, 0)[1]), face)
-    sizes = texel_scales(texture, 0)
+        return (*face_coordinates(strq, face, level_size(texture, base)[1]), face)
+    sizes = texel_scales(texture, base)
     str_ = divide_by_q(strq, triangle.divided)
     # A coordinate that the target has not takes no part, infinite or not.
     return (*(c * scale if scale else 0.0 for c, scale in zip(str_, sizes, strict=True)), face)
 
 
-def squared_scale_factor(triangle, px, py, texture):
+def squared_scale_factor(triangle, px, py, texture, base=0):
     """Rho squared of the 2x2 block that holds the pixel, or None where a point of it has no coordinates.
 
     Measured: one value per block; footprints along an axis; Source: OpenGL 1.2.1 equation 3.15.
     """
     x, y = px & ~1, py & ~1
-    origin = footprint_point(triangle, x, y, texture, None)
+    origin = footprint_point(triangle, x, y, texture, None, base)
     if origin is None:
         return None
-    right = footprint_point(triangle, x + 1, y, texture, origin[-1])
-    below = footprint_point(triangle, x, y + 1, texture, origin[-1])
+    right = footprint_point(triangle, x + 1, y, texture, origin[-1], base)
+    below = footprint_point(triangle, x, y + 1, texture, origin[-1], base)
     if right is None or below is None:
         return None
     lengths = []
@@ -169,12 +169,12 @@ def squared_scale_factor(triangle, px, py, texture):
     return max(lengths) if all(isfinite(length) for length in lengths) else None
 
 
-def level_of_detail(triangle, px, py, texture, bias):
+def level_of_detail(triangle, px, py, texture, bias, base=0):
     """Lambda of a fragment in 1/256 level, bias added, not clamped.
 
     Measured: LODBias; Assumed: the bias is truncated.
     """
-    rho2 = squared_scale_factor(triangle, px, py, texture)
+    rho2 = squared_scale_factor(triangle, px, py, texture, base)
     return (LARGEST_LAMBDA if rho2 is None else lambda_of(rho2)) + trunc(256.0 * bias)
 
 
@@ -365,14 +365,14 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
     return [fixed.lerp_q8(p, q, fraction) for p, q in zip(found[0], found[-1], strict=True)]
 
 
-def block_steps(triangle, px, py, texture):
+def block_steps(triangle, px, py, texture, base):
     """The steps from the 2x2 block's origin to its neighbours to the right and below in texture coordinates,
     and their squared lengths in texels; None where they are not finite numbers.
 
     Measured: Texture_anisotropy.
     """
     x, y = px & ~1, py & ~1
-    width, height = texel_scales(texture, 0)[:2]
+    width, height = texel_scales(texture, base)[:2]
     points = []
     for at in ((x, y), (x + 1, y), (x, y + 1)):
         e = interpolate.perspective_terms(coverage.edge_values(triangle.edges, *at), triangle.inverse_w)
@@ -386,17 +386,17 @@ def block_steps(triangle, px, py, texture):
     return (steps, squares) if all(isfinite(square) for square in squares) else None
 
 
-def block_footprint(triangle, px, py, texture, maximum):
+def block_footprint(triangle, px, py, texture, sampler):
     """The longer step from the 2x2 block's origin to its neighbours in texture coordinates, how many times
     longer it is than the other or than one texel, and lambda of that part of it.
 
     Measured: Texture_anisotropy; Source: EXT_texture_filter_anisotropic (what the ratio is).
     """
-    found = block_steps(triangle, px, py, texture)
+    found = block_steps(triangle, px, py, texture, sampler.base_level)
     if found is None:
         return 0.0, 0.0, 1.0, LARGEST_LAMBDA
     steps, squares = found
-    ratio = min(max(sqrt(max(squares)) / max(sqrt(min(squares)), 1.0), 1.0), maximum)
+    ratio = min(max(sqrt(max(squares)) / max(sqrt(min(squares)), 1.0), 1.0), sampler.max_anisotropy)
     rho2 = max(squares) / (ratio * ratio)
     step = steps[0] if squares[0] >= squares[1] else steps[1]
     return *step, ratio, lambda_of(rho2)
@@ -424,7 +424,7 @@ def taps(ratio):
 def sample_along(triangle, strq, px, py, texture, sampler, bias, profile):
     """An anisotropically filtered texel. Source: docs/numbers.md section 7; Measured: as ``taps``."""
     s, t, _ = divide_by_q(strq, triangle.divided)
-    along_s, along_t, ratio, lod = block_footprint(triangle, px, py, texture, sampler.max_anisotropy)
+    along_s, along_t, ratio, lod = block_footprint(triangle, px, py, texture, sampler)
     lod = limited(lod + trunc(256.0 * bias), sampler)
     total = [128] * 4
     for distance, weight in taps(ratio):
@@ -435,18 +435,18 @@ def sample_along(triangle, strq, px, py, texture, sampler, bias, profile):
     return [a >> 8 for a in total]
 
 
-def block_probes(triangle, px, py, texture, most, exact):
+def block_probes(triangle, px, py, texture, sampler):
     """The longer step from the 2x2 block's origin to its neighbours in texture coordinates, how many probes
     lie along it, and lambda of a probe.
 
     Source: Schilling, Knittel, Strasser 1996 (footprint assembly); Assumed: the nearest power of two of the
     ratio of the steps, in octaves, and the shorter step counted as one texel where it is less.
     """
-    found = block_steps(triangle, px, py, texture)
+    found = block_steps(triangle, px, py, texture, sampler.base_level)
     if found is None:
         return 0.0, 0.0, 1, LARGEST_LAMBDA
     steps, squares = found
-    probes, rho2 = probes_of(max(squares), min(squares), most, exact)
+    probes, rho2 = probes_of(max(squares), min(squares), sampler.max_probes, sampler.exact_probes)
     return *(steps[0] if squares[0] >= squares[1] else steps[1]), probes, lambda_of(rho2)
 
 
@@ -470,8 +470,7 @@ def probes_of(longer, shorter, most, exact):
 def sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile):
     """A footprint's texel: the mean of its probes, cut. Source: docs/numbers.md section 7."""
     s, t, _ = divide_by_q(strq, triangle.divided)
-    most = sampler.max_probes, sampler.exact_probes
-    along_s, along_t, probes, lod = block_probes(triangle, px, py, texture, *most)
+    along_s, along_t, probes, lod = block_probes(triangle, px, py, texture, sampler)
     lod = limited(lod + trunc(256.0 * bias), sampler)
     total = [0] * 4
     for k in range(probes):
@@ -508,24 +507,26 @@ def sample_levels(level, triangle, px, py, texture, sampler, bias, profile):
     Source: OpenGL 1.2.1 section 3.8.5.
     """
     unused = sampler.min_filter == sampler.mag_filter
-    lod = 0 if unused else limited(level_of_detail(triangle, px, py, texture, bias), sampler)
+    base = sampler.base_level
+    lod = 0 if unused else limited(level_of_detail(triangle, px, py, texture, bias, base), sampler)
     return filter_levels(level, lod, texture, sampler, profile)
 
 
 def filter_levels(level, lod, texture, sampler, profile):
     """As ``sample_levels``, with lambda ``lod`` given.
 
-    Source: OpenGL 1.2.1 sections 3.8.5, 3.8.6; Measured: the choice at lambda <= 0, trilinear (LODBias).
+    Source: OpenGL 1.2.1 sections 3.8.5 (equations 3.21 to 3.23), 3.8.6; Measured: the choice at lambda <= 0,
+    trilinear (LODBias).
     """
-    minification = sampler.min_filter
+    minification, base = sampler.min_filter, sampler.base_level
     if minification == sampler.mag_filter:
-        return level(0, minification)
+        return level(base, minification)
     if lod <= magnification_threshold(sampler, profile):
-        return level(0, sampler.mag_filter)
+        return level(base, sampler.mag_filter)
     if minification in (TextureFilter.NEAREST, TextureFilter.LINEAR):
-        return level(0, minification)
+        return level(base, minification)
     last = min(len(texture.levels) - 1, sampler.max_level)
-    lod = fixed.clamp(lod, 0, 256 * last)
+    lod = fixed.clamp(256 * base + lod, 256 * base, 256 * last)
     if minification in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_NEAREST):
         return level((lod + 127) >> 8, minification)
     lower, upper = level(lod >> 8, minification), level(min((lod >> 8) + 1, last), minification)

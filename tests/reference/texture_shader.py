@@ -227,11 +227,12 @@ def on_any_face(strq):
 
 
 def sample_made(strq, texture, sampler, operation):
-    """A texel at made coordinates: level 0. Measured: a cube map read as a volume (DotSTR3D)."""
+    """A texel at made coordinates: the base level. Measured: a cube map read as a volume (DotSTR3D)."""
     cube_map = texture.target == TextureTarget.TEXTURE_CUBE_MAP
     if operation.name.endswith("CUBE_MAP") and not cube_map:
         strq = (*on_any_face(strq), 0.0)
     flat = cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D
     offset = operation.name.startswith("OFFSET")
     strq = (*strq[:3], 1.0)
-    return sample.sample_level(None, strq, texture, sampler, 0, sampler.mag_filter, flat=flat, offset=offset)
+    base, filter_mode = sampler.base_level, sampler.mag_filter
+    return sample.sample_level(None, strq, texture, sampler, base, filter_mode, flat=flat, offset=offset)

@@ -30,8 +30,8 @@ def constant(component, bits):
 
 
 def texel(texture, sampler, s, t, fraction_bits):
-    """A filtered texel of level 0, in the texture's units. Source: docs/numbers.md, section 6."""
-    rows = texture.levels[0][0]
+    """A filtered texel of the base level, in the texture's units. Source: docs/numbers.md, section 6."""
+    rows = texture.levels[sampler.base_level][0]
     sizes, linear = (len(rows[0]), len(rows)), sampler.mag_filter == TextureFilter.LINEAR
     axes = []
     for value, mode, size in zip((s, t), (sampler.wrap_s, sampler.wrap_t), sizes, strict=True):

@@ -387,6 +387,16 @@ def _texture_units():
         tests=("tests/raster/vector/test_level_of_detail.py",),
     )
     yield Feature(
+        name="the base level of a texture's levels (SGIS_texture_lod)",
+        group="Texture units",
+        has=lambda p: True,
+        commands=_textured(texture_2d(_PICTURE, mipmaps=True), _unit(Sampler(base_level=1))),
+        asked="base level",
+        reference=("tests/reference/sample.py",),
+        implementation=("pipeline/textures/sampled.py",),
+        tests=("tests/pipeline/execution/test_base_levels.py",),
+    )
+    yield Feature(
         name="anisotropic filtering (EXT_texture_filter_anisotropic)",
         group="Texture units",
         has=lambda p: p.textures.max_anisotropy > 1,

@@ -678,6 +678,9 @@ class _Maker:
             sampler = replace(sampler, min_lod=self.uniform(-2.0, 3.0), max_lod=self.uniform(-2.0, 6.0))
         if mipmapped and self.chance(0.1):
             sampler = replace(sampler, max_level=self.whole(0, 8))
+        if self.chance(0.1):
+            base = self.whole(0, len(texture.levels) - 1)
+            sampler = replace(sampler, base_level=base, max_level=max(base, sampler.max_level))
         most = self.profile.textures.max_anisotropy
         of_bytes = texture.internal_format not in FORMATS_OF_WORDS
         if most > 1 and of_bytes and texture.target is TextureTarget.TEXTURE_2D and self.chance(0.06):
@@ -717,7 +720,7 @@ class _Maker:
         texture = self.textures[name]
         complete = len(texture.levels) == max(texture.width, texture.height, texture.depth).bit_length()
         special = [texture.internal_format in formats for formats in (DEPTH_TEXELS, FORMATS_OF_WORDS)]
-        return texture.target, special, complete
+        return texture.target, special, complete, len(texture.levels)
 
     def unit_after(self, units):
         """A unit, or none, or one that shares coordinates and sampler with the unit before it."""

@@ -131,6 +131,36 @@ REFUSED = {
         "levels count from 0",
         shown(flat(), replace(NEAREST, max_level=0)),
     ),
+    "a base level that is not there": (
+        GEFORCE_256,
+        shown(flat(8, 8, 2), replace(NEAREST, base_level=2)),
+        "has the base level 2, but 'texture' has 2 levels; give a base_level from 0 to 1",
+        shown(flat(8, 8, 2), replace(NEAREST, base_level=1)),
+    ),
+    "a base level above the last": (
+        GEFORCE_256,
+        shown(flat(8, 8, 2), replace(NEAREST, base_level=1, max_level=0)),
+        "the base level 1 above the maximum level 0",
+        shown(flat(8, 8, 2), replace(NEAREST, base_level=1, max_level=1)),
+    ),
+    "a base level of a rectangle": (
+        NV2A,
+        shown(rectangle(), replace(NEAREST, base_level=1)),
+        "give a base_level from 0 to 0",
+        shown(rectangle()),
+    ),
+    "levels that are not there from the base level on": (
+        GEFORCE_256,
+        shown(
+            flat(8, 8, 3),
+            replace(NEAREST, min_filter=TextureFilter.NEAREST_MIPMAP_LINEAR, base_level=2, max_level=3),
+        ),
+        "has 3 levels of 4",
+        shown(
+            flat(8, 8, 3),
+            replace(NEAREST, min_filter=TextureFilter.NEAREST_MIPMAP_LINEAR, base_level=2, max_level=2),
+        ),
+    ),
     "a limit of lambda out of range": (
         GEFORCE_256,
         shown(flat(), replace(NEAREST, max_lod=1001.0)),
