@@ -22,7 +22,7 @@ from fixedpipe.pipeline.textures.images import (
     register_components,
     with_signs,
 )
-from fixedpipe.pipeline.textures.sampled import sampled_texture
+from fixedpipe.pipeline.textures.sampled import face_modes, sampled_texture
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
 from fixedpipe.raster.pixels.transfer import texture_color_table
@@ -44,13 +44,16 @@ def unit_samplers(state, textures, profile, saw=nobody):
 
 
 def reads_as_columns(unit, textures):
-    """Whether only columns do what a texture unit asks for: color tables, and of texels that are wider than
-    bytes all but plain filters.
+    """Whether only columns do what a texture unit asks for: color tables, textures with borders, and of
+    texels that are wider than bytes all but plain filters.
     """
     if unit.color_table is not None:
         return True
-    if unit.texture is None or (texture := textures[unit.texture]).bits == NATIVE_BITS:
+    if unit.texture is None:
         return False
+    texture = textures[unit.texture]
+    if texture.border or texture.bits == NATIVE_BITS:
+        return texture.border > 0
     sampler = unit.sampler
     return (
         sampler.max_anisotropy > 1
@@ -319,11 +322,12 @@ class UnitSampler:
 
     def _level(self, number, linear, strq, divided, reference, lifted, tap=None, flat=False):
         image, s, target = self.levels[number], self.sampler, self.texture.target
-        size = image.shape[2], image.shape[1], image.shape[0]
+        layers, height, width = image.shape[:3]
+        size = tuple(n - 2 * b for n, b in zip((width, height, layers), self.texture.borders, strict=True))
         places, face = sample.positions(strq, target, divided, lifted, size, flat)
         modes = s.wrap_s, s.wrap_t, s.wrap_r
         if target == TextureTarget.TEXTURE_CUBE_MAP:
-            modes = (C.WRAP_CLAMP_TO_EDGE,) * 3
+            modes = face_modes(s, self.texture)
         self._saw(
             "level", unit=self.number, level=number, linear=linear, strq=strq, divided=divided, size=size,
             places=places, face=face, reference=reference,
@@ -334,8 +338,9 @@ class UnitSampler:
         elif self.hilo:
             return self._hilo(image, places, face, modes, linear, target)
         return sample.filter_level(
-            image, places, face, modes, linear, target, self.border, self.fraction_bits, read, tap, self._saw
-        )
+            image, places, face, modes, linear, target, self.border, self.fraction_bits, read, tap, self._saw,
+            self.texture.border,
+        )  # fmt: skip
 
     def _hilo(self, image, places, face, modes, linear, target):
         """Two words of 16 bits, filtered as such, as four bytes (section 12)."""
@@ -349,7 +354,8 @@ class UnitSampler:
 
         border = words(self.border[None])[0]
         found = sample.filter_level(
-            image, places, face, modes, linear, target, border, self.fraction_bits, words, saw=self._saw
-        )
+            image, places, face, modes, linear, target, border, self.fraction_bits, words, saw=self._saw,
+            beside=self.texture.border,
+        )  # fmt: skip
         bytes_ = np.stack([found[:, 0], found[:, 1] >> 8, found[:, 1], found[:, 0] >> 8], axis=1) & 255
         return self._as_signed(bytes_)

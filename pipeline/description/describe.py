@@ -110,6 +110,8 @@ def _tex_image(command):
         return [first, *_pixel_transfer(command.transfer)]
     levels = count(len(image.levels), "level")
     size = f"{image.width}x{image.height}"
+    if image.border:
+        size += f" with a border of {count(image.border, 'texel')}"
     return [
         f'texture "{command.texture}": {image.target.name}, {image.internal_format.name}, {size}, {levels}'
     ]

@@ -18,6 +18,7 @@ from fixedpipe.pipeline.textures.images import (
     depth_texture_mode,
     register_components,
 )
+from fixedpipe.pipeline.textures.sampled import face_modes
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
@@ -367,29 +368,38 @@ _EVERY = np.empty(0, np.int64), np.empty(0)  # what ``chosen`` is where a level 
 
 
 class _Sampling:
-    """What all levels of a texture are sampled with."""
+    """What all levels of a texture are sampled with. ``beside``: border texels along s, t and r."""
 
-    def __init__(self, coordinates, sampler, border, read=None, reference=None, one_dimensional=False):
-        self.coordinates = coordinates
+    def __init__(
+        self, coordinates, sampler, border, read=None, reference=None, one_dimensional=False, beside=(0, 0, 0)
+    ):
+        self.coordinates, self.beside, self.sampler = coordinates, beside, sampler
         self.reference = np.empty(0) if reference is None else np.clip(reference, 0.0, 1.0)
         wraps = sampler.wrap_s, _NO_ROWS if one_dimensional else sampler.wrap_t, sampler.wrap_r
         reader = np.zeros(_READER) if read is None else read
         self.plain = read is None and not {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}.intersection(wraps)
         self.how = np.array(wraps, np.int64), np.array(border, np.float64), reader
 
-    def _sampled(self, level):
+        if any(beside):  # the levels that ``with_border`` makes are read as they are
+            edges = np.where(self.how[0] == _NO_ROWS, _NO_ROWS, WrapMode.CLAMP_TO_EDGE)
+            self.plain, self.how = read is None, (edges, *self.how[1:])
+
+    def _sampled(self, level, linear):
         where = self.coordinates
-        return fixed(level), np.ascontiguousarray(where.position), where.face, self.reference
+        position, face = np.ascontiguousarray(where.position), where.face
+        if any(self.beside):
+            level, position = with_border(level, where, self.sampler, self.beside, linear)
+        return fixed(level), position, face, self.reference
 
     def tap(self, level, tap):
         """One texel of a linear filter, and fractions: float64 [k, 7]."""
         out = np.empty((len(self.coordinates.face), 7))
-        _tap(self._sampled(level), self.how, tap, out)
+        _tap(self._sampled(level, True), self.how, tap, out)
         return out
 
     def add(self, level, linear, out, chosen=_EVERY, number=0, last=0):
         """Add the filtered texels of a level to ``out``, where it is chosen."""
-        sampled, where = self._sampled(level), self.coordinates
+        sampled, where = self._sampled(level, linear), self.coordinates
         if not linear:
             slip, bias = np.ascontiguousarray(where.slip), np.ascontiguousarray(where.bias)
             _nearest(sampled, chosen, number, last, self.how, slip, bias, out)
@@ -399,6 +409,54 @@ class _Sampling:
             _linear_in_volume(sampled, chosen, number, last, self.how, out)
         else:
             _linear(sampled, chosen, number, last, self.how, out)
+
+
+def with_border(level, where, sampler, beside, linear):
+    """A level with border texels, as one that CLAMP_TO_EDGE reads where the sampler's wrap modes read this.
+
+    level   float64 [faces, h, w, 4], with the border
+    where   the TextureCoordinates; of ``beside``: how many border texels there are along s, t and r
+    Returns the level, float64 of the same shape, and positions float64 [k, 2 or 3] in it. Where a wrap mode
+    reads no border, the border holds what the mode reads there. A nearest filter gets the texel's middle.
+    Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
+    """
+    position = np.empty(where.position.shape)
+    wraps = sampler.wrap_s, sampler.wrap_t, sampler.wrap_r
+    for k, (axis, border) in enumerate(zip((2, 1, 0), beside, strict=True)):
+        if k >= position.shape[1]:
+            break
+        size, mode = level.shape[axis] - 2 * border, wraps[k]
+        texel = where.position[:, k] * size
+        if not linear:
+            lifted = where.slip[:, k] * size + where.bias[:, 0]
+            texel = texel + np.where(lifted >= 0.0, TAU, -TAU)
+        texel, taken = _in_reach(np.where(np.isfinite(texel), texel, 0.0), mode, size, border, linear)
+        level = np.take(level, taken + border, axis)
+        position[:, k] = (texel + border) / (size + 2 * border)
+    return level, position
+
+
+def _in_reach(texel, mode, size, border, linear):
+    """Texel coordinates along an axis that a wrap mode has moved, and which texel is read at each index from
+    -border to size - 1 + border.
+    """
+    index = np.arange(-border, size + border)
+    inside = np.clip(index, 0, size - 1)
+    if mode == C.WRAP_REPEAT:
+        texel, index = texel % size, index % size
+    elif mode == C.WRAP_MIRRORED_REPEAT:
+        texel = texel % (2.0 * size)
+        texel, index = np.minimum(texel, 2.0 * size - texel), inside
+    else:  # CLAMP, CLAMP_TO_EDGE and CLAMP_TO_BORDER
+        reach = {
+            C.WRAP_CLAMP: 0.0,
+            C.WRAP_CLAMP_TO_EDGE: -0.5,
+            C.WRAP_CLAMP_TO_BORDER: max(border, 1) - 0.5,
+        }[mode]
+        texel = np.clip(texel, -reach, size + reach)
+        if mode == C.WRAP_CLAMP_TO_EDGE or (mode == C.WRAP_CLAMP and not linear):
+            index = inside
+    return (texel if linear else np.floor(texel) + 0.5), index
 
 
 def _select(coordinates, chosen):
@@ -533,7 +591,8 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
     if sampler.max_anisotropy > 1:
         return _in_pairs(texture, unit, coordinates, reference)
     if texture.target is TextureTarget.TEXTURE_CUBE_MAP:
-        sampler = replace(sampler, wrap_s=WrapMode.CLAMP_TO_EDGE, wrap_t=WrapMode.CLAMP_TO_EDGE)
+        along_s, along_t, _ = face_modes(sampler, texture)
+        sampler = replace(sampler, wrap_s=along_s, wrap_t=along_t)
     one_dimensional = texture.target is TextureTarget.TEXTURE_1D
     # The border colour passes through the base format like a texel.  Source: OpenGL 1.2.1, section 3.8.4.
     border, levels, read = np.zeros(4), texture.ideal, _signed_reader(sampler, texture.bits)
@@ -543,7 +602,8 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
         border = border if read is None else _as_signed(border, sampler, texture.bits)
     else:
         read = _comparison(sampler)
-    sampling = _Sampling(coordinates, sampler, border, read, reference, one_dimensional)
+    given = coordinates, sampler, border, read, reference, one_dimensional
+    sampling = _Sampling(*given, texture.borders)
     if tap is not None:
         return sampling.tap(levels[0], tap)
 

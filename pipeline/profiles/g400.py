@@ -67,6 +67,7 @@ G400 = Profile(
             "Source: OpenGL 1.2.1 table 3.16 (requested resolutions are kept); ATI_envmap_bumpmap (DU8DV8); "
             "with a magnitude Assumed, as the scaled lookup: the board's manual would settle it",
         ),
+        texture_borders=known(frozenset({0, 1}), "Source: OpenGL 1.2.1 section 3.8.1 (a border of 0 or 1)"),
         wrap_modes=known(CORE_WRAP_MODES, "Source: OpenGL 1.2.1 section 3.8.4"),
         cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
         signed_components=known(True, "Source: ATI_envmap_bumpmap (the offsets of DU8DV8 have signs)"),

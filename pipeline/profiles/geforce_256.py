@@ -101,6 +101,7 @@ GEFORCE_256 = Profile(
         internal_formats=known(
             CORE_FORMATS, "Source: OpenGL 1.2.1 table 3.16 (requested resolutions are kept)"
         ),
+        texture_borders=known(frozenset({0, 1}), "Source: OpenGL 1.2.1 section 3.8.1 (a border of 0 or 1)"),
         wrap_modes=known(
             frozenset(WrapMode), "Inferred: from the NV2A's five wrap modes (Texture_border captures)"
         ),

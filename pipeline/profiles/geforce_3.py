@@ -107,6 +107,7 @@ GEFORCE_3 = Profile(
             "Source: NV_texture_shader (HILO, DSDT and signed formats). Inferred: from the NV2A: "
             "Texture_format, Volume_texture and Texture_DXT captures",
         ),
+        texture_borders=known(frozenset({0, 1}), "Source: OpenGL 1.2.1 section 3.8.1 (a border of 0 or 1)"),
         wrap_modes=known(
             frozenset(WrapMode),
             "Inferred: from the NV2A: five wrap modes, 78720 of 78720 pixels (Texture_border captures)",

@@ -65,6 +65,7 @@ IDEAL = Profile(
             | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24, InternalFormat.HILO16}
             | SIGNED_FORMATS
         ),
+        texture_borders=_given(frozenset({0, 1, 4})),
         wrap_modes=_given(frozenset(WrapMode)),
         cylinder_wrap=_given(False),
         signed_components=_given(True),

@@ -68,6 +68,7 @@ INFINITE_REALITY = Profile(
             | {InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24},
             "Source: OpenGL 1.2.1 table 3.16, SGIX_depth_texture; twelve bits Assumed",
         ),
+        texture_borders=known(frozenset({0, 1}), "Source: OpenGL 1.2.1 section 3.8.1 (a border of 0 or 1)"),
         wrap_modes=known(
             CORE_WRAP_MODES | {WrapMode.CLAMP_TO_BORDER},
             "Assumed: edge and border clamp; an InfiniteReality's driver that lists "

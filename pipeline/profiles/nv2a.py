@@ -69,6 +69,11 @@ NV2A = Profile(
             "Measured: Texture_format, Volume_texture and Texture_DXT captures. Source: the Xbox's Direct3D, "
             "where Direct3D 8's signed words are names of such formats",
         ),
+        texture_borders=known(
+            frozenset({0, 4}),
+            "Measured: four texels on either side (Texture_border BorderTex captures); Inferred: no other "
+            "number, as a texture has one bit for it (nxdk_pgraph_tests, texture_stage)",
+        ),
         wrap_modes=known(
             frozenset(WrapMode), "Measured: five wrap modes, 78720 of 78720 pixels (Texture_border captures)"
         ),

@@ -63,6 +63,7 @@ OCTANE = Profile(
             CORE_FORMATS | TWELVE_BIT_FORMATS,
             "Source: OpenGL 1.2.1 table 3.16; twelve bits Inferred from SGIX_impact_pixel_texture's alpha",
         ),
+        texture_borders=known(frozenset({0, 1}), "Source: OpenGL 1.2.1 section 3.8.1 (a border of 0 or 1)"),
         wrap_modes=known(
             CORE_WRAP_MODES | {WrapMode.CLAMP_TO_BORDER},
             "Assumed: edge and border clamp; an Octane's driver that lists SGIS_texture_border_clamp would "

@@ -60,6 +60,7 @@ OPENGL_1_2 = Profile(
         internal_formats=known(
             CORE_FORMATS, "Source: OpenGL 1.2.1 table 3.16 (requested resolutions are kept)"
         ),
+        texture_borders=known(frozenset({0, 1}), "Source: OpenGL 1.2.1 section 3.8.1 (a border of 0 or 1)"),
         wrap_modes=known(CORE_WRAP_MODES, "Source: OpenGL 1.2.1 section 3.8.4"),
         cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
         signed_components=known(False, NOT_CORE),

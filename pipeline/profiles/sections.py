@@ -47,6 +47,7 @@ class Textures(Section):
     power_of_two_textures: bool  # whether edges must be powers of two
     texture_targets: frozenset[TextureTarget]
     internal_formats: frozenset[InternalFormat]
+    texture_borders: frozenset[int]  # texels of a texture's border on either side that it may have
     wrap_modes: frozenset[WrapMode]
     cylinder_wrap: bool  # of a TextureUnit
     signed_components: bool  # of any texture, by its sampler

@@ -65,5 +65,5 @@ def _colors_of(texture, base, bits):
         ideal = texture.ideal
         if ideal is not None:
             ideal = tuple(register_components(level[..., :1], base, 1.0) for level in ideal)
-        made[base, bits] = Texture(texture.target, _FORMATS[base], levels, ideal, bits)
+        made[base, bits] = Texture(texture.target, _FORMATS[base], levels, ideal, bits, texture.border)
     return made[base, bits]

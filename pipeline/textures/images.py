@@ -317,6 +317,8 @@ class Texture:
     ideal   the same shapes in float64 before any quantisation, or None: the ideal evaluator then reads the
             stored texels divided by their value of one
     bits    how wide a component is, 2**bits - 1 its value of one: 8, or else the levels are uint16
+    border  texels of a border on either side of each axis, in every level (OpenGL 1.2.1, section 3.8.1): the
+            levels hold them, and no width counts them. A 1D texture has them along s, a 3D one along r too
 
     Writable arrays are copied and made read-only: what is made from a texture is kept as long as it lives.
     """
@@ -326,6 +328,7 @@ class Texture:
     levels: tuple[NDArray[np.uint8 | np.uint16], ...]
     ideal: tuple[NDArray[np.float64], ...] | None = None
     bits: int = 8
+    border: int = 0
 
     def __post_init__(self):
         for name in ("levels", "ideal"):
@@ -334,17 +337,24 @@ class Texture:
     @property
     def width(self) -> int:
         """Texels along s of level 0."""
-        return self.levels[0].shape[2]
+        return self.levels[0].shape[2] - 2 * self.border
 
     @property
     def height(self) -> int:
         """Texels along t of level 0."""
-        return self.levels[0].shape[1]
+        return self.levels[0].shape[1] - 2 * self.borders[1]
 
     @property
     def depth(self) -> int:
         """Texels along r of level 0: 1 but for 3D textures."""
-        return self.levels[0].shape[0] if self.target is TextureTarget.TEXTURE_3D else 1
+        layered = self.target is TextureTarget.TEXTURE_3D
+        return self.levels[0].shape[0] - 2 * self.border if layered else 1
+
+    @property
+    def borders(self) -> tuple[int, int, int]:
+        """The border along s, t and r."""
+        along_t = self.target is not TextureTarget.TEXTURE_1D
+        return self.border, self.border * along_t, self.border * (self.target is TextureTarget.TEXTURE_3D)
 
 
 def _as_rgba(image, what, axes):
@@ -403,11 +413,20 @@ def pyramid(base: NDArray[Any], layered: bool = False) -> tuple[NDArray[Any], ..
 
 
 def build_texture(
-    target: TextureTarget, faces: NDArray[Any], internal_format: InternalFormat, mipmaps: bool
+    target: TextureTarget,
+    faces: NDArray[Any],
+    internal_format: InternalFormat,
+    mipmaps: bool,
+    border: int = 0,
 ) -> Texture:
     """A texture from RGBA images [faces, h, w, 4], bottom row first: bytes, or floats, which the ideal
-    evaluator gets too.
+    evaluator gets too. Raises ValueError for mipmaps of an image with a border.
     """
+    if mipmaps and border:
+        raise ValueError(
+            f"Mipmaps of an image with a border of {border} are not generated; give a Texture its levels, "
+            "each with its own border."
+        )
     source, bits, base_format = None, 8, BASE_FORMAT[internal_format]
     wide = internal_format in TWELVE_BIT_FORMATS
     if faces.dtype != np.uint8 or wide:
@@ -419,18 +438,22 @@ def build_texture(
     else:
         base = store_texels(faces, internal_format)
     if not mipmaps:
-        return Texture(target, internal_format, (base,), None if source is None else (source,), bits)
+        return Texture(target, internal_format, (base,), None if source is None else (source,), bits, border)
     layered = target is TextureTarget.TEXTURE_3D
     ideal = None if source is None else pyramid(source, layered)
     return Texture(target, internal_format, pyramid(base, layered), ideal, bits)
 
 
 def texture_1d(
-    image: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
+    image: ArrayLike,
+    internal_format: InternalFormat = InternalFormat.RGBA8,
+    *,
+    mipmaps: bool = False,
+    border: int = 0,
 ) -> Texture:
     """A 1D texture from [width, 1..4 components], bytes or floats in [0, 1], as ``texture_2d`` takes them."""
     row = _as_rgba(image, "A 1D texture's image", ("width",))
-    return build_texture(TextureTarget.TEXTURE_1D, row[None, None], internal_format, mipmaps)
+    return build_texture(TextureTarget.TEXTURE_1D, row[None, None], internal_format, mipmaps, border)
 
 
 def texture_2d(
@@ -438,30 +461,41 @@ def texture_2d(
     internal_format: InternalFormat = InternalFormat.RGBA8,
     *,
     mipmaps: bool = False,
+    border: int = 0,
 ) -> Texture:
     """A 2D texture from [height, width, 1..4 components], bottom row first: bytes, which are uint8 alone, or
     floats in [0, 1]. A Pillow image is a picture, top row first, and is turned over.
 
-    Floats are kept as the ideal evaluator's source (unclamped) beside the quantised texels.
-    Raises ValueError for another type of numbers, booleans too, zero sizes, NaN, or another shape.
+    Floats are kept as the ideal evaluator's source (unclamped) beside the quantised texels. ``border``: how
+    many texels of the image on either side of each axis are a border (``Texture``).
+    Raises ValueError for another type of numbers, booleans too, zero sizes, NaN, another shape, or mipmaps of
+    an image with a border.
     """
     image = bottom_row_first(image, "A 2D texture's image")
     rgba = _as_rgba(image, "A 2D texture's image", ("height", "width"))
-    return build_texture(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps)
+    return build_texture(TextureTarget.TEXTURE_2D, rgba[None], internal_format, mipmaps, border)
 
 
 def texture_3d(
-    image: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
+    image: ArrayLike,
+    internal_format: InternalFormat = InternalFormat.RGBA8,
+    *,
+    mipmaps: bool = False,
+    border: int = 0,
 ) -> Texture:
     """A 3D texture from [layers, height, width, 1..4 components], bytes or floats in [0, 1], each layer as
     ``texture_2d`` takes it, r growing from layer to layer.
     """
     rgba = _as_rgba(image, "A 3D texture's image", ("layers", "height", "width"))
-    return build_texture(TextureTarget.TEXTURE_3D, rgba, internal_format, mipmaps)
+    return build_texture(TextureTarget.TEXTURE_3D, rgba, internal_format, mipmaps, border)
 
 
 def texture_cube_map(
-    faces: ArrayLike, internal_format: InternalFormat = InternalFormat.RGBA8, *, mipmaps: bool = False
+    faces: ArrayLike,
+    internal_format: InternalFormat = InternalFormat.RGBA8,
+    *,
+    mipmaps: bool = False,
+    border: int = 0,
 ) -> Texture:
     """A cube map from [6, size, size, components], faces +x, -x, +y, -y, +z, -z; rows as EXT_texture_cube_map
     orders t (row 0 is t = 0).
@@ -471,4 +505,4 @@ def texture_cube_map(
         raise ValueError(
             f"A cube map has shape {rgba.shape[:-1]}; give six square faces [6, size, size, components]."
         )
-    return build_texture(TextureTarget.TEXTURE_CUBE_MAP, rgba, internal_format, mipmaps)
+    return build_texture(TextureTarget.TEXTURE_CUBE_MAP, rgba, internal_format, mipmaps, border)

@@ -39,6 +39,12 @@ def _pixels(walk, command, width, height):
     units = command.state.texture_units
     read = [(i, u.sampler.base_level, walk.textures[u.texture]) for i, u in enumerate(units) if u is not None]
     textures = [(i, texture.target, texture.faces[base]) for i, base, texture in read]
+    bordered = [i for i, _, texture in read if texture.border]
+    if bordered and command.pixel_texture.volumes is not None:
+        walk.refuse(
+            f"texture unit {bordered[0]} has a texture with a border, which is not of several volumes; give "
+            "one without, or leave volumes None."
+        )
     if problem := _pixel_texture_problem(command.pixel_texture, kind, command.state, textures, walk.profile):
         walk.refuse(problem)
 

@@ -54,7 +54,8 @@ def _comparison(walk, unit, known, place):
         )
     if problem := _shadow_problem(place, sampler, profile, deep):
         walk.refuse(problem)
-    if compares and {sampler.wrap_s, sampler.wrap_t} & {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}:
+    reads_border = {sampler.wrap_s, sampler.wrap_t} & {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}
+    if compares and reads_border and not known.border:
         walk.refuse(
             f"{place} compares and may read its border colour, which is no depth; use CLAMP_TO_EDGE or "
             "REPEAT."
@@ -69,25 +70,25 @@ def _has_colors(profile, internal_format):
 def _levels(walk, unit, known, place):
     """Refuse a minification filter that asks for levels which the texture does not have."""
     sampler, given = unit.sampler, len(known.sizes)
-    base, last = sampler.base_level, given - 1
+    lowest, last = sampler.base_level, given - 1
     mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
     if known.target is TextureTarget.TEXTURE_RECTANGLE:
         _rectangle_sampler(walk, place, sampler, mipmapped)
     if sampler.max_level < 0:
         walk.refuse(f"{place} has the maximum level {sampler.max_level}; levels count from 0.")
-    if not 0 <= base <= last:
+    if not 0 <= lowest <= last:
         walk.refuse(
-            f"{place} has the base level {base}, but {unit.texture!r} has {count(given, 'level')}; give a "
+            f"{place} has the base level {lowest}, but {unit.texture!r} has {count(given, 'level')}; give a "
             f"base_level from 0 to {last}."
         )
-    if base > sampler.max_level:
+    if lowest > sampler.max_level:
         walk.refuse(
-            f"{place} has the base level {base} above the maximum level {sampler.max_level}: it is as if the "
-            "unit were disabled. Leave the unit None, or give a max_level that is not below base_level."
+            f"{place} has the base level {lowest} above the maximum level {sampler.max_level}: it is as if "
+            "the unit were disabled. Leave the unit None, or give a max_level that is not below base_level."
         )
-    width, height = known.sizes[base]
-    layers = known.faces[base] if known.target is TextureTarget.TEXTURE_3D else 1
-    complete = base + complete_levels(width, max(height, layers))
+    width, height = known.sizes[lowest]
+    layers = known.faces[lowest] if known.target is TextureTarget.TEXTURE_3D else 1
+    complete = lowest + complete_levels(width, max(height, layers))
     if mipmapped and given < min(complete, sampler.max_level + 1):
         width, height = known.sizes[0]
         walk.refuse(

@@ -41,7 +41,7 @@ def complete_levels(width, height):
 def _faces(image, level):
     """How many images level ``level`` of a texture has: faces or layers."""
     if image.target is TextureTarget.TEXTURE_3D:
-        return max(1, image.depth >> level)
+        return max(1, image.depth >> level) + 2 * image.border
     return 6 if image.target is TextureTarget.TEXTURE_CUBE_MAP else 1
 
 
@@ -61,13 +61,19 @@ def _level_problem(image, level, array):
         given = count(array.shape[0], _PARTS.get(image.target, ("", "faces"))[1].removesuffix("s"))
         return f"level {level} of a {image.target.name} has {given}; it takes {faces}."
     height, width = array.shape[1:3]
-    if not height or not width:
-        return f"level {level} of the texture is {width}x{height} texels; a texture needs at least 1x1."
-    expected = (max(1, image.height >> level), max(1, image.width >> level))
-    if (height, width) != expected:
+    along_s, along_t, along_r = (2 * texels for texels in image.borders)
+    if height <= along_t or width <= along_s or array.shape[0] <= along_r:
+        beside = f" and its border of {image.border} on either side" if image.border else ""
         return (
-            f"level {level} of a {image.width}x{image.height} texture is {width}x{height}; it takes "
-            f"{expected[1]}x{expected[0]}. Build the levels with mipmaps=True."
+            f"level {level} of the texture is {width}x{height} texels; a texture needs at least 1x1{beside}."
+        )
+    expected = (max(1, image.height >> level) + along_t, max(1, image.width >> level) + along_s)
+    if (height, width) != expected:
+        beside = f" with a border of {image.border}" if image.border else ""
+        how = "Give every level its border." if image.border else "Build the levels with mipmaps=True."
+        return (
+            f"level {level} of a {image.width}x{image.height} texture{beside} is {width}x{height}; it takes "
+            f"{expected[1]}x{expected[0]}. {how}"
         )
     return None
 
@@ -82,6 +88,9 @@ def _texture_problem(image):
     bits = image.bits
     if isinstance(bits, bool) or not isinstance(bits, Integral) or not 4 <= bits <= 16:
         return f"the texture's components have {bits!r} bits; give 4 to 16."
+    border = image.border
+    if isinstance(border, bool) or not isinstance(border, Integral) or border < 0:
+        return f"the texture's border is {border!r}; give a number of texels from 0 on."
     for level, array in enumerate(image.levels):
         if problem := _level_problem(image, level, array):
             return problem
@@ -164,7 +173,24 @@ def store(walk, name, image):
             walk.refuse(problem)
         _checked_textures.add(image)
     _texture_storage(walk, image.target, image.internal_format, image.width, image.height, image.depth)
+    _border(walk, image)
     walk.textures[name] = walk.taken.textures[image] = KnownTexture.of(image)
+
+
+def _border(walk, image):
+    """Refuse a border that the machine does not have.
+
+    Source: OpenGL 1.2.1 section 3.8.1; NV_texture_rectangle (rectangles have none).
+    """
+    allowed = walk.profile.textures.texture_borders
+    if image.target is TextureTarget.TEXTURE_RECTANGLE:
+        allowed = frozenset({0})
+    if image.border not in allowed:
+        takes = " or ".join(str(texels) for texels in sorted(allowed))
+        walk.refuse(
+            f"the {image.target.name} has a border of {image.border}; {walk.profile.name} takes {takes}. "
+            "Cut it off, or give one of these."
+        )
 
 
 def copy_tex_image(walk, command):
@@ -221,6 +247,11 @@ def copy_tex_sub_image(walk, command):
     """Refuse a CopyTexSubImage that does not fit its texture."""
     known = known_texture(walk, command.texture)
     _copied_format(walk, known.internal_format)
+    if known.border:
+        walk.refuse(
+            f"{command.texture!r} has a border of {known.border}, and copies into such textures are not "
+            "drawn here; define it with TexImage, or copy into a texture without a border."
+        )
     if command.generate_mipmap:
         if known.target is TextureTarget.TEXTURE_3D:
             walk.refuse("mipmaps of a 3D texture are not generated; give its levels with TexImage.")

@@ -55,19 +55,22 @@ class KnownSurface(NamedTuple):
 
 class KnownTexture(NamedTuple):
     """What validation remembers of a texture object: (width, height) of every level, and how many faces or
-    layers it has.
+    layers it has, none with their border; and how many texels that has.
     """
 
     target: TextureTarget
     internal_format: InternalFormat
     sizes: tuple[tuple[int, int], ...]
     faces: tuple[int, ...]
+    border: int = 0
 
     @classmethod
     def of(cls, image: Texture) -> "KnownTexture":
         """What is remembered of a Texture."""
-        sizes = tuple((level.shape[2], level.shape[1]) for level in image.levels)
-        return cls(image.target, image.internal_format, sizes, tuple(len(level) for level in image.levels))
+        s, t, r = (2 * texels for texels in image.borders)
+        sizes = tuple((level.shape[2] - s, level.shape[1] - t) for level in image.levels)
+        faces = tuple(len(level) - r for level in image.levels)
+        return cls(image.target, image.internal_format, sizes, faces, image.border)
 
 
 class Taken:

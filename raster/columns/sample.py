@@ -14,43 +14,49 @@ from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.witness import nobody
 
 
-def wrapped(texel, mode, size):
-    """T brought into the texture's range; what is not a number becomes its lower end (section 6)."""
-    n = float(size)
+def wrapped(texel, mode, size, beside=0):
+    """T brought into the texture's range; what is not a number becomes its lower end (section 6). ``beside``:
+    how many border texels there are on either side.
+    """
+    n, reach = float(size), max(beside, 1) - 0.5
     low, high = {
         C.WRAP_REPEAT: (0.0, n),
         C.WRAP_MIRRORED_REPEAT: (0.0, 2.0 * n),
         C.WRAP_CLAMP: (0.0, n),
         C.WRAP_CLAMP_TO_EDGE: (0.5, n - 0.5),
-        C.WRAP_CLAMP_TO_BORDER: (-0.5, n + 0.5),
+        C.WRAP_CLAMP_TO_BORDER: (-reach, n + reach),
     }[mode]
     if mode in (C.WRAP_REPEAT, C.WRAP_MIRRORED_REPEAT):
         texel = texel - high * np.floor(texel * (1.0 / high))
     return np.where(texel > low, np.where(texel < high, texel, high), low)
 
 
-def index_of(i, mode, size, linear):
-    """(texel indices inside 0..size-1, where they read the border or None)."""
+def index_of(i, mode, size, linear, beside=0):
+    """(texel indices inside 0..size-1, and beyond by ``beside`` border texels; where they read the border
+    colour, or None).
+    """
     if mode == C.WRAP_REPEAT:
         return i % size, None
     if mode == C.WRAP_MIRRORED_REPEAT:
         i = i % (2 * size)
         return np.minimum(i, 2 * size - 1 - i), None
     if mode == C.WRAP_CLAMP_TO_BORDER or (mode == C.WRAP_CLAMP and linear):
+        if beside:
+            return np.clip(i, -beside, size - 1 + beside), None
         return np.clip(i, 0, size - 1), (i < 0) | (i >= size)
     if mode in (C.WRAP_CLAMP, C.WRAP_CLAMP_TO_EDGE):
         return np.clip(i, 0, size - 1), None
     raise ValueError(f"{mode!r} is no wrap mode.")
 
 
-def along(texel, mode, size, linear, fraction_bits):
+def along(texel, mode, size, linear, fraction_bits, beside=0):
     """Indices along an axis, a list of one or two ``index_of``, and the fraction between them."""
-    texel = wrapped(texel, mode, size)
+    texel = wrapped(texel, mode, size, beside)
     if not linear:
-        return [index_of(np.floor(texel).astype(np.int64), mode, size, False)], None
+        return [index_of(np.floor(texel).astype(np.int64), mode, size, False, beside)], None
     position = np.floor((texel - 0.5) * float(1 << fraction_bits)).astype(np.int64)
     i = position >> fraction_bits
-    pair = [index_of(i, mode, size, True), index_of(i + 1, mode, size, True)]
+    pair = [index_of(k, mode, size, True, beside) for k in (i, i + 1)]
     return pair, position & ((1 << fraction_bits) - 1)
 
 
@@ -81,31 +87,35 @@ def positions(coordinates, target, divided, computed, size, flat=False):
 
 
 def filter_level(
-    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, saw=nobody
+    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, saw=nobody, beside=0
 ):
     """One filtered texel of each fragment, int64 [k, c].
 
-    ``places``: of ``positions``; ``modes``: of s, t and r; ``border`` int64 [c]; ``read``: None, or what is
+    ``places``: of ``positions``; ``modes``: of s, t and r; ``border`` int64 [c], the border colour;
+    ``beside``: how many border texels the level has on either side; ``read``: None, or what is
     made of texels int64 [k, c] before they are filtered. ``tap``: None, or which of the filter's texels is
     wanted, 0 or 1 of layers, rows and columns: then int64 [k, c + 4], the texel, and the fractions
     between columns, rows and layers, and 0. ``saw``: is told where each axis reads, the fractions, and each
     texel, by (layer, row, column) of the filter.
     """
-    layers, height, width = level.shape[:3]
-    columns, across = along(places[0], modes[0], width, linear, fraction_bits)
+    layers, height, width = (extent - 2 * beside for extent in level.shape[:3])
+    below, before = beside, 0  # border texels of the image below row 0 and before layer 0
+    columns, across = along(places[0], modes[0], width, linear, fraction_bits, beside)
     if target == C.TARGET_1D:
-        rows, up = [(np.zeros(len(places[0]), np.int64), None)], None
+        rows, up, below = [(np.zeros(len(places[0]), np.int64), None)], None, 0
     else:
-        rows, up = along(places[1], modes[1], height, linear, fraction_bits)
+        rows, up = along(places[1], modes[1], height, linear, fraction_bits, beside)
     if target == C.TARGET_3D:
-        planes, deep = along(places[2], modes[2], layers, linear, fraction_bits)
+        planes, deep = along(places[2], modes[2], layers, linear, fraction_bits, beside)
+        before = beside
     else:
         planes, deep = [(0 if face is None else face, None)], None
 
     saw("filter", columns=columns, rows=rows, layers=planes, fractions=(across, up, deep), bits=fraction_bits)
 
     def texel(plane, row, column):
-        stored = found = level[plane[0], row[0], column[0]].astype(np.int64)
+        at = plane[0] + before, row[0] + below, column[0] + beside
+        stored = found = level[at].astype(np.int64)
         found = found if read is None else read(found)
         for outside in (plane[1], row[1], column[1]):
             if outside is not None:

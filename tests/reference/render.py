@@ -71,6 +71,7 @@ def plain_texture(texture):
         target=texture.target,
         internal_format=texture.internal_format,
         levels=[plain(level) for level in texture.levels],
+        border=getattr(texture, "border", 0),
     )
 
 

@@ -1,7 +1,8 @@
 """Texture sampling: coordinates, level of detail, wrap modes and filters, one fragment at a time.
 
 A texture has ``target``, ``internal_format`` and ``levels`` [level][face][row][column][component] of bytes,
-bottom row first. A coordinate T counts texels.
+bottom row first; and ``border``, how many texels of a level on either side are its border. A coordinate T
+counts texels.
 """
 
 from dataclasses import dataclass
@@ -192,8 +193,20 @@ def magnification_threshold(sampler, profile):
 # --------------------------------------------------------------------------------------------- wrap and fetch
 
 
-def wrap_coordinate(t, mode, size):
-    """T brought into the texture's range. Source: OpenGL 1.2.1 section 3.8.4 and the wrap extensions."""
+def borders(texture):
+    """The border's width along s, t and r, 0 where a texture names none.
+
+    Source: OpenGL 1.2.1 section 3.8.1 (the height of a 1D image is 1, the depth of a 2D one).
+    """
+    width = getattr(texture, "border", 0)
+    rows = 0 if texture.target == TextureTarget.TEXTURE_1D else width
+    return width, rows, width if texture.target == TextureTarget.TEXTURE_3D else 0
+
+
+def wrap_coordinate(t, mode, size, border=0):
+    """T brought into the texture's range. Source: OpenGL 1.2.1 section 3.8.4 and the wrap extensions;
+    Inferred: that CLAMP_TO_BORDER ends in the middle of the last of several border texels.
+    """
     n = float(size)
     if mode == WrapMode.REPEAT:
         t = t - n * fixed.floor_float(t * (1.0 / n))
@@ -204,13 +217,13 @@ def wrap_coordinate(t, mode, size):
         WrapMode.MIRRORED_REPEAT: (0.0, 2.0 * n),
         WrapMode.CLAMP: (0.0, n),
         WrapMode.CLAMP_TO_EDGE: (0.5, n - 0.5),
-        WrapMode.CLAMP_TO_BORDER: (-0.5, n + 0.5),
+        WrapMode.CLAMP_TO_BORDER: (-0.5, n + 0.5) if border < 2 else (0.5 - border, n - 0.5 + border),
     }[mode]
     return fixed.clamp(t, low, high) if t == t else low  # not a number: the range's lower end
 
 
-def wrap_index(i, mode, size, *, linear):
-    """A texel index inside 0..size-1, or None for the border.
+def wrap_index(i, mode, size, *, linear, border=0):
+    """A texel index inside 0..size-1, or of a border texel outside, or None for the border colour.
 
     Measured: nearest, 78720 of 78720; Source: OpenGL 1.2.1 section 3.8.5 for the border.
     """
@@ -222,14 +235,19 @@ def wrap_index(i, mode, size, *, linear):
         i %= 2 * size
         return min(i, 2 * size - 1 - i)
     if mode == WrapMode.CLAMP_TO_BORDER or (mode == WrapMode.CLAMP and linear):
-        return None
+        return i if -border <= i < size + border else None
     return fixed.clamp(i, 0, size - 1)
 
 
 def level_size(texture, level):
-    """(height, width). Source: OpenGL 1.2.1 section 3.8.5 (mipmap sizes)."""
-    rows = texture.levels[level][0]
-    return len(rows), len(rows[0])
+    """(height, width) without the border. Source: OpenGL 1.2.1 section 3.8.5 (mipmap sizes)."""
+    rows, (beside, below, _) = texture.levels[level][0], borders(texture)
+    return len(rows) - 2 * below, len(rows[0]) - 2 * beside
+
+
+def layers_of(texture, level):
+    """Layers of a 3D texture's level, without the border. Source: OpenGL 1.2.1 section 3.8.1."""
+    return len(texture.levels[level]) - 2 * borders(texture)[2]
 
 
 def texel_scales(texture, level):
@@ -240,7 +258,7 @@ def texel_scales(texture, level):
     height, width = level_size(texture, level)
     return {
         TextureTarget.TEXTURE_1D: (float(width), 0.0, 0.0),
-        TextureTarget.TEXTURE_3D: (float(width), float(height), float(len(texture.levels[level]))),
+        TextureTarget.TEXTURE_3D: (float(width), float(height), float(layers_of(texture, level))),
         TextureTarget.TEXTURE_RECTANGLE: (1.0, 1.0, 0.0),
     }.get(texture.target, (float(width), float(height), 0.0))
 
@@ -263,17 +281,21 @@ def to_register(texel, sampler):
 
 
 def fetch(texture, level, face, i, j, border, sampler):
-    """One texel, or the border where an index is None. Source: OpenGL 1.2.1 section 3.8.5."""
+    """One texel, or the border colour where an index is None. Source: OpenGL 1.2.1 section 3.8.5, figure 3.10
+    (where border texels lie).
+    """
     if face is None or i is None or j is None:
         return border
-    return as_signed(texture.levels[level][face][j][i], sampler)
+    beside, below, before = borders(texture)
+    return as_signed(texture.levels[level][face + before][j + below][i + beside], sampler)
 
 
 def sample_nearest(texture, level, face, t, modes, border, sampler):
     """Source: OpenGL 1.2.1 section 3.8.5; Measured: floor."""
     height, width = level_size(texture, level)
-    i = wrap_index(floor(t[0]), modes[0], width, linear=False)
-    j = wrap_index(floor(t[1]), modes[1], height, linear=False)
+    beside, below, _ = borders(texture)
+    i = wrap_index(floor(t[0]), modes[0], width, linear=False, border=beside)
+    j = wrap_index(floor(t[1]), modes[1], height, linear=False, border=below)
     return list(fetch(texture, level, face, i, j, border, sampler))
 
 
@@ -305,19 +327,31 @@ def lerp_bytes(p, q, fraction):
 def sample_linear(texture, level, face, t, modes, border, sampler):
     """Rows first, each to bytes, then between the rows. Measured: 349524 of 349524 pixels."""
     lerp = lerp_words if texture.internal_format in OF_WORDS else lerp_bytes
-    height, width = level_size(texture, level)
+    (height, width), (beside, below, _) = level_size(texture, level), borders(texture)
     i, a = linear_position(t[0])
-    columns = [wrap_index(k, modes[0], width, linear=True) for k in (i, i + 1)]
+    columns = [wrap_index(k, modes[0], width, linear=True, border=beside) for k in (i, i + 1)]
     if texture.target == TextureTarget.TEXTURE_1D:
         j, b, lines = 0, 0, [0, 0]
     else:
         j, b = linear_position(t[1])
-        lines = [wrap_index(k, modes[1], height, linear=True) for k in (j, j + 1)]
+        lines = [wrap_index(k, modes[1], height, linear=True, border=below) for k in (j, j + 1)]
     rows = []
     for line in lines:
         p, q = (fetch(texture, level, face, column, line, border, sampler) for column in columns)
         rows.append(lerp(p, q, a))
     return lerp(rows[0], rows[1], b)
+
+
+def face_modes(texture, sampler):
+    """The wrap modes on a cube map's face. Measured: CLAMP_TO_EDGE, and with a border CLAMP_TO_BORDER, which
+    reads it (Cube_BorderTex_SZ_2x2, _16x16, _32x32). Inferred: CLAMP likewise.
+    """
+    read = WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER
+    bordered = borders(texture)[0] > 0
+    return [
+        mode if bordered and mode in read else WrapMode.CLAMP_TO_EDGE
+        for mode in (sampler.wrap_s, sampler.wrap_t)
+    ]
 
 
 def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=False, offset=False):
@@ -332,7 +366,7 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
         face = 0 if flat else cube_map_face(strq)
         lift = 0.0 if triangle is None else TAU  # Measured: DotSTR3D_-1to1, DotReflectConst_1_-1to1
         t = [v + lift for v in face_coordinates((1.0, strq[1], -strq[0]) if flat else strq, face, width)]
-        modes = (WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE)
+        modes = face_modes(texture, sampler)
     else:
         face, modes = 0, (sampler.wrap_s, sampler.wrap_t)
         str_ = strq[:3] if triangle is None else divide_by_q(strq, triangle.divided)
@@ -341,20 +375,24 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
         *t, third = (c * scale + bias for c, scale in zip(str_, texel_scales(texture, level), strict=True))
     if texture.target == TextureTarget.TEXTURE_1D:
         t[1], modes = 0.0, (modes[0], WrapMode.REPEAT)
-    t = [wrap_coordinate(v, mode, size) for v, mode, size in zip(t, modes, (width, height), strict=True)]
+    beside, below, before = borders(texture)
+    t = [
+        wrap_coordinate(v, *given)
+        for v, *given in zip(t, modes, (width, height), (beside, below), strict=True)
+    ]
     border = texel_formats.border_texel(sampler.border_color, texture.internal_format)
     border = as_signed(border, sampler)
     read = sample_nearest if nearest else sample_linear
     if texture.target != TextureTarget.TEXTURE_3D:
         return read(texture, level, face, t, modes, border, sampler)
-    layers = len(texture.levels[level])
-    third = wrap_coordinate(third, sampler.wrap_r, layers)
+    layers = layers_of(texture, level)
+    third = wrap_coordinate(third, sampler.wrap_r, layers, before)
     k, fraction = (floor(third), 0) if nearest else linear_position(third)
     found = [
         read(
             texture,
             level,
-            wrap_index(n, sampler.wrap_r, layers, linear=not nearest),
+            wrap_index(n, sampler.wrap_r, layers, linear=not nearest, border=before),
             t,
             modes,
             border,

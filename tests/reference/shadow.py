@@ -77,7 +77,10 @@ def compared(texture, sampler, reference, profile):
         [[[comparison(p, sampler, reference, profile) for p in row] for row in face] for face in level]
         for level in texture.levels
     ]
-    return SimpleNamespace(target=texture.target, internal_format=InternalFormat.RGBA8, levels=levels)
+    border = getattr(texture, "border", 0)
+    return SimpleNamespace(
+        target=texture.target, internal_format=InternalFormat.RGBA8, levels=levels, border=border
+    )
 
 
 def as_colors(texture, unit, combiners, profile):
@@ -106,7 +109,11 @@ def as_colors(texture, unit, combiners, profile):
         [[[color(texel) for texel in row] for row in face] for face in level] for level in texture.levels
     ]
     colors = SimpleNamespace(
-        target=texture.target, internal_format=InternalFormat[f"{mode.name}8"], levels=levels, bits=bits
+        target=texture.target,
+        internal_format=InternalFormat[f"{mode.name}8"],
+        levels=levels,
+        bits=bits,
+        border=getattr(texture, "border", 0),
     )
     red = unit.sampler.border_color[0]
     return colors, replace(unit, sampler=replace(unit.sampler, border_color=(red,) * 4))

@@ -138,6 +138,7 @@ _MESH = Mesh(
     texture_coordinates=(_COORDINATES,),
 )
 _PICTURE = np.random.Generator(np.random.PCG64(11)).random((4, 4, 4))
+_BORDERED = np.random.Generator(np.random.PCG64(12)).random((16, 16, 4))
 _NEAREST = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)
 _LINEAR = Sampler(TextureFilter.LINEAR)
 _WORDS = np.arange(16, dtype=np.int64).reshape(4, 4) * 0x10F0F0F
@@ -366,6 +367,17 @@ def _texture_units():
         asked="4x3",
         **_SAMPLING,
     )
+    for texels in (1, 4):
+        yield Feature(
+            name=f"textures with a border of {texels}",
+            group="Texture units",
+            has=lambda p, texels=texels: texels in p.textures.texture_borders,
+            commands=_textured(texture_2d(_BORDERED[: 8 + 2 * texels, : 8 + 2 * texels], border=texels)),
+            asked=f"a border of {texels}",
+            reference=("tests/reference/sample.py",),
+            implementation=("pipeline/columns/textures.py", "raster/columns/sample.py"),
+            tests=("tests/pipeline/execution/test_borders.py",),
+        )
     for mode in (WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_BORDER, WrapMode.MIRRORED_REPEAT):
         yield Feature(
             name=f"wrap mode {mode.name}",

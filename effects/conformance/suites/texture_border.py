@@ -2,9 +2,8 @@
 borders.
 
 A texture with border texels (2D_BorderTex_SZ, 3D, cube maps) lies in memory as one that has twice the size,
-at least 16 texels along an edge, its first texel four from the corner. So it is defined here, rolled so that
-its first texel comes first: repeated, it has the border on either side, and coordinates of the borderless
-size are scaled. A cube map keeps its own faces, whose edges a linear filter leaves: there pixels differ.
+at least 16 texels along an edge, its first texel four from the corner. Here it has its texels and the four on
+either side, which is all that coordinates reach.
 Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
 """
 
@@ -37,7 +36,12 @@ _POINTS = (
 )  # fmt: skip
 _FACES = (3, 7, 6, 2, 1, 5, 4, 0, 4, 5, 6, 7, 1, 0, 3, 2, 2, 6, 5, 1, 0, 4, 7, 3)
 CUBE = np.array([_POINTS[k] for k in _FACES], np.float64)
-BORDERING = replace(scenes.NEAREST, wrap_s=WrapMode.REPEAT, wrap_t=WrapMode.REPEAT)
+BORDERING = replace(
+    scenes.NEAREST,
+    wrap_s=WrapMode.CLAMP_TO_BORDER,
+    wrap_t=WrapMode.CLAMP_TO_BORDER,
+    wrap_r=WrapMode.CLAMP_TO_BORDER,
+)
 MINIFIED = replace(BORDERING, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR, max_level=0)
 
 MODES = {
@@ -64,12 +68,12 @@ SIZES = ((1, 1), (2, 2), (4, 4), (8, 8), (16, 16), (32, 32), (16, 1), (8, 2), (4
 BORDERED_2D = "2D_BorderTex_SZ"
 BORDERED_3D = {f"3D_BorderTex_SZ_{w}x{h}": (w, h) for w, h in SIZES}
 BORDERED_CUBES = {f"Cube_BorderTex_SZ_{w}x{h}": w for w, h in SIZES if w == h}
+AT_THE_THRESHOLD = "blocks whose lambda is within 14/256 of 0, or that lie over an edge of the cube"
 WORDS = (
     0xFF0000FF, 0x660000FF, 0xFF00FF00, 0x6600FF00, 0xFFFF4444, 0x66FF4444, 0xFFFFFFFF, 0x66FFFFFF,
 )  # fmt: skip
 MASKS = (0xFFFF0000, 0xFF00FF00, 0xFF0000FF, 0xFFFF00FF, 0xFFFFFF00, 0xFF00FFFF)
 LAYERS = 4
-OVER_EDGES = "a linear filter reads border texels over a face's edge"
 DEPTHS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 2.75)  # of LAYERS
 EDGE, GAP, COLUMNS = 64, 32, 6  # of the quads, pixels
 
@@ -85,17 +89,17 @@ def _squares(first, second, width, height, cell):
     return np.where(odd, second, first)
 
 
-def bordered_size(size):
-    """How many texels of memory an edge of ``size`` takes with its border."""
-    return max(2 * size, 16)
-
-
 def _bordered(inside):
-    """Words of a texture's memory around its own."""
+    """Words of a texture and its border."""
     height, width = inside.shape
-    out = _squares(0xFFCCCCCC, 0xFF444444, bordered_size(width), bordered_size(height), 2)
+    out = _squares(0xFFCCCCCC, 0xFF444444, width + 2 * BORDER, height + 2 * BORDER, 2)
     out[BORDER : BORDER + height, BORDER : BORDER + width] = inside
-    return np.roll(out, (-BORDER, -BORDER), (0, 1))
+    return out
+
+
+def _texture(words, target=TextureTarget.TEXTURE_2D):
+    """A texture of words A8R8G8B8 that has a border."""
+    return replace(texture_of_words(words, TexelWord.A8R8G8B8, target), border=BORDER)
 
 
 def _colors(width, height):
@@ -107,11 +111,6 @@ def _colors(width, height):
 def _bright(mask, width, height):
     """Words of a checkerboard of single texels in a mask's components."""
     return _squares(0xFFFFFFFF & mask, 0xFF777777 & mask, width, height, 1)
-
-
-def _moved(coordinate, size):
-    """A coordinate of a bordered texture as its rolled memory has it."""
-    return np.asarray(coordinate, np.float32) * size / bordered_size(size)
 
 
 def _places(count, top):
@@ -150,44 +149,38 @@ def _bordered_2d():
     for top, around in _rows(len(SIZES)):
         for size, place in zip(SIZES, _places(len(SIZES), top), strict=True):
             label = "{}x{}".format(*size)
-            image = texture_of_words(_bordered(_colors(*size)), TexelWord.A8R8G8B8)
-            st = _square(size, around)
-            moved = np.stack([_moved(st[:, k], size[k]) for k in (0, 1)], -1)
+            image = _texture(_bordered(_colors(*size)))
             commands += [
                 TexImage(label=label, texture=label, image=image),
-                _quad(label, place, label, moved, MINIFIED),
+                _quad(label, place, label, _square(size, around), MINIFIED),
             ]
     return Case(commands=tuple(commands))
 
 
 def _bordered_3d(size):
     """A volume at several depths, without its border and with it."""
-    plain = _squares(0xFFCCCCCC, 0xFF444444, *(bordered_size(edge) for edge in size), 2)  # a roll leaves it
-    layers = [plain] * bordered_size(LAYERS)
+    plain = _squares(0xFFCCCCCC, 0xFF444444, *(edge + 2 * BORDER for edge in size), 2)
+    layers = [plain] * (LAYERS + 2 * BORDER)
     for k in range(LAYERS):
-        layers[k] = _bordered(_bright(MASKS[k], *size))
-    image = texture_of_words(np.stack(layers), TexelWord.A8R8G8B8, TextureTarget.TEXTURE_3D)
+        layers[BORDER + k] = _bordered(_bright(MASKS[k], *size))
+    image = _texture(np.stack(layers), TextureTarget.TEXTURE_3D)
     commands = [scenes.clear(0xFE181818), TexImage(label="volume", texture="volume", image=image)]
-    sampler = replace(BORDERING, wrap_r=WrapMode.REPEAT)
     for top, around in _rows(len(DEPTHS)):
         for depth, place in zip(DEPTHS, _places(len(DEPTHS), top), strict=True):
-            st = _square(size, around)
-            moved = [_moved(st[:, k], size[k]) for k in (0, 1)]
-            r = np.full(4, _moved(depth / LAYERS, LAYERS))
-            commands.append(_quad(f"{depth}", place, "volume", np.stack([*moved, r], -1), sampler))
+            str_ = np.column_stack([_square(size, around), np.full(4, np.float32(depth / LAYERS))])
+            commands.append(_quad(f"{depth}", place, "volume", str_, BORDERING))
     return Case(commands=tuple(commands))
 
 
 def _bordered_cube(size):
     """Four cubes: directions of their corners, and of corners moved to the border's edge."""
-    faces = np.stack([_bright(mask, size, size) for mask in MASKS])
-    image = texture_of_words(faces, TexelWord.A8R8G8B8, TextureTarget.TEXTURE_CUBE_MAP)
+    faces = np.stack([_bordered(_bright(mask, size, size)) for mask in MASKS])
+    image = _texture(faces, TextureTarget.TEXTURE_CUBE_MAP)
     commands = [scenes.clear(0xFE121212), TexImage(label="cube", texture="cube", image=image)]
-    sampler = replace(scenes.NEAREST, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR, max_level=0)
     state = replace(
         scenes.DEFAULT,
         polygon=scenes.FRONT_FACES,
-        texture_units=(TextureUnit("cube", sampler),),
+        texture_units=(TextureUnit("cube", MINIFIED),),
         register_combiners=scenes.SHOWS_TEXTURE0,
     )
     least = -BORDER / np.float32(size)
@@ -202,7 +195,7 @@ def _bordered_cube(size):
             positions = vertex_programs.perspective(points[:, :3], depth_maximum=65535.0)
             mesh = scenes.window_mesh(positions, texture_coordinates=(directions,))
             commands.append(Draw(label="cube", mesh=mesh, state=state))
-    return Case(commands=tuple(commands), explanation=OVER_EDGES)
+    return Case(commands=tuple(commands), explanation=AT_THE_THRESHOLD)
 
 
 def colored_checkerboard():
@@ -223,7 +216,7 @@ def _tiles(panel, bordered=False):
                 coordinates.append((column - 1 + s, row - 1 + t))
     if bordered:
         beside = BORDER / SIZE
-        coordinates = _moved(np.clip(coordinates, -beside, 1 + beside), SIZE)
+        coordinates = np.clip(coordinates, -beside, 1 + beside)
     return scenes.textured_triangles(positions, coordinates)
 
 
@@ -258,7 +251,7 @@ def case(name, inputs):
         commands.append(Draw(label=mode.name, mesh=_tiles(panel), state=state))
     if name == "2D":
         # The fifth panel's texture has a border, which its coordinates reach over instead of repeating.
-        image = texture_of_words(_bordered(_colors(SIZE, SIZE)), TexelWord.A8R8G8B8)
+        image = _texture(_bordered(_colors(SIZE, SIZE)))
         commands += [
             TexImage(label="bordered", texture="bordered", image=image),
             Draw(

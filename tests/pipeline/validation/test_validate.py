@@ -852,6 +852,7 @@ LACKING = {
         "has 1 texture unit, so that register",
     ),
     "power_of_two_textures": (True, store(levels((3, 3))), "4x4, or pad it"),
+    "texture_borders": (frozenset({0}), store(replace(levels((3, 3)), border=1)), "has a border of 1"),
     "max_texture_size": (4, MIPMAPPED, "up to 4x4"),
     "max_cube_map_texture_size": (2, CUBE, "up to 2x2"),
     "max_lod_bias": (0.0, textured(lod_bias=0.5), "takes 0.0 to 0.0. Set lod_bias"),
