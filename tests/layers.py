@@ -34,7 +34,7 @@ PACKAGES = {
     "pipeline/pixel_transfer": {"pipeline": "enums state"},
     "pipeline/canonical": {"pipeline": "state"},
     "pipeline/kinds": {"pipeline": "state canonical"},
-    "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums"},
+    "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums state"},
     "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
     "pipeline/profiles": {"pipeline": "enums textures"},
     "pipeline/programs": {"raster": "codes", "pipeline": "enums sentences state textures"},
