@@ -111,7 +111,7 @@ class Material:
 @dataclass(frozen=True, slots=True)
 class Spot:
     """A lighting unit's spotlight: x = axis . (unit vector to the light, 1), at most 1, lights with
-    (x + a)/(b x + c), where that is positive. ``coefficients``: a, b, c.
+    (x + a)/(b x + c), where x + a is positive and x is not negative. ``coefficients``: a, b, c.
     """
 
     axis: Vector4
@@ -124,8 +124,8 @@ class Light:
 
     For a lighting unit alone: ``range``: the light does not reach farther; ``half_vector``: of a directional
     light, which then takes the position's x, y, z and this vector as they are, however long; ``spot``: a
-    cone, instead of spot direction, exponent and cutoff; ``back_*``: the light's colours for back faces,
-    None: the same.
+    cone, instead of spot direction, exponent and cutoff, of which None: a driver computes one (N2.26);
+    ``back_*``: the light's colours for back faces, None: the same.
     """
 
     ambient: Color = (0.0, 0.0, 0.0, 1.0)

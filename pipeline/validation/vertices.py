@@ -131,10 +131,17 @@ def _lighting(walk, lighting):
                 kind = "directional" if directional else "positional"
                 walk.refuse(f"light {i} is {kind}, and such a light has no {name}; leave it None.")
         if has_unit and light.spot_cutoff != 180:
-            walk.refuse(
-                f"light {i}'s spot cutoff is {light.spot_cutoff} degrees; {profile.name}'s lighting unit "
-                "takes a cone as the light's spot. Set that, and leave the cutoff at 180."
-            )
+            if light.spot is not None:
+                walk.refuse(
+                    f"light {i} has a spot cutoff, {light.spot_cutoff} degrees, and a spot, which takes its "
+                    "place; leave the cutoff at 180, or the spot None."
+                )
+            if directional:
+                walk.refuse(
+                    f"light {i} is directional, and its spot cutoff is {light.spot_cutoff} degrees; "
+                    f"{profile.name}'s lighting unit has spotlights with a position alone. Leave the cutoff "
+                    "at 180, and multiply the light's colours by the cone's factor, the same everywhere."
+                )
         if not 0 <= light.spot_exponent <= profile.vertices.max_shininess:
             walk.refuse(
                 f"light {i}'s spot exponent is {light.spot_exponent}; {profile.name} takes 0 to "

@@ -27,6 +27,7 @@ from fixedpipe.pipeline.vertices.chip_floats import (
     transform_matrix,
     transform_reciprocal,
 )
+from fixedpipe.pipeline.vertices.spot_registers import spot_of
 
 _TRACKED = {
     ColorMaterialParameter.AMBIENT_AND_DIFFUSE: ("ambient", "diffuse"),
@@ -141,8 +142,9 @@ def _strengths(light, material, lighting, geometry, normal):
         strength = lighting_reciprocal(_dot((ONE, distance, square), _register(factors)))
         if light.range is not None:
             dark = _plus_scalar(-distance, *_register((light.range,))) < 0
-        if light.spot is not None:
-            strength, outside = _spot(light.spot, vector, strength)
+        spot = spot_of(light)
+        if spot is not None:
+            strength, outside = _spot(spot, vector, strength)
             dark = dark | outside
         strength = np.where(dark, ZERO, strength)
     facing = _dot(normal, direction)
@@ -157,16 +159,17 @@ def _strengths(light, material, lighting, geometry, normal):
 
 
 def _spot(spot, vector, strength):
-    """Attenuation times the cone's factor, and where that is not positive.
+    """Attenuation times the cone's factor, and where that is not positive or x is negative.
 
-    Measured: its reciprocal comes last (Lighting_spotlight captures).
+    Measured: its reciprocal comes last (Lighting_spotlight captures). Inferred: nothing is lit where x is
+    negative, for a driver's cone would end nowhere else (docs/numbers.md N2.26).
     """
     x = transform_dot((*vector, ONE), [single(np.float64(c)) for c in spot.axis])
     x = np.minimum(to_lighting(x), ONE)
     a, b, c = _register(spot.coefficients)
     above = _plus_scalar(x, a)
     below = _multiply_add(b, x, c)
-    return _times(_times(strength, above), lighting_reciprocal(below)), above <= 0
+    return _times(_times(strength, above), lighting_reciprocal(below)), (above <= 0) | (x < 0)
 
 
 def _highlight(light, material, lighting, geometry, normal, direction):

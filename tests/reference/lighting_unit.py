@@ -9,6 +9,7 @@ from fractions import Fraction
 
 from fixedpipe.pipeline.enums import ColorMaterialParameter, ColorSource, Face, SecondaryColor
 from fixedpipe.pipeline.state import ColorSources
+from tests.reference.spotlights import driver_spot
 
 LIGHTING, TRANSFORM = 14, 24  # significant bits
 SMALLEST, LIMIT = Fraction(1, 2**126), Fraction(2**128)
@@ -307,7 +308,7 @@ def highlight(light, material, lighting, normal, viewer, direction, power):
 def strengths(light, material, lighting, normal, viewer, point, power):
     """How much of the ambient, diffuse and specular colour. Source: envytools (pgraph_celsius_lt_full).
 
-    Measured: the spotlight (Lighting_spotlight captures).
+    Measured: the spotlight (Lighting_spotlight captures); Inferred: dark below zero (nouveau's cones).
     """
     strength, dark = Fraction(1), False
     if light.position[3] == 0:
@@ -322,14 +323,17 @@ def strengths(light, material, lighting, normal, viewer, point, power):
         strength = lighting_reciprocal(dot((Fraction(1), distance, square), register(factors)))
         if light.range is not None:
             dark = below_zero(plus_scalar(negative(distance), *register([light.range])))
-        if light.spot is not None:
-            x = transform_dot([*vector, Fraction(1)], [single(c) for c in light.spot.axis])
+        spot = None if light.spot is None else (light.spot.axis, light.spot.coefficients)
+        if light.spot_cutoff != 180:
+            spot = driver_spot(light.spot_direction, light.spot_exponent, light.spot_cutoff)
+        if spot is not None:
+            x = transform_dot([*vector, Fraction(1)], [single(c) for c in spot[0]])
             x = to_lighting(x)
             x = x if special(x) and math.isnan(x) else min(x, Fraction(1))
-            a, b, c = register(light.spot.coefficients)
+            a, b, c = register(spot[1])
             above, under = plus_scalar(x, a), multiply_add(b, x, c, LIGHTING)
             strength = times(times(strength, above), lighting_reciprocal(under))
-            dark = dark or above <= 0
+            dark = dark or above <= 0 or below_zero(x)
         strength = Fraction(0) if dark else strength
     facing = dot(normal, direction)
     dark = dark or below_zero(facing)

@@ -3,7 +3,6 @@
 import math
 from collections import namedtuple
 from dataclasses import dataclass, field
-from decimal import Decimal, localcontext
 from fractions import Fraction
 
 from fixedpipe.pipeline.enums import (
@@ -19,6 +18,7 @@ from fixedpipe.pipeline.enums import (
     WindowOrigin,
 )
 from tests.reference import fixed, fog, lighting_unit
+from tests.reference.spotlights import cosine_of_degrees
 
 NEAREST_W = 2.0**-100  # Assumed: any small number; without a near plane w stays positive
 
@@ -112,24 +112,6 @@ def power(x, n):
         if digit:
             digits.append(factor)
     return math.prod(digits[1:], start=digits[0]) if digits else 1.0
-
-
-def arctangent_of_inverse(n):
-    """Arc tangent of 1/n, n >= 5, as a fraction good to 60 digits. Source: Gregory's series."""
-    return sum(Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(45))
-
-
-def cosine_of_degrees(angle):
-    """Cosine of a spot cutoff to 40 decimal places: Taylor's series, with pi by Machin's formula.
-
-    Source: OpenGL 1.2.1 equation 2.5.
-    """
-    with localcontext() as context:
-        context.prec = 70
-        pi = 16 * arctangent_of_inverse(5) - 4 * arctangent_of_inverse(239)
-        x = Decimal(pi.numerator) / Decimal(pi.denominator) * Decimal(angle) / Decimal(180)
-        terms = [(-1) ** k * x ** (2 * k) / math.factorial(2 * k) for k in range(1, 40)]
-        return float((1 + sum(terms)).quantize(Decimal("1e-40")))
 
 
 # --------------------------------------------------------------------------------------------- assembly

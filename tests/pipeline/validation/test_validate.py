@@ -1275,7 +1275,11 @@ CONE = Spot((0.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0))
             Light(position=(0.0, 0.0, 1.0, 1.0), half_vector=(0.0, 0.0, 1.0)),
             ["light 0 is positional", "no half_vector"],
         ),
-        (Light(position=(0.0, 0.0, 1.0, 1.0), spot_cutoff=30.0), ["spot cutoff is 30.0", "light's spot"]),
+        (Light(spot_cutoff=30.0), ["light 0 is directional", "spot cutoff is 30.0", "cone's factor"]),
+        (
+            Light(position=(0.0, 0.0, 1.0, 1.0), spot_cutoff=30.0, spot=CONE),
+            ["spot cutoff, 30.0 degrees", "leave the cutoff at 180, or the spot None"],
+        ),
     ],
 )
 def test_a_lighting_unit_refuses_a_light_that_it_cannot_hold(light, words):
@@ -1288,3 +1292,7 @@ def test_a_lighting_unit_takes_what_equations_refuse():
     """No attenuation at all is defined there: 1/0 is infinity."""
     light = Light(position=(0.0, 0.0, 1.0, 1.0), constant_attenuation=0.0, range=1.0, spot=CONE)
     check(lit(light, viewer_direction=(0.0, 0.0, -1.0)), profile=UNIT)
+
+
+def test_a_lighting_unit_takes_opengl_s_spotlights():
+    check(lit(Light(position=(0.0, 0.0, 1.0, 1.0), spot_cutoff=30.0, spot_exponent=2.0)), profile=UNIT)

@@ -222,19 +222,21 @@ lightings = st.builds(
 register = st.one_of(st.sampled_from([0.0, 1.0, 0.5, -0.7, 0.2, 1.9999]), st.floats(-4, 4, width=32))
 unit_lights = st.builds(
     replace,
-    lights.map(lambda light: replace(light, spot_cutoff=180.0)),
+    lights,
     back_ambient=st.none() | colors(),
     back_specular=st.none() | colors(),
 ).flatmap(
     lambda light: st.builds(
         replace,
-        st.just(light),
+        st.just(light if light.position[3] else replace(light, spot_cutoff=180.0)),
         **(
             {"half_vector": st.none() | tuples(register, 3)}
             if light.position[3] == 0
             else {
                 "range": st.none() | st.floats(0, 4, width=32),
-                "spot": st.none() | st.builds(Spot, tuples(register, 4), tuples(register, 3)),
+                "spot": st.none() | st.builds(Spot, tuples(register, 4), tuples(register, 3))
+                if light.spot_cutoff == 180
+                else st.none(),
             }
         ),
     )
