@@ -95,6 +95,7 @@ class Mesh:
                         them; None: 1
     edge_flags          bool [n] (section 2.6.2): whether the edge that begins at a vertex is a boundary, for
                         TRIANGLES, QUADS and POLYGON drawn as points or lines; None: all are
+    weights             float64 [n], of the first of two modelview matrices (EXT_vertex_weighting), or None: 1
 
     Arrays are copied and made read-only. Raises ValueError for what is no array of (whole) numbers.
     """
@@ -112,6 +113,7 @@ class Mesh:
     back_secondary_colors: NDArray[np.float64] | None
     point_sizes: NDArray[np.float64] | None
     edge_flags: NDArray[np.bool_] | None
+    weights: NDArray[np.float64] | None
 
     def __init__(
         self,
@@ -128,6 +130,7 @@ class Mesh:
         back_secondary_colors: ArrayLike | None = None,
         point_sizes: ArrayLike | None = None,
         edge_flags: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
     ):
         floats = {
             "positions": positions,
@@ -138,6 +141,7 @@ class Mesh:
             "back_colors": back_colors,
             "back_secondary_colors": back_secondary_colors,
             "point_sizes": point_sizes,
+            "weights": weights,
         }
         kept = {name: _frozen_or_none(values, np.float64, name) for name, values in floats.items()}
         kept |= {
@@ -517,4 +521,5 @@ def vertex_of(position: RasterPosition) -> Mesh:
         normals=np.array([position.normal]),
         texture_coordinates=tuple(np.array([strq]) for strq in position.texture_coordinates),
         fog_coordinates=np.array([position.fog_coordinate]),
+        weights=np.array([position.weight]),
     )

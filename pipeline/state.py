@@ -211,7 +211,9 @@ class VertexState:
     ``rescale_normal``: RESCALE_NORMAL enabled.
 
     ``composite``: takes the place of ``projection`` and ``viewport``; the modelview matrix still gives eye
-    coordinates.
+    coordinates. ``modelview1`` (MODELVIEW1_EXT): VERTEX_WEIGHTING_EXT is enabled, and eye coordinates and
+    normals are a mesh's by ``modelview`` times its weight plus those by ``modelview1`` times 1 - weight; the
+    last rows of both are the same, and the composite matrix is then of eye coordinates. None: disabled.
 
     ``stage`` PROGRAM_RESULTS: the mesh holds what a vertex program wrote (NV_vertex_program's o[HPOS] after
     the viewport, o[COL0], o[TEX0] ...): positions are window x and y (y up), z in depth-buffer units and clip
@@ -233,6 +235,12 @@ class VertexState:
     two_side: bool = False
     secondary_color: SecondaryColor = SecondaryColor.FROM_VERTEX
     composite: Composite | None = None
+    modelview1: Matrix | None = None
+
+    @property
+    def modelviews(self) -> tuple[Matrix, ...]:
+        """One modelview matrix, or both of vertex weighting."""
+        return (self.modelview,) if self.modelview1 is None else (self.modelview, self.modelview1)
 
     @property
     def depth_units(self) -> bool:
@@ -701,10 +709,10 @@ class RasterPosition:
 
     ``position``: object coordinates, which with the values below go through the vertex state of the command
     as a vertex does: transformation, lighting, texture coordinate generation and matrices. One outside the
-    view volume or a clip plane is invalid, and nothing is drawn. ``window`` (ARB_window_pos): the position is
-    window x, y (y up) and a depth in [0, 1] of the viewport's depth range; it is always valid, and colours,
-    texture and fog coordinates are taken as they are. ``move``: added to window x and y, as Bitmap does to
-    the position that commands after it find.
+    view volume or a clip plane is invalid, and nothing is drawn. ``weight``: as a mesh's. ``window``
+    (ARB_window_pos): the position is window x, y (y up) and a depth in [0, 1] of the viewport's depth range;
+    it is always valid, and colours, texture and fog coordinates are taken as they are. ``move``: added to
+    window x and y, as Bitmap does to the position that commands after it find.
     """
 
     position: Vector4 = (0.0, 0.0, 0.0, 1.0)
@@ -715,6 +723,7 @@ class RasterPosition:
     normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
     texture_coordinates: tuple[Vector4, ...] = ()
     fog_coordinate: float = 0.0
+    weight: float = 1.0
 
     def moved(self, x: float, y: float) -> "RasterPosition":
         """The position that is left by a Bitmap which moves it by (x, y) pixels."""

@@ -16,7 +16,7 @@ from fixedpipe.effects.conformance.scenes import single
 from fixedpipe.effects.passes.combiners import PRIMARY, SECONDARY, SPARE0, program, shown, stage, total
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.state import Light, Spot
-from fixedpipe.pipeline.vertices.arithmetic import columns_of, invert_upper_left
+from fixedpipe.pipeline.vertices.arithmetic import columns_of
 from fixedpipe.pipeline.vertices.lighting_unit import light_vertices
 
 MODELS = ("cone", "cylinder", "sphere", "suzanne", "torus")
@@ -168,8 +168,7 @@ def lit_colors(vertex, points, normals, sides):
     position = columns_of(single(points), (0.0, 0.0, 0.0, 1.0))
     normal = columns_of(single(normals), (0.0, 0.0, 1.0))
     own = [[columns_of(single(array), WHITE) for array in side] for side in sides]
-    inverse = invert_upper_left(vertex.modelview)
-    lit = light_vertices(vertex, inverse, position, normal, *own[0])
+    lit = light_vertices(vertex, position, normal, *own[0])
     result = []
     for side, (_, secondary) in zip(lit[: len(sides)], own, strict=True):
         given = side[4:] if vertex.lighting.separate_specular_color else [*secondary[:3], side[7]]

@@ -78,6 +78,7 @@ def _mesh(mesh):
             "back_secondary_colors",
             "normals",
             "fog_coordinates",
+            "weights",
         )
         if getattr(mesh, name) is not None
     ]

@@ -30,6 +30,7 @@ from fixedpipe.pipeline.state import (
 FIELD_WORDS = {
     (VertexState, "modelview"): "MODELVIEW matrix",
     (VertexState, "projection"): "PROJECTION matrix",
+    (VertexState, "modelview1"): "VERTEX_WEIGHTING enabled, MODELVIEW1 matrix",
     (VertexState, "normalize"): "NORMALIZE",
     (VertexState, "rescale_normal"): "RESCALE_NORMAL",
     (VertexState, "lighting"): "LIGHTING enabled",

@@ -12,6 +12,7 @@ from fixedpipe.pipeline.state import PassState
 from fixedpipe.pipeline.vertices.arithmetic import columns_of
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.pipeline.vertices.stage import eye_and_clip
+from fixedpipe.pipeline.vertices.weighting import weight_of
 
 
 def vertices_stage(mesh: Mesh, state: PassState, primitives: WindowPrimitives, triangle: int) -> Stage:
@@ -46,6 +47,8 @@ def _given(mesh: Mesh, state: PassState, vertex: int) -> Iterator[Quantity]:
     ):
         if array is not None:
             yield _real(f"vertex {vertex}: {name}", array[vertex])
+    if state.vertex.modelview1 is not None and mesh.weights is not None:
+        yield _real(f"vertex {vertex}: weight", mesh.weights[vertex])
     for number, array in enumerate(mesh.texture_coordinates):
         yield _real(f"vertex {vertex}: coordinate set {number}", array[vertex])
 
@@ -55,8 +58,9 @@ def _transformed(mesh: Mesh, state: PassState, vertex: int) -> Iterator[Quantity
     if state.vertex.stage == VertexStage.PROGRAM_RESULTS:
         return
     position = columns_of(mesh.positions[vertex : vertex + 1], (0.0, 0.0, 0.0, 1.0))
+    weight = np.broadcast_to(weight_of(mesh), len(mesh.positions))[vertex : vertex + 1]
     with np.errstate(all="ignore"):
-        both = eye_and_clip(state.vertex, position)
+        both = eye_and_clip(state.vertex, position, weight)
     for name, columns in zip(("eye", "clip"), both, strict=True):
         yield _real(f"vertex {vertex}: {name} coordinates", [np.ravel(column)[0] for column in columns])
 

@@ -167,6 +167,9 @@ GEFORCE_256 = Profile(
             False, "Assumed: none; a driver of 1999 that lists EXT_point_parameters would settle it"
         ),
         composite_matrix=known(False, "Source: OpenGL 1.2.1 section 2.10: projection and viewport are apart"),
+        vertex_weighting=known(
+            True, "Source: EXT_vertex_weighting, NVIDIA's; NV10_3D_VERTEX_WEIGHT_ENABLE of nouveau"
+        ),
     ),
     primitives=Primitives(
         max_point_size=known(63.875, "Inferred: from the NV2A's 6.3-bit sizes (Point_size captures)"),

@@ -195,6 +195,9 @@ GEFORCE_3 = Profile(
             True, "Inferred: from the NV2A: 192 of 192 points (Point_params Scale_0_0_1_FF capture)"
         ),
         composite_matrix=known(True, "Inferred: from the NV2A: Viewport, TopLeftRaster_Fixed captures"),
+        vertex_weighting=known(
+            True, "Source: EXT_vertex_weighting, NVIDIA's, in drivers until November 2002"
+        ),
     ),
     primitives=Primitives(
         max_point_size=known(63.875, "Inferred: from the NV2A: 6.3 bits (Point_size, Point_sprite captures)"),

@@ -116,6 +116,7 @@ IDEAL = Profile(
         fog_coordinate=_given(True),
         point_parameters=_given(False),
         composite_matrix=_given(False),
+        vertex_weighting=_given(True),
     ),
     primitives=Primitives(
         max_point_size=_given(64.0),

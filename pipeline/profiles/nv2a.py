@@ -149,6 +149,9 @@ NV2A = Profile(
         fog_coordinate=known(True, "Source: EXT_fog_coord"),
         point_parameters=known(True, "Measured: 192 of 192 points (Point_params Scale_0_0_1_FF capture)"),
         composite_matrix=known(True, "Measured: Viewport, TopLeftRaster_Fixed captures"),
+        vertex_weighting=known(
+            True, "Source: SET_SKIN_MODE 2G: two matrices and one weight, the other generated"
+        ),
     ),
     primitives=Primitives(
         max_point_size=known(63.875, "Measured: 6.3 bits (Point_size, Point_sprite captures)"),

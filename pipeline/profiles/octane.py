@@ -115,6 +115,7 @@ OCTANE = Profile(
         fog_coordinate=known(False, NOT_CORE),
         point_parameters=known(False, NOT_CORE),
         composite_matrix=known(False, NOT_CORE),
+        vertex_weighting=known(False, NOT_CORE),
     ),
     primitives=Primitives(
         max_point_size=known(64.0, _DRIVER),

@@ -108,6 +108,7 @@ OPENGL_1_2 = Profile(
         fog_coordinate=known(False, NOT_CORE),
         point_parameters=known(False, NOT_CORE),
         composite_matrix=known(False, NOT_CORE),
+        vertex_weighting=known(False, NOT_CORE),
     ),
     primitives=Primitives(
         max_point_size=known(

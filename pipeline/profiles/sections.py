@@ -107,6 +107,7 @@ class Vertices(Section):
     fog_coordinate: bool  # EXT_fog_coord
     point_parameters: bool  # EXT_point_parameters
     composite_matrix: bool  # Composite, in place of projection and viewport
+    vertex_weighting: bool  # EXT_vertex_weighting
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -50,7 +50,7 @@ def mesh_problem(mesh):
     if wrong := _check_primitive(mesh.primitive):
         return f"the mesh's primitive {wrong.predicate}."
     vertices = len(mesh.positions) if mesh.positions.ndim else 0
-    for name in ("fog_coordinates", "point_sizes", "edge_flags"):
+    for name in ("fog_coordinates", "point_sizes", "edge_flags", "weights"):
         array = getattr(mesh, name)
         if array is not None and array.ndim != 1:
             return f"the mesh's {name} has shape {array.shape}; give [vertices]."

@@ -35,6 +35,8 @@ def vertex(walk, vertex):
     _unit_only(walk, "vertex", vertex, VertexState(), ("secondary_color",))
     if vertex.composite is not None:
         _composite(walk, vertex)
+    if vertex.modelview1 is not None:
+        _weighting(walk, vertex)
     _viewport(walk, vertex.viewport)
     if len(vertex.clip_planes) > walk.profile.vertices.max_clip_planes:
         walk.refuse(
@@ -81,9 +83,24 @@ def normals(walk, state):
 
 def _inverse(walk, vertex):
     try:
-        invert_upper_left(vertex.modelview)
+        for matrix in vertex.modelviews:
+            invert_upper_left(matrix)
     except ValueError as error:
         walk.refuse(f"{error}.")
+
+
+def _weighting(walk, vertex):
+    if not walk.profile.vertices.vertex_weighting:
+        walk.refuse(
+            f"{walk.profile.name} has no vertex weighting (EXT_vertex_weighting); leave vertex.modelview1 "
+            "None, and weight the mesh's positions and normals before they are drawn."
+        )
+    if vertex.modelview[3] != vertex.modelview1[3]:
+        walk.refuse(
+            f"the last row of vertex.modelview is {vertex.modelview[3]}, and that of vertex.modelview1 "
+            f"{vertex.modelview1[3]}; vertex weighting takes w from the first matrix alone. Give the same "
+            "last row, and leave perspective to the projection matrix."
+        )
 
 
 def _viewport(walk, viewport):

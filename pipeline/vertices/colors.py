@@ -16,6 +16,7 @@ from fixedpipe.pipeline.vertices.arithmetic import (
 )
 from fixedpipe.pipeline.vertices.lighting import light_vertices
 from fixedpipe.pipeline.vertices.primitives import is_constant
+from fixedpipe.pipeline.vertices.weighting import weight_of, weighted
 from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits, kept
 from fixedpipe.raster.primitives.meshes import color_bytes
 
@@ -24,13 +25,17 @@ _NONE = np.zeros((0, 0))  # of a mesh that has no such array
 
 
 def eye_normal(mesh, vertex):
-    """Section 2.10.3."""
-    inverse = invert_upper_left(vertex.modelview)
-    normal = columns_of(mesh.normals, (0.0, 0.0, 1.0))
-    normal = [weighted_sum([inverse[row][j] for row in range(3)], normal) for j in range(3)]
-    if vertex.rescale_normal:
-        factor = ONE / length(inverse[2])
-        normal = [component * factor for component in normal]
+    """Section 2.10.3; of two modelview matrices, EXT_vertex_weighting."""
+    given = columns_of(mesh.normals, (0.0, 0.0, 1.0))
+    normals = []
+    for matrix in vertex.modelviews:
+        inverse = invert_upper_left(matrix)
+        normal = [weighted_sum([inverse[row][j] for row in range(3)], given) for j in range(3)]
+        if vertex.rescale_normal:
+            factor = ONE / length(inverse[2])
+            normal = [component * factor for component in normal]
+        normals.append(normal)
+    normal = weighted(normals, weight_of(mesh))
     if vertex.normalize:
         normal = normalize(normal)
     return normal
@@ -49,9 +54,9 @@ def vertex_colors(mesh, vertex, position, eye, normal, profile):
             black = (0.0, 0.0, 0.0, 1.0)
             back = columns_of(mesh.back_colors, black) + columns_of(mesh.back_secondary_colors, black)
     elif profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT:
-        inverse = invert_upper_left(vertex.modelview) if vertex.lighting.lights else None
         given = columns_of(mesh.normals, (0.0, 0.0, 1.0))
-        front, back = lighting_unit.light_vertices(vertex, inverse, position, given, color, secondary)
+        unit = position, given, color, secondary, weight_of(mesh)
+        front, back = lighting_unit.light_vertices(vertex, *unit)
     else:
         front, back = light_vertices(vertex.lighting, eye, normal, color)
     if vertex.secondary_color != SecondaryColor.FROM_VERTEX:

@@ -11,7 +11,15 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import ColorMaterialParameter, ColorSource, Face, SecondaryColor
 from fixedpipe.pipeline.state import ColorSources
-from fixedpipe.pipeline.vertices.arithmetic import ONE, ZERO, Column, normalize, positive, power
+from fixedpipe.pipeline.vertices.arithmetic import (
+    ONE,
+    ZERO,
+    Column,
+    invert_upper_left,
+    normalize,
+    positive,
+    power,
+)
 from fixedpipe.pipeline.vertices.chip_floats import (
     LIGHTING_BITS,
     TRANSFORM_BITS,
@@ -24,10 +32,10 @@ from fixedpipe.pipeline.vertices.chip_floats import (
     total,
     transform_dot,
     transform_inverse_root,
-    transform_matrix,
     transform_reciprocal,
 )
 from fixedpipe.pipeline.vertices.spot_registers import spot_of
+from fixedpipe.pipeline.vertices.weighting import transform_eye, transform_weighted
 
 _TRACKED = {
     ColorMaterialParameter.AMBIENT_AND_DIFFUSE: ("ambient", "diffuse"),
@@ -97,15 +105,23 @@ def _difference(a, b):
     return [total((x, -y), TRANSFORM_BITS) for x, y in zip(a, b, strict=True)]
 
 
-def _geometry(lighting, vertex, inverse, position, normal):
-    normal = [single(c) for c in normal]
-    eye = transform_matrix(vertex.modelview, position)
+def _normal_by(matrix, vertex, given):
+    """A normal by a modelview matrix's inverse, rescaled."""
+    inverse = invert_upper_left(matrix)
     columns = [[single(inverse[row][j]) for row in range(3)] for j in range(3)]
-    normal = [transform_dot(normal, column) for column in columns]
+    normal = [transform_dot(given, column) for column in columns]
     if vertex.rescale_normal:
         third = [single(value) for value in inverse[2]]
         square = transform_dot(third, third)
         normal = [product(c, transform_inverse_root(square), TRANSFORM_BITS) for c in normal]
+    return normal
+
+
+def _geometry(lighting, vertex, position, normal, weight):
+    normal = [single(c) for c in normal]
+    eye = transform_eye(vertex, position, weight)
+    normals = [_normal_by(matrix, vertex, normal) for matrix in vertex.modelviews]
+    normal = transform_weighted(normals, weight)
     if vertex.normalize:
         normal, _, _ = unit_vector(normal)
     reciprocal = transform_reciprocal(eye[3])
@@ -270,16 +286,17 @@ def _face(lighting, side, geometry, color, secondary, folded):
     return [*primary, alphas[sources.diffuse]], shine
 
 
-def light_vertices(vertex, inverse, position, normal, color, secondary):
+def light_vertices(vertex, position, normal, color, secondary, weight=ONE):
     """Light every vertex.
 
-    vertex: VertexState; inverse: of its modelview matrix's upper left 3x3, or None without lights;
-    position, normal: object coordinates, 4 and 3 columns; color, secondary: of the vertex, 4 columns each.
+    vertex: VertexState; position, normal: object coordinates, 4 and 3 columns; color, secondary: of the
+    vertex, 4 columns each; weight: a column (EXT_vertex_weighting). Raises ValueError where there are lights
+    and float64 cannot hold a modelview matrix's determinant.
     Returns two lists, front and back, of 8 columns each: primary and secondary colour, not clamped; what is
     not a number (infinity minus infinity) is 1. Without two-sided lighting both are the same list.
     """
     lighting = vertex.lighting
-    geometry = _geometry(lighting, vertex, inverse, position, normal) if lighting.lights else None
+    geometry = _geometry(lighting, vertex, position, normal, weight) if lighting.lights else None
     folded = not lighting.separate_specular_color or vertex.secondary_color == SecondaryColor.DISABLED
     results = []
     for side in (Face.FRONT, Face.BACK) if lighting.two_side else (Face.FRONT,):

@@ -172,6 +172,7 @@ def _is_covered(mesh, state):
     return (
         vertex.stage == VertexStage.FIXED_FUNCTION
         and vertex.composite is None
+        and vertex.modelview1 is None
         and not vertex.clip_planes
         and state.depth_clamp is None
         and mesh.primitive.is_polygons

@@ -13,6 +13,7 @@ from fixedpipe.pipeline.vertices.colors import eye_normal, vertex_colors
 from fixedpipe.pipeline.vertices.fog import iterated_fog
 from fixedpipe.pipeline.vertices.projection import viewport_transform, window_coordinates
 from fixedpipe.pipeline.vertices.texture_coordinates import unit_coordinates
+from fixedpipe.pipeline.vertices.weighting import eye_coordinates, weight_of
 
 
 class RasterVertex(NamedTuple):
@@ -80,7 +81,7 @@ def process_raster_position(mesh, state, profile, width, height):
     vertex = state.vertex
     position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
     with np.errstate(all="ignore"):
-        eye = transform(vertex.modelview, position)
+        eye = eye_coordinates(vertex, position, weight_of(mesh))
         clip_coordinates = transform(vertex.projection, eye)
         w = clip_coordinates[3]
         bounded = clip_coordinates[: 2 if state.depth_clamp is not None else 3]

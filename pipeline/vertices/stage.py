@@ -42,6 +42,7 @@ from fixedpipe.pipeline.vertices.projection import (
 from fixedpipe.pipeline.vertices.strokes import draws_points, point_sizes, stroked
 from fixedpipe.pipeline.vertices.texture_coordinates import unit_coordinates
 from fixedpipe.pipeline.vertices.view_volume import has_sides, is_filled
+from fixedpipe.pipeline.vertices.weighting import eye_coordinates, transform_eye, weight_of
 from fixedpipe.raster.primitives.clip import MOST_VERTICES, clip_triangles, find_clipped
 from fixedpipe.raster.primitives.vertices import (
     CHUNK,
@@ -224,10 +225,14 @@ def process_columns(mesh, state, profile, width, height, sample=(0, 0), *, round
     return stroked(primitives, mesh, state, profile, triangles, origin, sizes)
 
 
-def eye_and_clip(vertex, position):
-    """Eye and clip coordinates of object coordinates, four columns each (sections 2.10.2, 2.11)."""
-    eye = transform(vertex.modelview, position)
+def eye_and_clip(vertex, position, weight):
+    """Eye and clip coordinates of object coordinates, four columns each (sections 2.10.2, 2.11); ``weight``:
+    a column (EXT_vertex_weighting).
+    """
+    eye = eye_coordinates(vertex, position, weight)
     if vertex.composite is not None:
+        if vertex.modelview1 is not None:
+            position = transform_eye(vertex, position, weight)
         return eye, transform_matrix(vertex.composite.matrix, position)
     return eye, transform(vertex.projection, eye)
 
@@ -237,7 +242,7 @@ def _vertex_columns(mesh, state, profile, position):
     texture coordinates, sizes of points), and whether back colours are others than the front's.
     """
     vertex = state.vertex
-    eye, clip_coordinates = eye_and_clip(vertex, position)
+    eye, clip_coordinates = eye_and_clip(vertex, position, weight_of(mesh))
     normal = eye_normal(mesh, vertex) if needs_normals(state) else None
     front, back = vertex_colors(mesh, vertex, position, eye, normal, profile)
     two_side = back is not front

@@ -235,18 +235,48 @@ def difference(a, b):
     return [total((x, negative(y)), TRANSFORM) for x, y in zip(a, b, strict=True)]
 
 
-def geometry(vertex, inverse, position, normal):
+def both_weighted(first, second, weight):
+    """First times weight plus second times 1 - weight, of three components. Source: envytools
+    (pgraph_celsius_xf_full: vsuba, vmula, vadda).
+    """
+    w = single(weight)
+    rest = total((Fraction(1), negative(w)), TRANSFORM)
+    return [
+        total((product(a, w, TRANSFORM), product(b, rest, TRANSFORM)), TRANSFORM)
+        for a, b in zip(first[:3], second[:3], strict=True)
+    ]
+
+
+def eye_coordinates(vertex, position, weight):
+    """Source: envytools (pgraph_celsius_xf_full), whose w is the first matrix's."""
+    position = [single(c) for c in position]
+    eye = [transform_dot(position, [single(m) for m in row]) for row in vertex.modelview]
+    if vertex.modelview1 is not None:
+        second = [transform_dot(position, [single(m) for m in row]) for row in vertex.modelview1]
+        eye[:3] = both_weighted(eye, second, weight)
+    return eye
+
+
+def normal_by(inverse, normal, rescaled):
+    """Source: envytools (pgraph_celsius_xf_full); rescaling: OpenGL 1.2.1 section 2.10.3."""
+    normal = [transform_dot(normal, [single(inverse[row][j]) for row in range(3)]) for j in range(3)]
+    if rescaled:
+        third = [single(c) for c in inverse[2]]
+        factor = transform_inverse_root(transform_dot(third, third))
+        normal = [product(c, factor, TRANSFORM) for c in normal]
+    return normal
+
+
+def geometry(vertex, inverses, position, normal, weight):
     """Normal and unit vector to the viewer in 14 bits, the point in eye coordinates in 24.
 
     Source: envytools (pgraph_celsius_xf_full).
     """
-    position, normal = [single(c) for c in position], [single(c) for c in normal]
-    eye = [transform_dot(position, [single(m) for m in row]) for row in vertex.modelview]
-    normal = [transform_dot(normal, [single(inverse[row][j]) for row in range(3)]) for j in range(3)]
-    if vertex.rescale_normal:
-        third = [single(c) for c in inverse[2]]
-        factor = transform_inverse_root(transform_dot(third, third))
-        normal = [product(c, factor, TRANSFORM) for c in normal]
+    eye = eye_coordinates(vertex, position, weight)
+    given = [single(c) for c in normal]
+    normal = normal_by(inverses[0], given, vertex.rescale_normal)
+    if vertex.modelview1 is not None:
+        normal = both_weighted(normal, normal_by(inverses[1], given, vertex.rescale_normal), weight)
     if vertex.normalize:
         normal = unit_vector(normal)[0]
     reciprocal = transform_reciprocal(eye[3])
@@ -390,8 +420,9 @@ def light_color(light, name, side, material):
     return register([float(c) * float(m) for c, m in zip(color[:3], own, strict=True)])
 
 
-def light_vertex(vertex, side, inverse, position, normal, color, secondary, power):
-    """Eight components of one face, not clamped. ``power``: the specification's, for exponents.
+def light_vertex(vertex, side, inverses, position, normal, weight, color, secondary, power):
+    """Eight components of one face, not clamped. ``power``: the specification's, for exponents; ``inverses``:
+    of the modelview matrices.
 
     Source: envytools (pgraph_celsius_lt_full); Measured: the secondary color (Specular captures).
     """
@@ -404,7 +435,7 @@ def light_vertex(vertex, side, inverse, position, normal, color, secondary, powe
     separate = lighting.separate_specular_color
     folded = not separate or vertex.secondary_color == SecondaryColor.DISABLED
     if lighting.lights:
-        eye_normal, viewer, point = geometry(vertex, inverse, position, normal)
+        eye_normal, viewer, point = geometry(vertex, inverses, position, normal, weight)
         if side == Face.BACK:
             eye_normal = [negative(c) for c in eye_normal]
     for light in lighting.lights:

@@ -180,14 +180,34 @@ def inverse_3x3(matrix):
     return [[c[i][j] / determinant for i in range(3)] for j in range(3)]
 
 
-def eye_normal(normal, vertex_state):
-    """The normal n_f in eye coordinates. Source: OpenGL 1.2.1 section 2.10.3."""
-    inverse = inverse_3x3(vertex_state.modelview)
+def normal_by(matrix, normal, rescaled):
+    """A normal by a matrix's inverse. Source: OpenGL 1.2.1 section 2.10.3."""
+    inverse = inverse_3x3(matrix)
     n = [weighted_sum([inverse[row][j] for row in range(3)], normal) for j in range(3)]
-    if vertex_state.rescale_normal:
-        factor = divide(1.0, length(inverse[2]))
-        n = [component * factor for component in n]
+    factor = divide(1.0, length(inverse[2]))
+    return [component * factor for component in n] if rescaled else n
+
+
+def eye_normal(normal, vertex_state, weight):
+    """The normal n_f in eye coordinates. Source: OpenGL 1.2.1 section 2.10.3; EXT_vertex_weighting; Assumed:
+    each matrix's normal is rescaled by that matrix.
+    """
+    n = normal_by(vertex_state.modelview, normal, vertex_state.rescale_normal)
+    if vertex_state.modelview1 is not None:
+        m = normal_by(vertex_state.modelview1, normal, vertex_state.rescale_normal)
+        n = [a * weight + b * (1.0 - weight) for a, b in zip(n, m, strict=True)]
     return normalize(n) if vertex_state.normalize else n
+
+
+def eye_coordinates(position, vertex_state, weight):
+    """Source: OpenGL 1.2.1 section 2.10.2; EXT_vertex_weighting; envytools: w is the first matrix's."""
+    x, y, z, w = transform(vertex_state.modelview, position)
+    if vertex_state.modelview1 is not None:
+        x1, y1, z1, _ = transform(vertex_state.modelview1, position)
+        x = x * weight + x1 * (1.0 - weight)
+        y = y * weight + y1 * (1.0 - weight)
+        z = z * weight + z1 * (1.0 - weight)
+    return [x, y, z, w]
 
 
 # --------------------------------------------------------------------------------------------- lighting
@@ -266,17 +286,18 @@ def light_vertex(lighting, side, eye, normal, color):
     return [*primary, material["diffuse"][3], *secondary, 0.0]
 
 
-def unit_colors(vertex_state, position, normal, given):
+def unit_colors(vertex_state, position, normal, given, weight):
     """Both faces' colors by a machine's lighting unit. Source: tests/reference/lighting_unit.py."""
-    inverse = inverse_3x3(vertex_state.modelview) if vertex_state.lighting.lights else None
+    matrices = [m for m in (vertex_state.modelview, vertex_state.modelview1) if m is not None]
+    inverses = [inverse_3x3(m) for m in matrices] if vertex_state.lighting.lights else None
+    place = inverses, position, normal, weight
     sides = (Face.FRONT, Face.BACK) if vertex_state.lighting.two_side else (Face.FRONT, Face.FRONT)
     return [
-        lighting_unit.light_vertex(vertex_state, side, inverse, position, normal, given[:4], given[4:], power)
-        for side in sides
+        lighting_unit.light_vertex(vertex_state, side, *place, given[:4], given[4:], power) for side in sides
     ]
 
 
-def vertex_colors(vertex_state, profile, position, eye, normal, object_normal, given, given_back):
+def vertex_colors(vertex_state, profile, position, eye, normal, object_normal, weight, given, given_back):
     """Front and back colors, clamped.
 
     Source: OpenGL 1.2.1 sections 2.13.1, 2.13.6; EXT_secondary_color; NV_vertex_program (two sides).
@@ -285,7 +306,7 @@ def vertex_colors(vertex_state, profile, position, eye, normal, object_normal, g
     if lighting is None:
         front, back = given, given_back if vertex_state.two_side else given
     elif profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT:
-        front, back = unit_colors(vertex_state, position, object_normal, given)
+        front, back = unit_colors(vertex_state, position, object_normal, given, weight)
     else:
         front = light_vertex(lighting, Face.FRONT, eye, normal, color)
         back = light_vertex(lighting, Face.BACK, eye, normal, color) if lighting.two_side else front
@@ -561,9 +582,13 @@ def radius(v):
     return lighting_unit.product(squared, root, lighting_unit.TRANSFORM)
 
 
-def clip_coordinates(vertex_state, position, eye):
-    """x, y, z and w before the division. Source: OpenGL 1.2.1 section 2.10; Measured: NV2A's composite."""
+def clip_coordinates(vertex_state, position, eye, weight):
+    """x, y, z and w before the division. Source: OpenGL 1.2.1 section 2.10; Measured: NV2A's composite, which
+    is of eye coordinates where they are weighted (envytools, pgraph_celsius_xf_full).
+    """
     if vertex_state.composite is not None:
+        if vertex_state.modelview1 is not None:
+            position = lighting_unit.eye_coordinates(vertex_state, position, weight)
         return composite_product(vertex_state.composite.matrix, position)
     return transform(vertex_state.projection, eye)
 
@@ -572,21 +597,22 @@ def process_vertex(mesh, i, state, profile):
     """Vertex i up to clip coordinates. Source: OpenGL 1.2.1 figure 2.6 (section 2.10)."""
     vertex_state = state.vertex
     position = padded(mesh.positions[i].tolist(), (0.0, 0.0, 0.0, 1.0))
-    eye = transform(vertex_state.modelview, position)
+    weight = 1.0 if mesh.weights is None else float(mesh.weights[i])
+    eye = eye_coordinates(position, vertex_state, weight)
     given_normal = (0.0, 0.0, 1.0) if mesh.normals is None else mesh.normals[i].tolist()
     from_normal = (TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenMode.REFLECTION_MAP)
     lit = vertex_state.lighting is not None and vertex_state.lighting.lights
     needed = lit or any(gen.mode in from_normal for unit in state.texture_units if unit for gen in unit.gen)
-    normal = eye_normal(given_normal, vertex_state) if needed else None
+    normal = eye_normal(given_normal, vertex_state, weight) if needed else None
     white, black, clear = (1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0)
     given = given_color(mesh.colors, i, white) + given_color(mesh.secondary_colors, i, clear)
     back = given_color(mesh.back_colors, i, black) + given_color(mesh.back_secondary_colors, i, black)
     sets = [texture_set[i].tolist() for texture_set in mesh.texture_coordinates]
     in_unit = profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT
     return Vertex(
-        clip_coordinates(vertex_state, position, eye),
+        clip_coordinates(vertex_state, position, eye, weight),
         eye,
-        vertex_colors(vertex_state, profile, position, eye, normal, given_normal, given, back),
+        vertex_colors(vertex_state, profile, position, eye, normal, given_normal, weight, given, back),
         [unit_coordinates(unit, sets, position, eye, normal, in_unit) for unit in state.texture_units],
         fog_of_vertex(mesh, i, state, eye, profile),
     )

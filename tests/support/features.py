@@ -60,6 +60,7 @@ from fixedpipe.pipeline.enums import (
 from fixedpipe.pipeline.pixel_transfer import ConvolutionFilter, Histogram, Minmax, PixelImage, PixelTransfer
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import (
+    IDENTITY,
     Blending,
     ColorTable,
     Combine,
@@ -867,6 +868,16 @@ def _vertices():
         commands=(_draw(vertex=VertexState(composite=Composite())),),
         asked="Composite",
         **_VERTICES,
+    )
+    yield Feature(
+        name="vertex weighting (EXT_vertex_weighting)",
+        group="Vertices",
+        has=lambda p: p.vertices.vertex_weighting,
+        commands=(_draw(vertex=VertexState(modelview1=IDENTITY)),),
+        asked="vertex weighting",
+        reference=("tests/reference/vertex.py", "tests/reference/lighting_unit.py"),
+        implementation=("pipeline/vertices/weighting.py",),
+        tests=("tests/pipeline/vertices/test_stage.py",),
     )
 
 

@@ -364,6 +364,20 @@ def test_vertices_are_told_from_object_to_window():
         assert told[f"vertex {k}: coordinate set 0"] == (mesh.texture_coordinates[0][k, 0],)
 
 
+def test_eye_coordinates_are_weighted_and_weights_told():
+    corners = np.array([[-1.0, -0.5, 0.0], [1.0, -0.5, 0.25], [-1.0, 0.5, 0.5]])
+    still = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, -2.0), (0.0, 0.0, 0.0, 1.0))
+    vertex = VertexState(MOVED, SEEN, modelview1=still)
+    told, _ = vertices_of(Mesh(corners, weights=[0.5, 1.0, 0.25]), (5, 7), vertex=vertex)
+    for k, (corner, weight) in enumerate(zip(corners, (0.5, 1.0, 0.25), strict=True)):
+        eye = weight * (np.array(MOVED) @ [*corner, 1.0]) + (1 - weight) * (np.array(still) @ [*corner, 1.0])
+        assert told[f"vertex {k}: weight"] == (weight,)
+        np.testing.assert_allclose(told[f"vertex {k}: eye coordinates"], eye, rtol=1e-15)
+        np.testing.assert_allclose(told[f"vertex {k}: clip coordinates"], np.array(SEEN) @ eye, rtol=1e-15)
+    told, _ = vertices_of(Mesh(corners), (5, 7), vertex=vertex)
+    np.testing.assert_allclose(told["vertex 0: eye coordinates"], np.array(MOVED) @ [*corners[0], 1.0])
+
+
 def test_lit_colors_are_those_of_lighting():
     light = Light(diffuse=(0.5, 0.5, 0.5, 1.0))
     mesh = Mesh([[-1, -1], [3, -1], [-1, 3]], normals=[[0, 0, 1], [0, 0, 1], [0.6, 0, 0.8]])

@@ -48,6 +48,7 @@ from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.profiles.sections import SECTION_OF
 from fixedpipe.pipeline.state import (
+    IDENTITY,
     AlphaPortion,
     AlphaTest,
     Blending,
@@ -934,6 +935,7 @@ LACKING = {
     ),
     "smoothing_samples": ((), draw(polygon=PolygonState(smooth=True)), "no smooth lines and polygons"),
     "composite_matrix": (False, draw(vertex=VertexState(composite=Composite())), "has no Composite"),
+    "vertex_weighting": (False, draw(vertex=VertexState(modelview1=IDENTITY)), "has no vertex weighting"),
     "fog_registers": (False, draw(fog=Fog(registers=FogRegisters())), "has no FogRegisters"),
     "separate_specular_color": (False, lit(separate_specular_color=True), "no SEPARATE_SPECULAR_COLOR"),
     "color_sum": (False, draw(color_sum=True), "no color sum of vertices' secondary colors"),
@@ -1021,6 +1023,22 @@ def test_what_the_refusal_of_a_color_sum_names_adds_the_secondary_colors():
     ).image()
     np.testing.assert_allclose(summed[..., :3].astype(int), twice[..., :3], atol=1)
     assert summed.any()
+
+
+def test_vertex_weighting_takes_w_from_one_matrix_and_is_no_vertex_program_s():
+    check(draw(vertex=VertexState(modelview1=IDENTITY)))
+    other = (*IDENTITY[:3], (0.0, 0.0, 0.5, 1.0))
+    with pytest.raises(UnsupportedState, match=r"last row of vertex.modelview is .* Give the same last row"):
+        check(draw(vertex=VertexState(modelview1=other)))
+    with pytest.raises(UnsupportedState, match=r"vertex.modelview1 is set, but the vertex stage is PROGRAM"):
+        check(draw(vertex=VertexState(stage=VertexStage.PROGRAM_RESULTS, modelview1=IDENTITY)))
+
+
+def test_normals_need_both_determinants_of_vertex_weighting():
+    huge = ((1e200, 0.0, 0.0, 0.0), (0.0, 1e200, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    check(draw(vertex=VertexState(modelview1=huge)))
+    with pytest.raises(UnsupportedState, match="has the determinant inf"):
+        check(draw(vertex=VertexState(modelview1=huge, lighting=Lighting((Light(),)))))
 
 
 @pytest.mark.parametrize("field", ["projection", "viewport"])
@@ -1256,7 +1274,7 @@ def test_points_lines_and_stipple(state, words):
         check(Draw(label="pass", mesh=MESH, state=state))
 
 
-@pytest.mark.parametrize("name", ["point_sizes", "edge_flags", "fog_coordinates"])
+@pytest.mark.parametrize("name", ["point_sizes", "edge_flags", "fog_coordinates", "weights"])
 def test_vertex_columns_have_one_value_for_each_vertex(name):
     with pytest.raises(UnsupportedState, match=f"{name} has 2 vertices but positions has 3"):
         check(draw(replace(MESH, **{name: np.ones(2, bool if name == "edge_flags" else float)})))

@@ -42,10 +42,10 @@ def test_colours_are_the_specification_s_to_the_last_bit(light):
     vertex = VertexState(lighting=lighting)
     inverse = invert_upper_left(vertex.modelview)
     given = columns_of(positions, (0.0, 0.0, 0.0, 1.0)), columns_of(normals, (0.0, 0.0, 1.0))
-    front, _ = light_vertices(vertex, inverse, *given, columns_of(None, WHITE), columns_of(None, WHITE))
+    front, _ = light_vertices(vertex, *given, columns_of(None, WHITE), columns_of(None, WHITE))
     got = np.stack([np.broadcast_to(column, 60) for column in front], axis=1)
     wanted = [
-        reference.light_vertex(vertex, Face.FRONT, inverse, (*p, 1.0), n, WHITE, WHITE, None)
+        reference.light_vertex(vertex, Face.FRONT, [inverse], (*p, 1.0), n, 1.0, WHITE, WHITE, None)
         for p, n in zip(positions.tolist(), normals.tolist(), strict=True)
     ]
     assert (got[:, 4] > 0).sum() > 10  # vertices with a highlight
@@ -78,9 +78,8 @@ def cone(exponent, cutoff):
     vertex = VertexState(lighting=state)
     points = columns_of(np.stack([np.sin(angles), 0 * angles, -np.cos(angles)], 1), (0.0, 0.0, 0.0, 1.0))
     normal, white = columns_of(None, (0.0, 0.0, 1.0)), columns_of(None, WHITE)
-    inverse = invert_upper_left(vertex.modelview)
     with np.errstate(invalid="ignore"):  # 0 times infinity, x/x at the edge
-        unit = light_vertices(vertex, inverse, points, normal, white, white)[0][0]
+        unit = light_vertices(vertex, points, normal, white, white)[0][0]
     return np.cos(angles), unit, lighting.light_vertices(state, points, normal, white)[0][0]
 
 

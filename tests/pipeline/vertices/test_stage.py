@@ -158,6 +158,7 @@ def meshes(draw, element=ordinary):
             draw(arrays(element, n, draw(st.integers(1, 4)))) for _ in range(given_sets)
         ),
         fog_coordinates=draw(st.none() | st.lists(element, min_size=n, max_size=n)),
+        weights=draw(st.none() | st.lists(element, min_size=n, max_size=n)),
     )
 
 
@@ -393,6 +394,72 @@ def test_huge_and_tiny_numbers_in_the_lighting_unit_give_the_bits_of_the_specifi
     assume(has_inverse(modelview))
     state = VertexState(modelview=modelview, lighting=lighting)
     assert_equals_the_specification(mesh, PassState(vertex=state), UNIT)
+
+
+@settings(max_examples=100)
+@given(meshes(), states(), matrices())
+def test_vertex_weighting_gives_the_bits_of_the_specification(mesh, state, second):
+    assume(has_inverse(state.vertex.modelview) and has_inverse(second))
+    assert_equals_the_specification(mesh, replace(state, vertex=replace(state.vertex, modelview1=second)))
+
+
+@settings(max_examples=100)
+@given(unit_lightings, meshes(), matrices(), st.booleans(), st.booleans())
+def test_vertex_weighting_in_the_lighting_unit_gives_the_bits_of_the_specification(
+    lighting, mesh, second, normalize, rescale
+):
+    assume(has_inverse(second))
+    vertex = VertexState(
+        modelview=TURNED,
+        modelview1=second,
+        normalize=normalize,
+        rescale_normal=rescale,
+        lighting=lighting,
+    )
+    assert_equals_the_specification(mesh, PassState(vertex=vertex), UNIT)
+
+
+@pytest.mark.parametrize("profile", [GEFORCE_256, UNIT], ids=["equations", "lighting unit"])
+@pytest.mark.parametrize(("weight", "alone"), [(1.0, TURNED), (0.0, SQUASHED)])
+def test_a_weight_of_one_or_zero_is_one_matrix_alone(profile, weight, alone):
+    unit = TextureUnit("any", gen=(TexGen(TexGenMode.EYE_LINEAR, (1.0, 0.5, 2.0, 0.0)), *[TexGen()] * 3))
+    positions = [[-0.3, 0.5, 0.0], [0.3, 0.25, 0.3], [0.1, -0.5, 0.1]]
+    both = VertexState(
+        modelview=TURNED, modelview1=SQUASHED, projection=PERSPECTIVE, lighting=Lighting((Light(),))
+    )
+    one = replace(both, modelview=alone, modelview1=None)
+    results = []
+    for vertex, weights in ((both, [weight] * 3), (one, None)):
+        state = PassState(vertex=vertex, texture_units=(unit,))
+        results.append(drawn(process(Mesh(positions, weights=weights), state, profile, WIDTH, HEIGHT)))
+    assert results[0] == results[1]
+    assert results[0]
+
+
+def test_eye_coordinates_and_normals_are_weighted_sums():
+    """Against NumPy's matrix products, by what texture coordinate generation shows of both: 1e-12 is far
+    above float64's errors of sums of a few terms below 10, and far below any other weight.
+    """
+    rng = np.random.default_rng(4)
+    positions, normals = rng.uniform(-1, 1, (9, 3)), rng.normal(size=(9, 3))
+    weights = np.array([0.0, 1.0, 0.5, 0.25, 0.9, 1.5, -0.5, 1 / 3, 0.7])
+    planes = [TexGen(TexGenMode.EYE_LINEAR, row) for row in IDENTITY]
+    vector = (*[TexGen(TexGenMode.NORMAL_MAP)] * 3, TexGen())
+    state = PassState(
+        vertex=VertexState(modelview=TURNED, modelview1=SQUASHED, normalize=True, projection=PERSPECTIVE),
+        texture_units=(TextureUnit("eye", gen=tuple(planes)), TextureUnit("normal", gen=vector)),
+    )
+    got = process(Mesh(positions, normals=normals, weights=weights), state, GEFORCE_256, WIDTH, HEIGHT)
+    w = weights[:, None]
+    eye, normal = 0.0, 0.0
+    for share, matrix in ((w, np.array(TURNED)), (1 - w, np.array(SQUASHED))):
+        eye = eye + share * (np.column_stack([positions, np.ones(9)]) @ matrix.T)
+        normal = normal + share * (normals @ np.linalg.inv(matrix[:3, :3]))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    assert np.abs(got.coordinates[:9, 0] - eye).max() < 1e-12
+    assert np.abs(got.coordinates[:9, 1, :3] - normal).max() < 1e-12
+    clip = eye @ np.array(PERSPECTIVE).T
+    assert got.inverse_w[:9] == pytest.approx(1 / clip[:, 3], rel=1e-12)
 
 
 @settings(max_examples=200)
