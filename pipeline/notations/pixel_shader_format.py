@@ -128,9 +128,9 @@ def _was_pixel_shader(program):
 def _written(program, whole):
     """The text, read back. ``whole``: as of a Writer."""
     combiners, stages = program.combiners, program.texture_shader
-    texture, places = texture_instructions(stages), None
-    shared = any(place.stage is None for place in program.constants)
+    texture, places, shared = texture_instructions(stages), None, False
     if _was_pixel_shader(program):
+        shared = any(place.stage is None for place in program.constants)
         places = {
             (number, place.register, half): place.constant
             for place in program.constants

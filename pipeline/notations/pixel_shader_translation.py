@@ -160,7 +160,8 @@ class _Translation:
         self.colors = colors
         self.groups = grouped(listing.arithmetic)
         self.stages, self.notes = [], []
-        self.held = {number: stored(self.color(number)) for number in range(8)}
+        self.held = {number: self.color(number) for number in range(8)}  # black is stored as it is
+        self.held |= {number: stored(color) for number, color in colors.items()}
         self.places, self.stored = ({}, {}), {}  # of constants that all general combiners share
         self.dots = {}  # registers whose alpha is in blue
         self.equal = set()  # registers whose four components are equal
