@@ -610,7 +610,9 @@ class _Maker:
 
     def image(self, target, deep, mipmaps, width, height):
         if deep:
-            kinds = (TexelWord.Y16_FIXED, TexelWord.X8_Y24_FIXED, TexelWord.Y16_FLOAT)
+            kinds = [TexelWord.Y16_FIXED, TexelWord.X8_Y24_FIXED]
+            if not self.profile.textures.depths_as_colors:  # floats are only compared
+                kinds.append(TexelWord.Y16_FLOAT)
             kind = self.one_of(
                 [k for k in kinds if internal_format_of(k) in self.profile.textures.internal_formats]
             )
@@ -669,8 +671,7 @@ class _Maker:
             )
             if self.profile.textures.shadow_ambient and self.chance(0.5):
                 sampler = replace(sampler, compare_fail_value=self.uniform(0.0, 1.0))
-            fixed = DEPTH_TEXELS[texture.internal_format].form is None
-            if self.profile.textures.depths_as_colors and fixed and self.chance(0.4):
+            if self.profile.textures.depths_as_colors and self.chance(0.4):
                 sampler = replace(sampler, compare_mode=TextureCompareMode.NONE, compare_fail_value=0.0)
         if self.plain or deep:
             return sampler
