@@ -608,6 +608,17 @@ def test_profiles_lists_the_machines_in_lines_that_fit(columns):
     assert "fixedpipe profiles NAME" in result.stdout
 
 
+def test_profiles_says_what_each_driver_changes_and_how_it_is_known():
+    shown = " ".join(run("profiles", "GEFORCE_256", "GEFORCE_3").output.split())
+    assert 'Driver "Release 5", June 2000:' in shown
+    assert "combine_functions without DOT3_RGB, DOT3_RGBA. Source: ARB_texture_env_combine" in shown
+    assert "shadow_functions without NEVER, LESS, EQUAL, GREATER, NOTEQUAL, ALWAYS. Source:" in shown
+    assert "depths_as_colors no; texture_shader_operations without TEXTURE_3D" in shown
+    assert "depth_texture_modes none; " in shown and "max_3d_texture_size 0; " in shown
+    assert 'Driver "a driver of 2002", spring 2002, once ARB_shadow was approved: as below.' in shown
+    assert "Driver" not in run("profiles", "OCTANE").output
+
+
 def test_profiles_shows_every_field_of_every_machine_with_its_tag():
     result = run("profiles", *PROFILES)
     assert result.exit_code == 0
