@@ -69,7 +69,17 @@ _S3TC: dict[str, Any] = {
     )
 }
 _DRIVERS = (
-    Driver(name="Release 4", since="early 2000", facts=_POINTS | _WITHOUT_DOT3),
+    Driver(
+        name="Release 4",
+        since="early 2000",
+        facts=_POINTS
+        | _WITHOUT_DOT3
+        | {
+            "final_alpha_from_blue": known(
+                False, "Source: NV_register_combiners, Revision History, June 8, 2000 (refused by Release 4)"
+            )
+        },
+    ),
     Driver(name="Release 5", since="June 2000", facts=_POINTS | _WITHOUT_DOT3 | _S3TC),
     Driver(
         name="a driver of 2001",
@@ -151,6 +161,7 @@ GEFORCE_256 = Profile(
         combiner_lookup=known(False, _ASKED_FOR),
         blue_to_alpha=known(False, "Source: NV_register_combiners, which has no such output"),
         ycbcr_conversion=known(False, "Assumed: none; NV_register_combiners has nothing like it"),
+        final_alpha_from_blue=known(True, "Source: NV_register_combiners (G takes BLUE)"),
         combiner_flags=known(False, "Source: NV_register_combiners, which names none of them"),
     ),
     vertices=Vertices(

@@ -179,6 +179,7 @@ GEFORCE_3 = Profile(
             "from the NV2A: Combiner captures",
         ),
         ycbcr_conversion=known(False, "Assumed: none; no extension of its driver reaches one"),
+        final_alpha_from_blue=known(True, "Source: NV_register_combiners (G takes BLUE)"),
         combiner_flags=known(False, "Source: NV_register_combiners2, which names none of them"),
     ),
     vertices=Vertices(

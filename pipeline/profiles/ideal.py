@@ -105,6 +105,7 @@ IDEAL = Profile(
         combiner_lookup=_given(True),
         blue_to_alpha=_given(True),
         ycbcr_conversion=_given(False),
+        final_alpha_from_blue=_given(True),
         combiner_flags=_given(False),
     ),
     vertices=Vertices(

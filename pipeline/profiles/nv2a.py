@@ -135,6 +135,9 @@ NV2A = Profile(
         combiner_lookup=known(False, _NOT_ASKED),
         blue_to_alpha=known(True, "Measured: 110441 of 110441 pixels (Combiner captures)"),
         ycbcr_conversion=known(True, "Measured: Bump_map, Bump_env_lum UYVY_L, YUY2_L captures"),
+        final_alpha_from_blue=known(
+            True, "Source: SET_COMBINER_SPECULAR_FOG_CW1, whose G takes alpha or else blue"
+        ),
         combiner_flags=known(True, "Measured: 110441 of 110441 pixels (Combiner captures)"),
     ),
     vertices=Vertices(

@@ -104,6 +104,7 @@ OCTANE = Profile(
         combiner_lookup=known(False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"),
         blue_to_alpha=known(False, _NO_COMBINERS),
         ycbcr_conversion=known(False, _NO_COMBINERS),
+        final_alpha_from_blue=known(False, _NO_COMBINERS),
         combiner_flags=known(False, _NO_COMBINERS),
     ),
     vertices=Vertices(

@@ -91,6 +91,7 @@ class Combiners(Section):
     combiner_functions: frozenset[CombinerFunction]  # of the future board
     combiner_lookup: bool  # CombinerLookup
     blue_to_alpha: bool  # ab_blue_to_alpha, cd_blue_to_alpha of RGB portions
+    final_alpha_from_blue: bool  # whether the final combiner's G takes BLUE
     ycbcr_conversion: bool  # of texture units' registers
     combiner_flags: bool  # muxes by the lowest bit, inverted terms of the color sum
 

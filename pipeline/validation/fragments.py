@@ -1,6 +1,6 @@
 """Validation of a state's fragment stages: combiners, fog, tests and blending."""
 
-from fixedpipe.pipeline.enums import FogCoordinateSource
+from fixedpipe.pipeline.enums import ComponentUsage, FogCoordinateSource
 from fixedpipe.pipeline.programs.combiner_rules import (
     TEXTURE_REGISTERS,
     blue_to_alpha_stage,
@@ -47,6 +47,11 @@ def register_combiners(walk, combiners):
     if not profile.combiners.combiner_flags and (flag := nv2a_flag(combiners)):
         walk.refuse(
             f"{profile.name} has no {flag}; leave it at its default, or choose a profile with combiner_flags."
+        )
+    if not profile.combiners.final_alpha_from_blue and combiners.final.g.usage is ComponentUsage.BLUE:
+        walk.refuse(
+            f"the final combiner's G takes BLUE; G of {profile.name} takes ALPHA alone. Copy blue to an "
+            "alpha in a general combiner's alpha portion."
         )
     for _, sentence in combiner_problems(combiners):
         walk.refuse(sentence)

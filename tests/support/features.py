@@ -37,6 +37,7 @@ from fixedpipe.pipeline.enums import (
     CombinerFunction,
     CombineSource,
     ComparisonFunction,
+    ComponentUsage,
     DepthFormat,
     DotProductMapping,
     FogCoordinateSource,
@@ -64,9 +65,11 @@ from fixedpipe.pipeline.state import (
     Blending,
     ColorTable,
     Combine,
+    CombinerInput,
     CombinerLookup,
     Composite,
     DepthClamp,
+    FinalCombiner,
     Fog,
     FogRegisters,
     GeneralCombiner,
@@ -673,6 +676,16 @@ def _combiners():
             general=(GeneralCombiner(rgb=RGBPortion(ab_output=Register.SPARE1, ab_blue_to_alpha=True)),)
         ),
         asked="blue|register combiners",
+        **_COMBINERS,
+    )
+    yield Feature(
+        name="blue as the final combiner's alpha",
+        group="Register combiners",
+        has=lambda p: p.combiners.final_alpha_from_blue,
+        commands=_combined(
+            final=FinalCombiner(g=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.BLUE))
+        ),
+        asked="G takes BLUE|register combiners",
         **_COMBINERS,
     )
     yield Feature(

@@ -8,14 +8,26 @@ from fixedpipe.pipeline.commands import Draw, HostStep, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     BaseFormat,
     ComparisonFunction,
+    ComponentUsage,
     InternalFormat,
     PrimitiveType,
+    Register,
     TextureCompareMode,
     TextureFilter,
 )
 from fixedpipe.pipeline.execution.machine import Machine, execute
 from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256
-from fixedpipe.pipeline.state import PassState, PointParameters, PointState, Sampler, TextureUnit
+from fixedpipe.pipeline.state import (
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    PointParameters,
+    PointState,
+    RegisterCombiners,
+    Sampler,
+    TextureUnit,
+)
 from fixedpipe.pipeline.textures.images import Texture, TextureTarget, depth_texels, texture_2d, texture_3d
 from fixedpipe.pipeline.textures.words import compressed_texture
 from fixedpipe.pipeline.validation.validate import validate
@@ -59,6 +71,18 @@ POINTS = (
         state=PassState(point=PointState(parameters=PointParameters())),
     ),
 )
+BLUE = (
+    Draw(
+        label="use",
+        mesh=TRIANGLE,
+        state=PassState(
+            register_combiners=RegisterCombiners(
+                general=(GeneralCombiner(),),
+                final=FinalCombiner(g=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.BLUE)),
+            )
+        ),
+    ),
+)
 S3TC = textured(compressed_texture(bytes(8), InternalFormat.COMPRESSED_RGBA_S3TC_DXT1, 4, 4))
 XP, OF_2002, OF_2001 = "Detonator XP", "a driver of 2002", "a driver of 2001"
 
@@ -76,6 +100,7 @@ def refusal(frame, profile):
     ("machine", "frame", "first"),
     [
         (GEFORCE_256, POINTS, "Release 4"),
+        (GEFORCE_256, BLUE, "Release 5"),
         (GEFORCE_256, S3TC, "Release 5"),
         (GEFORCE_256, combined("DOT3_RGB"), OF_2001),
         (GEFORCE_256, combined("SUBTRACT"), OF_2001),
@@ -96,6 +121,12 @@ def test_drivers_refuse_what_came_later_and_name_the_first_that_had_it(machine, 
         else:
             assert f"{machine.name} with {name}" in sentence
             assert sentence.endswith(f" It came with {first}.")
+
+
+def test_the_first_driver_says_what_to_do_instead_of_blue():
+    sentence = refusal(BLUE, GEFORCE_256.with_driver("Release 4"))
+    assert "G of GeForce 256 with Release 4 takes ALPHA alone. Copy blue to an alpha" in sentence
+    assert refusal(BLUE, GEFORCE_256) is None
 
 
 def test_what_no_driver_had_is_refused_without_a_driver_s_name():

@@ -955,7 +955,7 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
         "shared_depth",
     }
     with_tests_of_their_own |= {"texture_shader_operations", "dot_product_mappings", "combiner_flags"}
-    with_tests_of_their_own |= {"blue_to_alpha"}
+    with_tests_of_their_own |= {"blue_to_alpha", "final_alpha_from_blue"}  # test_drivers.py the latter
     with_tests_of_their_own |= {"foreign_texture_targets"}
     with_tests_of_their_own |= {
         "offset_scale_clamped"
