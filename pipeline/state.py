@@ -489,8 +489,18 @@ def environment(
     >>> faded.rgb.operands
     (<CombineOperand.SRC_COLOR: 0>, <CombineOperand.SRC_COLOR: 0>, <CombineOperand.SRC_ALPHA: 2>)
 
-    Raises ValueError for names that are not OpenGL's, and for halves of which one alone has four arguments.
+    Raises ValueError for names that are not OpenGL's, for what is no sequence of names, and for halves of
+    which one alone has four arguments.
     """
+    for name, half in (("rgb", rgb), ("alpha", alpha)):
+        words = (
+            isinstance(half, Sequence) and not isinstance(half, str) and [isinstance(w, str) for w in half]
+        )
+        if not (words and all(words)):
+            raise ValueError(
+                f"the environment's {name} half is {half!r}; give the names of its function and its "
+                "arguments, ('MODULATE', 'TEXTURE', 'PREVIOUS') for instance."
+            )
     four = [len(half) == 5 for half in (rgb, alpha)]
     if any(four) and not all(four):
         raise ValueError(

@@ -801,6 +801,11 @@ def test_an_alpha_half_that_is_not_given_is_opengls_initial_one():
         ([("MULTIPLY", "TEXTURE", "PREVIOUS")], "no function 'MULTIPLY'; it has REPLACE, MODULATE"),
         ([("MODULATE", "TEX", "PREVIOUS")], "MODULATE has an argument 'TEX', which names no source"),
         ([("ADD", "TEXTURE", "1", "PREVIOUS", "1")], "one half of the environment has four arguments"),
+        ([()], r"the environment's rgb half is \(\); give the names of its function"),
+        (["MODULATE"], "the environment's rgb half is 'MODULATE'; give the names"),
+        ([("MODULATE", "TEXTURE", None)], "rgb half is .*None.*; give the names"),
+        ([("REPLACE", "TEXTURE"), None], "the environment's alpha half is None; give the names"),
+        ([("REPLACE", "TEXTURE"), (1, "TEXTURE")], "alpha half is .*; give the names"),
     ],
 )
 def test_words_that_are_not_opengls_are_refused(halves, words):
