@@ -3,29 +3,34 @@
 from functools import lru_cache
 
 from fixedpipe.pipeline.profiles import IDEAL
+from fixedpipe.pipeline.profiles.sections import SECTION_OF
 from fixedpipe.pipeline.vertices.stage import process
 
 
 def primitives_of(command, machine, width, height):
     """WindowPrimitives of a Draw with real colours and coordinates, at the places where ``machine``, a
-    Profile, has them: cut where its guard band ends, counted from where its rows are, its lines and points.
+    Profile, has them: cut where its guard band ends, counted from where its rows are, its lines and points,
+    which are no larger than it draws them.
 
     The subpixel grid stays the ideal's own, which its kernels have built in.
     """
-    its = machine.arithmetic
-    placed = _ideal_with(its.guard_band, its.device_origin, its.diamond_exit_lines)
-    return process(command.mesh, command.state, placed, width, height)
+    return process(command.mesh, command.state, _ideal_with(*_placed(machine)), width, height)
 
 
-_PLACE = "guard_band", "device_origin", "diamond_exit_lines"
+_PLACE = "guard_band", "device_origin", "diamond_exit_lines", "max_point_size"
+
+
+def _placed(machine):
+    """What decides where a machine's vertices are (``_PLACE``)."""
+    return tuple(getattr(getattr(machine, SECTION_OF[name]), name) for name in _PLACE)
 
 
 @lru_cache(maxsize=64)
 def _ideal_with(*values):
-    """The ideal with what decides where a machine's vertices are (``_PLACE``). Always the same object, and
-    the ideal itself where nothing differs: vertex plans are kept by the profile's identity.
+    """The ideal with a machine's ``_PLACE``. Always the same object, and the ideal itself where nothing
+    differs: vertex plans are kept by the profile's identity.
     """
-    if values == tuple(getattr(IDEAL.arithmetic, name) for name in _PLACE):
+    if values == _placed(IDEAL):
         return IDEAL
     evidence = "Inferred: the machine's that the ideal is compared with"
     return IDEAL.changed(evidence=evidence, **dict(zip(_PLACE, values, strict=True)))

@@ -115,7 +115,7 @@ IDEAL = Profile(
         separate_specular_color=_given(True),
         texgen_modes=_given(frozenset(TexGenMode)),
         fog_coordinate=_given(True),
-        point_parameters=_given(False),
+        point_parameters=_given(True),
         composite_matrix=_given(False),
         vertex_weighting=_given(True),
     ),

@@ -1,5 +1,6 @@
 """Points, lines, outlined polygons and stipple in the ideal: the machine's pixels, with real values."""
 
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -20,11 +21,12 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
-from fixedpipe.pipeline.profiles import GEFORCE_256, NV2A, OPENGL_1_2
+from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, NV2A, OPENGL_1_2
 from fixedpipe.pipeline.state import (
     DepthTest,
     LineState,
     PassState,
+    PointParameters,
     PointState,
     PolygonState,
     Sampler,
@@ -147,6 +149,51 @@ def test_a_line_s_colour_is_its_pixel_s_projection_onto_it(ends):
         dx, dy = x1 - x0, y1 - y0
         share = ((px - x0) * dx + (py - y0) * dy) / (dx * dx + dy * dy)
         assert ideal.color[row, column, 0] == pytest.approx(float(min(max(share, 0), 1)), abs=1e-12)
+
+
+# Sizes that shrink with distance, and some beyond what a machine draws.
+SHRINKING = {
+    "shrinking": PointParameters((1.0, 2.0, 4.0), 0.0, 12.0, 1.0),
+    "biased": PointParameters((0.0, 0.0, 1.0), -0.25, 20.0, 2.5),
+    "as large as can be": PointParameters((0.01, 0.0, 0.0), 0.0, 200.0, 70.0),
+}
+
+
+@pytest.mark.parametrize("parameters", SHRINKING)
+@pytest.mark.parametrize("profile", [GEFORCE_3, NV2A], ids=lambda p: p.name)
+@settings(max_examples=12, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_points_of_the_guided_ideal_are_as_large_as_the_machine_s(profile, parameters, seed):
+    point = PointState(parameters=SHRINKING[parameters])
+    state = PassState(depth_test=TESTED, point=point)
+    frame = (CLEAR, Draw(label="it", mesh=mesh_of(seed, PrimitiveType.POINTS), state=state))
+    machine = execute(frame, profile, SIZE, SIZE, record=True)
+    ideal = execute_ideal(frame, SIZE, SIZE, guide=machine)
+    difference = 255.0 * np.clip(ideal.color, 0.0, 1.0) - machine.framebuffer.color
+    assert np.abs(difference).max() < 2.5  # vertices' colours to bytes, weights of eight bits
+    assert machine.fragments == len(machine.records[0].x)
+
+
+@pytest.mark.parametrize("parameters", SHRINKING)
+def test_points_of_the_free_ideal_have_the_sizes_that_point_parameters_give(parameters):
+    """Sizes say which pixels are drawn: they are those of the machines, in whole pixels as OpenGL's are."""
+    given, drawn = SHRINKING[parameters], []
+    for z in (-0.9, -0.2, 0.3, 0.8):
+        mesh = Mesh([[0.0, 0.0, z]], PrimitiveType.POINTS, colors=[[1.0, 1.0, 1.0]])
+        draw = Draw(label="it", mesh=mesh, state=PassState(point=PointState(parameters=given)))
+        size = 128
+        covered = execute_ideal((CLEAR, draw), size, size).color[..., 3].sum()
+        a, b, c = given.attenuation
+        # The table's root is low by up to a 64th, and its seven bits are cut.
+        root = 1.0 / math.sqrt(a + b * abs(z) + c * z * z)
+        sizes = [
+            min(max(root * share + given.bias, 0.0), 1.0) * given.range + given.minimum
+            for share in (1.0 - 1 / 32, 1.0)
+        ]
+        low, high = (max(math.floor(min(size, 64.0) + 0.5), 1) for size in sizes)
+        assert low**2 <= covered <= high**2
+        drawn.append(covered)
+    assert len(set(drawn)) > 1 or parameters == "as large as can be"
 
 
 def test_a_point_sprite_s_coordinates_cross_its_square():
