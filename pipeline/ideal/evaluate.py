@@ -41,7 +41,7 @@ from fixedpipe.pipeline.ideal.rectangles import draw_rectangle
 from fixedpipe.pipeline.ideal.result import IdealResult
 from fixedpipe.pipeline.ideal.shade import plan_for, shade
 from fixedpipe.pipeline.ideal.textures import copied_texture, replaced_texture, texture_pixels, with_ideal
-from fixedpipe.pipeline.ideal.weights import fragments_of, mesh_of, pixels_of, weigh
+from fixedpipe.pipeline.ideal.weights import fragments_of, mesh_of, pixels_of, share_covered, weigh
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
@@ -91,6 +91,9 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
         color, z, outcome = np.zeros((0, 4)), np.zeros(0), None
         if colored:
             color, outcome = shade(state, textures, primitives, plan, weights)
+            share = share_covered(record, part, guided, len(machine.primitives.smoothing_samples))
+            if share is not None:
+                color[:, 3] *= share
         if deep:
             z = weights.depths(primitives.z, state.polygon, depth_bits)
         pixel = pixels_of(where, width)

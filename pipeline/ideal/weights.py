@@ -399,6 +399,18 @@ def weigh(mesh, front_face, triangle, x, y):
     return Weights(perspective, front, mesh, (triangle, x, y))
 
 
+def share_covered(record, part, passed, samples):
+    """What smooth primitives cover of the pixels of ``fragments_of``, float64 [k], 1 where a primitive is not
+    smooth; ``samples``: of how many the record counts. None: nothing is smooth.
+    """
+    if record.covered is None or not record.covered.any():
+        return None
+    covered = record.covered[part]
+    if passed:
+        covered = covered[record.passed[part] != 0]
+    return np.where(covered == 0, 1.0, covered / samples)
+
+
 def fragments_of(record, part, passed):
     """Triangles, x and y, int32 [k] each, of a slice of Fragments: those that ``passed`` alone, or all."""
     columns = record.triangle, record.x, record.y

@@ -139,7 +139,9 @@ class IdealPixel:
         mesh = mesh_of(primitives, state.line, frame.profile)
         plan = plan_for(state, textures, self._plans)
         target = self.buffers.buffer(state.draw_buffer)
-        for triangle, written in zip(touch.triangles, passed, strict=True):
+        shares = touch.covered or (0,) * len(passed)
+        samples = len(frame.profile.primitives.smoothing_samples)
+        for triangle, written, covered in zip(touch.triangles, passed, shares, strict=True):
             where = (triangle, self.x, self.y)
             where = tuple(np.array([value], np.int32) for value in where)
             seen.append(saw := witness())
@@ -147,6 +149,8 @@ class IdealPixel:
             with np.errstate(all="ignore"):
                 weights = weigh(mesh, state.polygon.front_face, *where)
                 color, _ = shade(state, textures, primitives, plan, weights, saw)
+            if covered:
+                color[:, 3] *= covered / samples
             saw("source", color=color, stored=target.color[0, 0].copy())
             if written:
                 write(state, target, np.zeros(1, np.int64), color, np.zeros(1))

@@ -97,6 +97,7 @@ class Touch:
     before, after  PixelValues of the buffer that it draws to
     fragments      the witness of each fragment's making (``ReplayedPixel.run``)
     triangles      of a Draw, the primitive of each
+    covered        of a Draw, how many samples each covers; empty where nothing is smooth
     passed         whether each passed all tests
     alone          its state, with this pixel alone in the scissor box; None: it has no state
     """
@@ -109,6 +110,7 @@ class Touch:
     triangles: tuple[int, ...] = ()
     passed: tuple[bool, ...] = ()
     alone: PassState | None = None
+    covered: tuple[int, ...] = ()
 
     @property
     def changes_depths(self) -> bool:
@@ -211,15 +213,16 @@ class ReplayedPixel:
 
     def _on_each(self, step, which, change, alone=None):
         """A Touch of each sample that ``change(buffers, position)`` changes: it returns the fragments'
-        witnesses and primitives, None where there is no fragment.
+        witnesses, primitives, whether they passed and perhaps what they cover, None where there is no
+        fragment.
         """
         for sample, (buffers, position) in enumerate(self._targets):
             before = buffers.value(which)
             made = change(buffers, position)
             if made is not None:
-                fragments, triangles, passed = map(tuple, made)
+                fragments, triangles, passed, *covered = map(tuple, made)
                 after = buffers.value(which)
-                yield Touch(step, sample, before, after, fragments, triangles, passed, alone)
+                yield Touch(step, sample, before, after, fragments, triangles, passed, alone, *covered)
         self._resolve(which)
 
     def _clear(self, step, command, witness):
@@ -267,7 +270,8 @@ class ReplayedPixel:
                 columns = covered.triangle, covered.x, covered.y, covered.covered
                 one = Covered(*(c if c is None else c[k : k + 1] for c in columns))
                 passed += column_draw(primitives, one, state, profile, target, textures, saw).tolist()
-            return seen, covered.triangle.tolist(), passed
+            shares = () if covered.covered is None else covered.covered.tolist()
+            return seen, covered.triangle.tolist(), passed, shares
 
         yield from self._on_each(step, state.draw_buffer, change, alone)
 

@@ -136,7 +136,7 @@ def rasterize(primitives, profile, polygon, scissor, width, height, *, line=_THI
     length; they are not checked again. ``profile``: the machine; ``polygon``: a PolygonState; ``scissor``: a
     Scissor or None; ``width``, ``height`` of the framebuffer, pixels; ``line``: the LineState of lines.
     """
-    if _without_kernels(primitives, polygon):
+    if _without_kernels(primitives, polygon) and not polygon.smooth:
         drawn = _covered(primitives, polygon, scissored(scissor, width, height), profile)
         columns = drawn.triangle, drawn.x, drawn.y, np.ones(len(drawn.x))
         return Fragments(*(column.astype(np.int32) for column in columns))

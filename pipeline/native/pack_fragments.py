@@ -203,7 +203,7 @@ def pack_lines(line, profile, draw):
     steps = line.rasterization == LineRasterization.STEPS
     draw[R.LINE_STEPS] = C.LINE_IN_STEPS if steps else C.LINE_AS_RECTANGLE
     draw[R.LINE_WIDTH] = eighths(line.width)
-    if profile.arithmetic.diamond_exit_lines:
+    if profile.arithmetic.diamond_exit_lines and not line.smooth:
         draw[R.LINE_STEPS] = C.LINE_IN_DIAMONDS
         draw[R.LINE_WIDTH] = R.PIXEL_WIDE * whole_size(line.width)
     if line.stipple is not None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
+    BlendFactor,
     ComparisonFunction,
     LineRasterization,
     PolygonMode,
@@ -21,8 +22,12 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.inspection.ideal import record_ideal
+from fixedpipe.pipeline.inspection.inspect import history
+from fixedpipe.pipeline.inspection.recording import record
 from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, NV2A, OPENGL_1_2
 from fixedpipe.pipeline.state import (
+    Blending,
     DepthTest,
     LineState,
     PassState,
@@ -149,6 +154,73 @@ def test_a_line_s_colour_is_its_pixel_s_projection_onto_it(ends):
         dx, dy = x1 - x0, y1 - y0
         share = ((px - x0) * dx + (py - y0) * dy) / (dx * dx + dy * dy)
         assert ideal.color[row, column, 0] == pytest.approx(float(min(max(share, 0), 1)), abs=1e-12)
+
+
+# What is smooth, and how: lines that are rectangles, triangles, and both in one.
+SMOOTH = {
+    "lines": (PrimitiveType.LINES, {"line": LineState(2.0, LineRasterization.RECTANGLE, smooth=True)}),
+    "wide lines": (
+        PrimitiveType.LINE_LOOP,
+        {"line": LineState(7.0, LineRasterization.RECTANGLE, smooth=True)},
+    ),
+    "triangles": (PrimitiveType.TRIANGLES, {"polygon": PolygonState(smooth=True)}),
+    "outlines": (
+        PrimitiveType.TRIANGLES,
+        {"polygon": OUTLINED, "line": LineState(3.0, LineRasterization.RECTANGLE, smooth=True)},
+    ),
+}
+COVERING = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA)
+
+
+@pytest.mark.parametrize("smooth", SMOOTH)
+@pytest.mark.parametrize("profile", [GEFORCE_3, NV2A], ids=lambda p: p.name)
+@settings(max_examples=12, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_the_guided_ideal_has_the_machine_s_share_of_each_pixel(profile, smooth, seed):
+    """In one colour: where samples draw beyond an edge, the machine clamps what it iterates."""
+    primitive, state = SMOOTH[smooth]
+    mesh = mesh_of(seed, primitive)
+    mesh = Mesh(mesh.positions, primitive, colors=mesh.colors[:1].repeat(len(mesh.positions), axis=0))
+    draw = Draw(label="it", mesh=mesh, state=PassState(blending=COVERING, **state))
+    machine = execute((CLEAR, draw), profile, SIZE, SIZE, record=True)
+    ideal = execute_ideal((CLEAR, draw), SIZE, SIZE, guide=machine)
+    difference = 255.0 * np.clip(ideal.color, 0.0, 1.0) - machine.framebuffer.color
+    # A colour to a byte; of every fragment on a pixel a share that is cut, and blending's rounding.
+    most = np.unique(np.stack([machine.records[0].x, machine.records[0].y]), axis=1, return_counts=True)[1]
+    assert np.abs(difference).max() < 0.5 + 1.5 * most.max(initial=0) + 0.5
+
+
+@pytest.mark.parametrize("smooth", SMOOTH)
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_the_free_ideal_covers_what_the_nv2a_s_samples_cover(smooth, seed):
+    """White, alpha alone: each fragment adds its share, in eighths; nothing is rounded."""
+    primitive, state = SMOOTH[smooth]
+    random = np.random.default_rng(seed)
+    mesh = Mesh(random.uniform(-0.9, 0.9, (6, 2)), primitive, colors=[[1.0] * 4] * 6)
+    added = Blending(BlendFactor.ONE, BlendFactor.ONE)
+    draw = Draw(label="it", mesh=mesh, state=PassState(blending=added, **state))
+    machine = execute((CLEAR, draw), NV2A, SIZE, SIZE, record=True)
+    (record,), shares = machine.records, np.zeros((SIZE, SIZE))
+    np.add.at(shares, (record.y, record.x), record.covered / 8.0)
+    ideal = execute_ideal((CLEAR, draw), SIZE, SIZE)
+    np.testing.assert_array_equal(ideal.color[..., 3], shares)
+    assert (shares % 1.0 != 0.0).any()
+
+
+@pytest.mark.parametrize("smooth", SMOOTH)
+def test_a_pixel_s_ideal_history_ends_at_the_ideal_s_colour(smooth):
+    primitive, state = SMOOTH[smooth]
+    draw = Draw(label="it", mesh=mesh_of(5, primitive), state=PassState(blending=COVERING, **state))
+    frame = record((CLEAR, draw), NV2A, SIZE, SIZE)
+    beside = record_ideal((CLEAR, draw), frame)
+    guide = execute((CLEAR, draw), NV2A, SIZE, SIZE, record=True)
+    ideal, edges = execute_ideal((CLEAR, draw), SIZE, SIZE, guide=guide).color, 0
+    for y, x in zip(*np.nonzero(guide.framebuffer.color[..., 3]), strict=True):
+        found = history(frame, (int(x), int(y)), None, beside)
+        assert found.ideal == pytest.approx(tuple(ideal[y, x]), abs=1e-12)
+        edges += 0.0 < found.ideal[3] < 1.0
+    assert edges
 
 
 # Sizes that shrink with distance, and some beyond what a machine draws.
