@@ -49,6 +49,7 @@ from fixedpipe.pipeline.profiles import TEXRAM as TEXRAM
 from fixedpipe.pipeline.profiles.profile import Profile as Profile
 from fixedpipe.pipeline.state import AlphaTest as AlphaTest
 from fixedpipe.pipeline.state import Blending as Blending
+from fixedpipe.pipeline.state import ColorKey as ColorKey
 from fixedpipe.pipeline.state import ColorMask as ColorMask
 from fixedpipe.pipeline.state import DepthTest as DepthTest
 from fixedpipe.pipeline.state import Fog as Fog

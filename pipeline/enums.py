@@ -608,6 +608,19 @@ class TextureEnvironmentMode(IntEnum):
     NONE = 7
 
 
+class ColorKeyOperation(IntEnum):
+    """What becomes of a texel that equals a unit's color key: its alpha is 0, all its components are, or its
+    fragment ends.
+
+    Source: the NV2A's color key modes (nxdk_pgraph_tests, color_key_tests). KILL is what Direct3D up to 7
+    does where D3DRENDERSTATE_COLORKEYENABLE is set.
+    """
+
+    ALPHA = 0
+    RGBA = 1
+    KILL = 2
+
+
 class CombineFunction(IntEnum):
     """COMBINE_RGB and COMBINE_ALPHA: EXT_ and ARB_texture_env_combine (SUBTRACT: ARB_ alone), _dot3.
 

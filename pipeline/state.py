@@ -18,6 +18,7 @@ from fixedpipe.pipeline.enums import (
     BlendEquation,
     BlendFactor,
     ColorBuffer,
+    ColorKeyOperation,
     ColorMaterialParameter,
     ColorSource,
     CombineFunction,
@@ -516,6 +517,18 @@ def environment(
 
 
 @dataclass(frozen=True, slots=True)
+class ColorKey:
+    """A color key: texels that equal ``color``, stored as the texture's format stores it, are treated as
+    ``operation`` says.
+
+    Source: Direct3D's color keys (D3DRENDERSTATE_COLORKEYENABLE); docs/numbers.md, section 7.
+    """
+
+    color: Color
+    operation: ColorKeyOperation = ColorKeyOperation.KILL
+
+
+@dataclass(frozen=True, slots=True)
 class TextureUnit:
     """One texture unit: which texture object it reads, how, and where its coordinates come from.
 
@@ -527,6 +540,7 @@ class TextureUnit:
     wrapping). ``coord_replace``: NV_point_sprite's. ``environment``: where register combiners are disabled.
     ``color_table``: SGI_texture_color_table's, applied to what the unit's filter gives. On a machine of the
     future, ``spherical_coordinates``: (s, t, r) is a unit vector that turns steadily from vertex to vertex.
+    ``color_key``: of texels that are left out.
     """
 
     texture: str | None
@@ -540,6 +554,7 @@ class TextureUnit:
     environment: TextureEnvironment = TextureEnvironment()
     color_table: ColorTable | None = None
     spherical_coordinates: bool = False
+    color_key: ColorKey | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from fixedpipe.pipeline.columns.otherwise import MOST_BITS
 from fixedpipe.pipeline.columns.per_fragment import write
 from fixedpipe.pipeline.columns.shade import shade
 from fixedpipe.pipeline.columns.texture_shader import run_stages
-from fixedpipe.pipeline.columns.textures import reads_as_columns, unit_samplers
+from fixedpipe.pipeline.columns.textures import key_samplers, reads_as_columns, unit_samplers
 from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.framebuffers.widths import are_for_kernels, are_native, fragment_bits, widths_of
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS
@@ -92,8 +92,9 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
     if otherwise is not None:
         filters, finest = otherwise.samplers(samplers), 2 * bits
     color, depth = np.empty((len(fragments.x), 4), np.int64), fragments.depth
-    if state.texture_shader is not None:
-        depth = np.empty(len(color), np.int64)
+    keys = key_samplers(state, textures, profile)
+    if state.texture_shader is not None or keys:
+        depth = fragments.depth.astype(np.int64)
     for start in range(0, len(color), _CHUNK):
         part, registers = slice(start, start + _CHUNK), {}
         some = fragments.part(part)
@@ -101,6 +102,10 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
         with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
             if state.texture_shader is not None:
                 registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits, saw)
+            for number, key in keys:
+                ended = key.filtered(some)[:, 0] == 0
+                depth[part] = np.where(ended, -1, depth[part])
+                saw("color key", unit=number, ended=ended)
             given = some, state, profile, bits, textures, filters, registers
             shaded = shade(*given, saw=saw, otherwise=otherwise)
         if some.covered is not None:

@@ -6,12 +6,14 @@ from dataclasses import astuple
 import numpy as np
 
 from fixedpipe.pipeline.enums import (
+    ColorKeyOperation,
     MagnificationThreshold,
     TextureCompareMode,
     TextureTarget,
 )
 from fixedpipe.pipeline.framebuffers.transfer import ENTRY_COMPONENTS, table_entries
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
+from fixedpipe.pipeline.programs.texture_shader_rules import killing_units
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
     COLORLESS_FORMATS,
@@ -22,7 +24,7 @@ from fixedpipe.pipeline.textures.images import (
     register_components,
     with_signs,
 )
-from fixedpipe.pipeline.textures.sampled import face_modes, sampled_texture
+from fixedpipe.pipeline.textures.sampled import face_modes, key_unit, sampled_texture
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
 from fixedpipe.raster.pixels.transfer import texture_color_table
@@ -43,11 +45,21 @@ def unit_samplers(state, textures, profile, saw=nobody):
     ]
 
 
+def key_samplers(state, textures, profile):
+    """(number, UnitSampler) of each unit whose color key ends fragments: its texel is 0 where it does."""
+    found = []
+    for number in killing_units(state):
+        unit, texture = key_unit(state.texture_units[number], textures)
+        found.append((number, UnitSampler(number, unit, texture, profile)))
+    return found
+
+
 def reads_as_columns(unit, textures):
-    """Whether only columns do what a texture unit asks for: color tables, textures with borders, and of
-    texels that are wider than bytes all but plain filters.
+    """Whether only columns do what a texture unit asks for: color tables, color keys that end fragments,
+    textures with borders, and of texels that are wider than bytes all but plain filters.
     """
-    if unit.color_table is not None:
+    key = unit.color_key
+    if unit.color_table is not None or (key is not None and key.operation == ColorKeyOperation.KILL):
         return True
     if unit.texture is None:
         return False

@@ -46,6 +46,7 @@ from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.programs.texture_shader_rules import killing_units
 from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
@@ -79,7 +80,8 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
         scissor = within_viewport(command.mesh, state, *size).scissor
         record = rasterize(uncolored, IDEAL, state.polygon, scissor, *size, line=state.line)
     tests_alpha = state.alpha_test is not None and not guided
-    colored = writes_color(state) or tests_alpha or state.texture_shader is not None
+    ends = state.texture_shader is not None or bool(killing_units(state))
+    colored = writes_color(state) or tests_alpha or ends
     deep = writes_depth(state) if guided else state.depth_test is not None
     mesh, width = mesh_of(primitives, state.line, machine), size[0]
     plan = plan_for(state, textures, plans)

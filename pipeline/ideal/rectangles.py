@@ -27,7 +27,7 @@ from fixedpipe.pipeline.framebuffers.transfer import (
 from fixedpipe.pipeline.ideal.coordinates import reference_of, still_place
 from fixedpipe.pipeline.ideal.per_fragment import write, write_tested
 from fixedpipe.pipeline.ideal.sample import sample
-from fixedpipe.pipeline.ideal.shade import plan_for, shade_colors
+from fixedpipe.pipeline.ideal.shade import plan_for, shade_colors, without_keys
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.textures.images import with_signs
@@ -192,6 +192,10 @@ def draw_rectangle(command, buffers, textures, plans, statistics, record):
         return
     if record is not None:
         found = found.part(np.asarray(record.passed, bool))
+    elif (alive := without_keys(state, textures, texel_of(found))) is not None:
+        found = found.part(alive)
+    if not len(found.pixel):
+        return
     color = shade_rectangle(found, state, textures, plans)
     written = buffers.buffer(state.draw_buffer)
     if record is None:
@@ -200,9 +204,8 @@ def draw_rectangle(command, buffers, textures, plans, statistics, record):
         write(state, written, found.pixel, color, found.depth)
 
 
-def shade_rectangle(found, state, textures, plans, saw=nobody):
-    """Colours of a Rectangle's fragments, float64 [k, 4]. ``saw``: who watches."""
-    state = with_signs(state, textures)
+def texel_of(found):
+    """What samples the units of a Rectangle's fragments: ``texel`` of ``shade_colors``."""
 
     def texel(i, unit, texture):
         parts = np.empty((len(found.pixel), 4))
@@ -215,5 +218,11 @@ def shade_rectangle(found, state, textures, plans, saw=nobody):
             parts[:, 3] = found.texel_alpha
         return parts
 
-    plan = plan_for(state, textures, plans)
-    return shade_colors(state, textures, plan, found.primary, found.secondary, found.distances, texel, saw)
+    return texel
+
+
+def shade_rectangle(found, state, textures, plans, saw=nobody):
+    """Colours of a Rectangle's fragments, float64 [k, 4]. ``saw``: who watches."""
+    state = with_signs(state, textures)
+    given = found.primary, found.secondary, found.distances, texel_of(found)
+    return shade_colors(state, textures, plan_for(state, textures, plans), *given, saw)

@@ -9,15 +9,15 @@ from fixedpipe.pipeline.enums import FogMode, Register, ShadeModel, TextureCompa
 from fixedpipe.pipeline.ideal.combine import combine, constant_color, plan_of
 from fixedpipe.pipeline.ideal.coordinates import made_place, place, reference_of, spherical, turned_place
 from fixedpipe.pipeline.ideal.sample import as_register, sample
-from fixedpipe.pipeline.ideal.texture_shader import run_stages
+from fixedpipe.pipeline.ideal.texture_shader import Outcome, run_stages
 from fixedpipe.pipeline.ideal.weights import fixed
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
-from fixedpipe.pipeline.programs.texture_shader_rules import reads_texture
+from fixedpipe.pipeline.programs.texture_shader_rules import killing_units, reads_texture
 from fixedpipe.pipeline.textures.images import with_signs
-from fixedpipe.pipeline.textures.sampled import sampled_texture
+from fixedpipe.pipeline.textures.sampled import key_unit, sampled_texture
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.witness import nobody
 
@@ -26,7 +26,7 @@ _COLORS = types.Array(float64, 2, "C", readonly=True)
 
 def shade(state, textures, primitives, plan, weights, saw=nobody):
     """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1], and the Outcome of a
-    texture shader, or None.
+    texture shader, or of color keys that end fragments, or None.
 
     ``textures``: name to Texture with ideal levels. ``primitives``: as the vertex stage makes them; ``plan``:
     of ``plan_for``; ``weights``: those of ``weigh``; ``saw``: who watches.
@@ -84,12 +84,25 @@ def shade(state, textures, primitives, plan, weights, saw=nobody):
         own_coordinates = {i: own(i) for i, unit in enumerate(state.texture_units) if unit is not None}
         saw("fragment", weights=weights.perspective, colors=colors, fog=distances, own=own_coordinates)
     given = state, textures, plan, *colors, distances
+    alive = without_keys(state, textures, texel)
     if state.texture_shader is not None:
         outcome = run_stages(state, textures, len(weights), own, texel, _sample_made, as_register, change)
+        if alive is not None:
+            outcome = replace(outcome, alive=outcome.alive & alive)
         return shade_colors(*given, lambda i, unit, texture: outcome.registers[i], saw), outcome
+    outcome = None if alive is None else Outcome([], alive, None)
     if state.evaluate_before_filtering:
-        return _before_filtering(*given, texel), None
-    return shade_colors(*given, texel, saw), None
+        return _before_filtering(*given, texel), outcome
+    return shade_colors(*given, texel, saw), outcome
+
+
+def without_keys(state, textures, texel):
+    """Which fragments no color key ends, bool [k]; None: there is no key. ``texel``: of ``shade_colors``."""
+    alive = None
+    for i in killing_units(state):
+        kept = texel(i, *key_unit(state.texture_units[i], textures))[:, 0] > 0.0
+        alive = kept if alive is None else alive & kept
+    return alive
 
 
 def _turned(primitives, weights, first):

@@ -268,6 +268,13 @@ class _Reader:
             self.fate = f"ended: texture shader stage {unit}"
         return Stage("texture shader", f"texture shader stage {unit}", says, read, made, number=unit)
 
+    def color_key(self, unit, ended):
+        """A color key that ends fragments."""
+        if ended.any():
+            self.fate = f"ended: color key of texture unit {unit}"
+        made = (_word("equals the key", ended.astype(np.int64)),)
+        return Stage("color key", f"texture unit {unit}, color key", "", (), made, number=unit)
+
     def dot_product(self, unit, of, own, vector, product):
         """A texture shader's dot product."""
         read = _real(f"(s{unit}, t{unit}, r{unit})", own[:3]), _real(f"vector of tex{of}", vector)
@@ -489,6 +496,7 @@ _TELLERS = {
     "texture": _Reader.texture,
     "texture shader": _Reader.texture_shader,
     "dot product": _Reader.dot_product,
+    "color key": _Reader.color_key,
     "made coordinates": _Reader.made_coordinates,
     "program": _Reader.program,
     "general combiner": _Reader.general_combiner,

@@ -7,6 +7,7 @@ What no extension says of it is as on the plain board.
 from fixedpipe.pipeline.enums import (
     BlendEquation,
     Clamp,
+    ColorKeyOperation,
     ColorWeights,
     CombineFunction,
     FogArithmetic,
@@ -79,6 +80,10 @@ G400 = Profile(
         max_probes=known(1, NOT_CORE),
         exact_probes=known(False, NOT_CORE),
         texture_color_table=known(False, NOT_CORE),
+        color_key_operations=known(
+            frozenset({ColorKeyOperation.KILL}),
+            "Assumed: as Direct3D 7 asks; a G400's driver with D3DPTEXTURECAPS_TRANSPARENCY would settle it",
+        ),
         evaluate_before_filtering=known(
             False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"
         ),

@@ -4,6 +4,7 @@ from typing import Any
 
 from fixedpipe.pipeline.enums import (
     Clamp,
+    ColorKeyOperation,
     ColorWeights,
     CombineFunction,
     CombinerFunction,
@@ -124,6 +125,10 @@ GEFORCE_256 = Profile(
         exact_probes=known(False, "Assumed: none; no paper names such a board but Schilling's"),
         texture_color_table=known(
             False, "Assumed: none; a driver of 1999 with SGI_texture_color_table would settle it"
+        ),
+        color_key_operations=known(
+            frozenset({ColorKeyOperation.KILL}),
+            "Assumed: as Direct3D 7 asks; a driver of 1999 with D3DPTEXTURECAPS_TRANSPARENCY would settle it",
         ),
         evaluate_before_filtering=known(False, _ASKED_FOR),
         texture_compare_modes=known(frozenset({TextureCompareMode.NONE}), _NO_SHADOW),

@@ -5,6 +5,7 @@ from fixedpipe.pipeline.enums import (
     BlendFactor,
     Clamp,
     ColorFormat,
+    ColorKeyOperation,
     ColorWeights,
     CombineFunction,
     CombinerFunction,
@@ -126,6 +127,9 @@ GEFORCE_3 = Profile(
         max_probes=known(1, _DRIVER),
         exact_probes=known(False, _DRIVER),
         texture_color_table=known(False, _DRIVER),
+        color_key_operations=known(
+            frozenset(ColorKeyOperation), "Inferred: from the NV2A: all three (Color_key captures)"
+        ),
         evaluate_before_filtering=known(False, _DRIVER),
         texture_compare_modes=known(
             frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE}),

@@ -6,6 +6,7 @@
 from fixedpipe.pipeline.enums import (
     BaseFormat,
     BlendFactor,
+    ColorKeyOperation,
     ColorWeights,
     CombineFunction,
     CombinerFunction,
@@ -75,6 +76,7 @@ IDEAL = Profile(
         max_probes=_given(64),
         exact_probes=_given(True),
         texture_color_table=_given(True),
+        color_key_operations=_given(frozenset(ColorKeyOperation)),
         evaluate_before_filtering=_given(True),
         texture_compare_modes=_given(
             frozenset({TextureCompareMode.NONE, TextureCompareMode.COMPARE_R_TO_TEXTURE})

@@ -84,6 +84,7 @@ INFINITE_REALITY = Profile(
         texture_color_table=known(
             True, "Assumed: as on the Octane; a driver's list of SGI_texture_color_table would settle it"
         ),
+        color_key_operations=known(frozenset(), NOT_CORE),
         evaluate_before_filtering=known(
             False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"
         ),

@@ -9,6 +9,7 @@ from fixedpipe.pipeline.enums import (
     BlendFactor,
     Clamp,
     ColorFormat,
+    ColorKeyOperation,
     ColorWeights,
     CombineFunction,
     CombinerFunction,
@@ -87,6 +88,10 @@ NV2A = Profile(
         max_probes=known(1, _NOT_ASKED),
         exact_probes=known(False, _NOT_ASKED),
         texture_color_table=known(False, _NOT_ASKED),
+        color_key_operations=known(
+            frozenset(ColorKeyOperation),
+            "Measured: all three, 2727494 of 2727494 pixels (Color_key captures)",
+        ),
         evaluate_before_filtering=known(False, _NOT_ASKED),
         texture_compare_modes=known(
             frozenset(TextureCompareMode),

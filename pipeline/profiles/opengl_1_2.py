@@ -70,6 +70,7 @@ OPENGL_1_2 = Profile(
         max_probes=known(1, NOT_CORE),
         exact_probes=known(False, NOT_CORE),
         texture_color_table=known(False, NOT_CORE),
+        color_key_operations=known(frozenset(), NOT_CORE),
         evaluate_before_filtering=known(
             False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"
         ),

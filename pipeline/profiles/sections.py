@@ -13,6 +13,7 @@ from fixedpipe.pipeline.enums import (
     BlendFactor,
     Clamp,
     ColorFormat,
+    ColorKeyOperation,
     ColorWeights,
     CombineFunction,
     CombinerFunction,
@@ -57,6 +58,7 @@ class Textures(Section):
     max_probes: int  # of footprint assembly; 1: none
     exact_probes: bool  # any number of them, and not powers of two alone
     texture_color_table: bool  # SGI_texture_color_table
+    color_key_operations: frozenset[ColorKeyOperation]  # of a unit's color key
     evaluate_before_filtering: bool  # a pass is evaluated at texels and its results are filtered
     texture_compare_modes: frozenset[TextureCompareMode]
     shadow_functions: frozenset[ComparisonFunction]  # of a texture comparison

@@ -72,6 +72,7 @@ TEXRAM = Profile(
         max_probes=known(8, "Assumed: 8; Schilling, Knittel, Strasser 1996 would settle it"),
         exact_probes=known(False, "Source: Schilling, Knittel, Strasser 1996 (a power of two, so a shift)"),
         texture_color_table=known(False, NOT_CORE),
+        color_key_operations=known(frozenset(), NOT_CORE),
         evaluate_before_filtering=known(
             False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"
         ),

@@ -1,6 +1,6 @@
 """Rules of texture shaders (NV_texture_shader): which stages go together, and what each reads."""
 
-from fixedpipe.pipeline.enums import DotProductMapping, TextureTarget
+from fixedpipe.pipeline.enums import ColorKeyOperation, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import TextureShaderStage
 from fixedpipe.raster import codes as C
@@ -203,6 +203,22 @@ def stage_width_problem(stages, widths, profile):
                     "texture, or the dot product another mapping."
                 )
     return None
+
+
+def killing_units(state):
+    """Numbers of the units that end the fragments of texels which equal their color keys: those that are
+    sampled, whether or not anything reads what they sample.
+
+    Measured: UnsampledTex (Color_key captures).
+    """
+    return tuple(
+        i
+        for i, unit in enumerate(state.texture_units)
+        if unit is not None
+        and unit.color_key is not None
+        and unit.color_key.operation == ColorKeyOperation.KILL
+        and reads_texture(state, i)
+    )
 
 
 def reads_texture(state, i):

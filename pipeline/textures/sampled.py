@@ -1,33 +1,88 @@
-"""A texture as a unit samples it: from its base level on.
+"""A texture as a unit samples it: from its base level on, without what a color key takes from its texels.
 
 Engines see a texture whose level 0 is the base level. That is the rule itself. The scale factor, filters
 without mipmaps, magnification and completeness go by the base level. The equations that choose levels have it
 as an addend alone.
 Source: OpenGL 1.2.1 sections 3.8.5 and 3.8.6, equations 3.15 and 3.21 to 3.23; SGIS_texture_lod.
+
+A color key is compared with single texels, and a unit that has one reads the nearest. So engines see a
+texture whose texels are what the key leaves. Of a key that ends fragments they ask a second one, of zeros.
+Measured: 2727494 of 2727494 pixels (Color_key captures).
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 from weakref import WeakKeyDictionary
 
-from fixedpipe.pipeline.enums import WrapMode
-from fixedpipe.pipeline.state import Sampler, TextureUnit
-from fixedpipe.pipeline.textures.images import Texture
+import numpy as np
+from numpy.typing import NDArray
 
-# By texture and base level. What is kept holds the texture's levels, and not the texture.
-_sampled: WeakKeyDictionary[Texture, dict[int, Texture]] = WeakKeyDictionary()
+from fixedpipe.pipeline.enums import ColorKeyOperation, InternalFormat, WrapMode
+from fixedpipe.pipeline.state import ColorKey, Sampler, SignedComponents, TextureUnit
+from fixedpipe.pipeline.textures.images import Texture, store_texels
+
+# By texture, and what of a unit makes another of it. What is kept holds arrays, and not the texture.
+_sampled: WeakKeyDictionary[Texture, dict[Any, Texture]] = WeakKeyDictionary()
 
 
 def sampled_texture(unit: TextureUnit, textures: Mapping[str, Texture]) -> Texture:
-    """The unit's texture of those by name, from the unit's base level on: the same object each time."""
-    texture, lowest = textures[unit.texture], unit.sampler.base_level  # type: ignore[index]  # it names one
-    if lowest == 0:
+    """The unit's texture of those by name, from the unit's base level on, with texels that its color key
+    leaves: the same object each time.
+    """
+    texture, lowest, key = textures[unit.texture], unit.sampler.base_level, unit.color_key  # type: ignore[index]
+    if key is not None and key.operation is ColorKeyOperation.KILL:
+        key = None
+    if lowest == 0 and key is None:
         return texture
     made = _sampled.setdefault(texture, {})
-    if lowest not in made:
-        ideal = None if texture.ideal is None else texture.ideal[lowest:]
-        made[lowest] = replace(texture, levels=texture.levels[lowest:], ideal=ideal)
-    return made[lowest]
+    if (lowest, key) not in made:
+        levels, ideal = texture.levels[lowest:], texture.ideal and texture.ideal[lowest:]
+        if key is not None:
+            equal = _equal_to(key, texture, lowest)
+            levels = _without(levels, equal, key.operation)
+            ideal = ideal and _without(ideal, equal, key.operation)
+        made[lowest, key] = replace(texture, levels=levels, ideal=ideal)
+    return made[lowest, key]
+
+
+def _equal_to(key: ColorKey, texture: Texture, lowest: int) -> list[NDArray[np.bool_]]:
+    """Which texels of each level, from the lowest on, equal a key: those stored, on the ideal too."""
+    stored = store_texels(np.array(key.color, np.float64), texture.internal_format)
+    return [(level == stored).all(axis=-1) for level in texture.levels[lowest:]]
+
+
+def _without(
+    levels: tuple[NDArray[Any], ...], equal: list[NDArray[np.bool_]], operation: ColorKeyOperation
+) -> tuple[NDArray[Any], ...]:
+    """Levels in which texels that equal the key have an alpha of 0, or nothing but zeros."""
+    out = []
+    for level, chosen in zip(levels, equal, strict=True):
+        left = level.copy()
+        left[chosen, 3 if operation is ColorKeyOperation.ALPHA else slice(None)] = 0
+        out.append(left)
+    return tuple(out)
+
+
+def key_unit(unit: TextureUnit, textures: Mapping[str, Texture]) -> tuple[TextureUnit, Texture]:
+    """A unit and its texture that tell where the unit's color key ends fragments: there all four components
+    are zeros, elsewhere ones. The border colour is no key (Assumed).
+    """
+    texture, lowest = textures[unit.texture], unit.sampler.base_level  # type: ignore[index]
+    key = unit.color_key
+    if key is None:
+        raise ValueError("The unit has no color key.")
+    made = _sampled.setdefault(texture, {})
+    if (key, lowest) not in made:
+        left = tuple(np.repeat(~equal[..., None], 4, axis=-1) for equal in _equal_to(key, texture, lowest))
+        made[key, lowest] = replace(
+            texture,
+            internal_format=InternalFormat.RGBA8,
+            levels=tuple(level * np.uint8(255) for level in left),
+            ideal=tuple(level.astype(np.float64) for level in left),
+        )
+    ones = replace(unit.sampler, border_color=(1.0,) * 4, signed_components=SignedComponents())
+    return replace(unit, sampler=ones, color_key=None, color_table=None), made[key, lowest]
 
 
 def face_modes(sampler: Sampler, texture: Texture) -> tuple[WrapMode, WrapMode, WrapMode]:

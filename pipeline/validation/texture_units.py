@@ -1,6 +1,12 @@
 """Validation of texture units: textures, stages of texture shaders, coordinates, environments."""
 
-from fixedpipe.pipeline.enums import BaseFormat, TexGenMode, TextureShaderOperation, TextureTarget
+from fixedpipe.pipeline.enums import (
+    BaseFormat,
+    TexGenMode,
+    TextureFilter,
+    TextureShaderOperation,
+    TextureTarget,
+)
 from fixedpipe.pipeline.programs.combiner_rules import textures_read
 from fixedpipe.pipeline.programs.texture_environment import (
     disabled_textures_are_ones,
@@ -20,10 +26,17 @@ from fixedpipe.pipeline.programs.texture_shader_rules import (
 )
 from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.state import SignedComponents
-from fixedpipe.pipeline.textures.images import COLORLESS_FORMATS, SIGNED_FORMATS, stored_widths
+from fixedpipe.pipeline.textures.images import (
+    COLORLESS_FORMATS,
+    COMPONENT_BITS,
+    SIGNED_FORMATS,
+    stored_widths,
+)
 from fixedpipe.pipeline.validation.sampling import sampler
 from fixedpipe.pipeline.validation.textures import known_texture
 from fixedpipe.pipeline.validation.transfer import color_table_problem
+
+_NEAREST = frozenset({TextureFilter.NEAREST, TextureFilter.NEAREST_MIPMAP_NEAREST})
 
 # Source: OpenGL 1.2.1 section 2.10.4 (SPHERE_MAP for s and t); NV_texgen_reflection (the other two, not q).
 _GENERATED_BY = {
@@ -76,6 +89,7 @@ def texture_units(walk, state):
         _unit_coordinates(walk, i, unit)
         walk.once(sampler, unit, known, i)
         _color_table(walk, i, unit.color_table)
+        walk.once(_color_key, unit, known, i, operation in DEPENDENT or foreign)
         if state.register_combiners is None:
             base = texture_format(unit, known.internal_format, walk.profile)
             walk.once(_environment, unit, i, base)
@@ -89,6 +103,45 @@ def _color_table(walk, number, table):
         )
     if problem := color_table_problem(f"the color table of texture unit {number}", table, walk.profile):
         walk.refuse(problem)
+
+
+def _color_key(walk, unit, known, number, made):
+    """Refuse a color key that the machine does not have, or of which nobody knows what it does; ``made``: the
+    unit's texture shader stage makes the coordinates.
+    """
+    if (key := unit.color_key) is None:
+        return
+    place, sampler = f"texture unit {number}", unit.sampler
+    operations = walk.profile.textures.color_key_operations
+    if key.operation not in operations:
+        has = listed(operations) if operations else "no color keys"
+        walk.refuse(
+            f"{place} has a color key that does {key.operation.name}; {walk.profile.name} has {has}. Give "
+            "the texels an alpha of 0, and an alpha test."
+        )
+    if len(key.color) != 4 or not all(0.0 <= component <= 1.0 for component in key.color):
+        walk.refuse(f"the color key of {place} is {key.color}; give four components from 0 to 1.")
+    if known.internal_format not in COMPONENT_BITS:
+        walk.refuse(
+            f"{place} has a color key beside a texture of {known.internal_format.name}; what equals a key is "
+            "known of texels of up to 8 bits a component. Leave color_key None."
+        )
+    nearest = sampler.min_filter in _NEAREST and sampler.mag_filter in _NEAREST
+    if not nearest or max(sampler.max_anisotropy, sampler.max_probes) > 1:
+        walk.refuse(
+            f"{place} has a color key and filters several texels; what a key does is known of the nearest "
+            "texel alone. Give NEAREST, or NEAREST_MIPMAP_NEAREST, without anisotropy and probes."
+        )
+    if sampler.signed_components != SignedComponents() or unit.color_table is not None:
+        walk.refuse(
+            f"{place} has a color key beside signed components or a color table; what equals a key is known "
+            "of unsigned texels as they are stored. Leave color_key None."
+        )
+    if made:
+        walk.refuse(
+            f"{place} has a color key, and its texture shader stage makes its coordinates; what a key does "
+            "is known of a unit's own. Leave color_key None."
+        )
 
 
 def _environment(walk, unit, number, base):

@@ -77,7 +77,7 @@ def others(value):
         yield int(value)
     elif isinstance(value, int | float):
         yield value + 1
-        yield -value if value else -0.0
+        yield -value if value else -float(value)  # of a zero, either one
         yield float(value) if isinstance(value, int) else np.float64(value)
     elif value is None:
         yield 0

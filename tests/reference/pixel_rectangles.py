@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 from fixedpipe.pipeline.enums import FogCoordinateSource, TextureTarget
 from tests.reference import (
+    color_key,
     coverage,
     depth,
     fixed,
@@ -150,7 +151,8 @@ def read(unit, state, textures, profile, pixel, group):
 
 
 def fragment(raster, state, profile, textures, group=None, pixel=None):
-    """(colour after texturing and fog, whether q was undefined) of a fragment; ``group``: its colour.
+    """(colour after texturing and fog, whether q was undefined) of a fragment; ``group``: its colour. The
+    first is None where a color key ends the fragment.
 
     Source: OpenGL 1.2.1 section 3.6.4, Conversion to Fragments; SGIX_pixel_texture.
     """
@@ -163,17 +165,30 @@ def fragment(raster, state, profile, textures, group=None, pixel=None):
             made, undefined = pixel_texture.coordinates_of_volume(group, 255), False
         coordinates = [made] * len(coordinates)
         primary = pixel_texture.color(group, raster.colors[:4], pixel)
+    found = [
+        (None, None) if unit is None else read(unit, state, textures, profile, pixel, group)
+        for unit in state.texture_units
+    ]
+    for i in color_key.killing(state):
+        unit, texture = found[i]
+        flags, unit = color_key.ends(texture, unit)
+        if texel(coordinates[i], unit, flags)[0] == 0:
+            return None, undefined
     texels = [
-        [0, 0, 0, 255]
-        if unit is None
-        else texel(coordinates[i], *read(unit, state, textures, profile, pixel, group))
-        for i, unit in enumerate(state.texture_units)
+        [0, 0, 0, 255] if unit is None else texel(coordinates[i], unit, color_key.left(texture, unit))
+        for i, (unit, texture) in enumerate(found)
     ]
     if pixel is not None and pixel.alpha_replace:
         texels[0] = [*texels[0][:3], pixel_texture.texel_alpha(group, 255, pixel.alpha)]
     return render.shade(
         list(primary), raster.colors[4:], raster.fog, texels, state, textures, profile
     ), undefined
+
+
+def written(target, px, py, color, word, state):
+    """Write a fragment that no color key ended. Source: as per_fragment.write_fragment."""
+    if color is not None:
+        per_fragment.write_fragment(target, px, py, color, word, state)
 
 
 def draw_colors(target, groups, raster, command, textures, profile):
@@ -183,7 +198,7 @@ def draw_colors(target, groups, raster, command, textures, profile):
     for px, py, group in covered_pixels(target, state, groups, (raster.x, raster.y), command.zoom):
         color, undefined = fragment(raster, state, profile, textures, group, pixel)
         count += undefined
-        per_fragment.write_fragment(target, px, py, color, word, state)
+        written(target, px, py, color, word, state)
     return count
 
 
@@ -192,7 +207,7 @@ def draw_depths(target, words, raster, command, textures, profile):
     state = command.state
     for px, py, word in covered_pixels(target, state, words, (raster.x, raster.y), command.zoom):
         color, _ = fragment(raster, state, profile, textures)
-        per_fragment.write_fragment(target, px, py, color, word, state)
+        written(target, px, py, color, word, state)
 
 
 def draw_stencil(target, indices, raster, command):
@@ -212,4 +227,4 @@ def draw_bitmap(target, bits, raster, command, textures, profile):
     for px, py, bit in covered_pixels(target, state, bits, corner, (1, 1)):
         if bit:
             color, _ = fragment(raster, state, profile, textures)
-            per_fragment.write_fragment(target, px, py, color, word, state)
+            written(target, px, py, color, word, state)

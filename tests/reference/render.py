@@ -17,6 +17,7 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
 )
 from tests.reference import (
+    color_key,
     combine,
     coverage,
     depth,
@@ -127,6 +128,7 @@ class Access:
         texture, unit = shadow.as_colors(
             self.textures[unit.texture], unit, self.state.register_combiners, self.profile
         )
+        texture = color_key.left(texture, unit)
         foreign = texture.target != TextureTarget.TEXTURE_CUBE_MAP
         if foreign and operation == TextureShaderOperation.TEXTURE_CUBE_MAP:
             made = sample.iterate_coordinates(self.triangles[i].coordinates, self.weights)
@@ -146,6 +148,15 @@ class Access:
         if made is not None:
             texel = texture_shader.sample_made(made, texture, unit.sampler, operation)
             return sample.to_register(texel, unit.sampler)
+        return self._own(i, texture, unit)
+
+    def ends(self, i):
+        """Whether unit i's color key ends the fragment. Source: as color_key.ends."""
+        unit = self.state.texture_units[i]
+        return self._own(i, *color_key.ends(self.textures[unit.texture], unit))[0] == 0
+
+    def _own(self, i, texture, unit):
+        """A texel at the unit's own coordinates. Source: OpenGL 1.2.1 section 3.8."""
         return sample.sample_texture(
             self.triangles[i], *self.pixel, self.weights, texture, unit.sampler, unit.lod_bias, self.profile
         )
@@ -323,7 +334,7 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, textures, profile)
         if places is not None:
             shaded = [*shaded[:3], shaded[3] * covered // len(places)]
-        if alive:
+        if alive and not any(access.ends(i) for i in color_key.killing(state)):
             per_fragment.write_fragment(target, px, py, shaded, z, state)
 
 

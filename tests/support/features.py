@@ -32,6 +32,7 @@ from fixedpipe.pipeline.enums import (
     BlendFactor,
     ColorBuffer,
     ColorFormat,
+    ColorKeyOperation,
     CombineFunction,
     CombineOperand,
     CombinerFunction,
@@ -63,6 +64,7 @@ from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import (
     IDENTITY,
     Blending,
+    ColorKey,
     ColorTable,
     Combine,
     CombinerInput,
@@ -412,6 +414,17 @@ def _texture_units():
         implementation=("pipeline/textures/sampled.py",),
         tests=("tests/pipeline/execution/test_base_levels.py",),
     )
+    for operation in ColorKeyOperation:
+        yield Feature(
+            name=f"color keys that do {operation.name}",
+            group="Texture units",
+            has=lambda p, operation=operation: operation in p.textures.color_key_operations,
+            commands=_textured(unit=_unit(color_key=ColorKey((0.0,) * 4, operation))),
+            asked=operation.name,
+            reference=("tests/reference/color_key.py",),
+            implementation=("pipeline/textures/sampled.py", "pipeline/columns/engine.py"),
+            tests=("tests/pipeline/execution/test_color_keys.py",),
+        )
     yield Feature(
         name="anisotropic filtering (EXT_texture_filter_anisotropic)",
         group="Texture units",

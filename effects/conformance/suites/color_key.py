@@ -3,9 +3,6 @@
 Source: src/tests/color_key_tests.cpp of nxdk_pgraph_tests. Measured: the key is compared with a texel's
 whole word, in X formats without their unused bits; a stage that samples kills, whether or not its texel is
 used.
-
-OpenGL has no keys: here a texture is defined with what the key leaves of its texels, and an alpha test ends
-a killed texel's fragment, whose alpha is the only one that is 0.
 """
 
 from dataclasses import replace
@@ -14,25 +11,21 @@ import numpy as np
 
 from fixedpipe.effects.conformance import scenes, vertex_programs
 from fixedpipe.effects.conformance.case import Case
-from fixedpipe.effects.passes.combiners import (
-    SPARE0,
-    TEXTURE0,
-    TEXTURE1,
-    alpha_of,
-    program,
-    shown,
-    stage,
-    total,
-)
+from fixedpipe.effects.passes.combiners import ONE, TEXTURE0, program, shown
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType, TexelWord, TextureTarget
-from fixedpipe.pipeline.state import AlphaTest, TextureUnit
+from fixedpipe.pipeline.enums import ColorKeyOperation, PrimitiveType, TexelWord, TextureTarget
+from fixedpipe.pipeline.state import ColorKey, TextureUnit
 from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Color_key"
 
 STAGES, SIZE, HALF, DEPTH = ("FixedTex", "ProgTex"), 64, 0.75, 0.1
-MODES = ("Disabled", "Alpha", "Color", "AlphaColor")
+OPERATIONS = {
+    "Alpha": ColorKeyOperation.ALPHA,
+    "Color": ColorKeyOperation.RGBA,
+    "AlphaColor": ColorKeyOperation.KILL,
+}
+MODES = ("Disabled", *OPERATIONS)
 COLOR_KEYS = (0xF00000FF, 0xF1FF00FF, 0xF2800080, 0xF3FF0000)
 ALPHA_KEYS = (0xF4707071, 0xF5707072, 0xF6707073, 0xF7707074)
 LIGHT, DARK = 0xFDCCCCCC, 0xFE999999
@@ -43,7 +36,7 @@ PLACES = (
     (1.0, -1.25),
 )  # of each stage's first quad; its second lies
 SECOND = 1.6  # to the right of it
-UNSAMPLED, X_ALPHA = "UnsampledTex", "XAlphaFormat"
+UNSAMPLED, X_ALPHA, X_KEY = "UnsampledTex", "XAlphaFormat", 0xCC00FF00
 BACKGROUND = 0xFF00CC00
 
 
@@ -82,33 +75,29 @@ def _mesh(x, y, programmed):
     return scenes.window_mesh(positions, **coordinates)
 
 
-def _quad(label, words, matches, mode, ignores_alpha, place, programmed):
-    """Commands that draw a texture as its key leaves it; ``matches``: bool, the texels that equal it."""
-    left, kills = words.copy(), mode == "AlphaColor"
-    if mode == "Color":
-        left[matches] = 0
-    elif mode != "Disabled":
-        left[matches] &= 0xFFFFFF
-    alive = np.where(matches & kills, 0, 0xFF000000)
-    images = {
-        label: texture_of_words(part, TexelWord.A8R8G8B8, TextureTarget.TEXTURE_RECTANGLE)
-        for label, part in ((label, left), (f"{label} alive", alive))
-    }
-    alpha = TEXTURE1 if ignores_alpha else TEXTURE0
-    general = stage(total(TEXTURE0, to=SPARE0), alpha=total(alpha_of(alpha), to=SPARE0))
+def _unit(texture, key, mode):
+    """A texture unit, and its key, a word A8R8G8B8, where the mode has one."""
+    unit = TextureUnit(texture, scenes.NEAREST)
+    if mode == "Disabled":
+        return unit
+    return replace(unit, color_key=ColorKey(scenes.argb(key), OPERATIONS[mode]))
+
+
+def _store(label, words, word=TexelWord.A8R8G8B8):
+    image = texture_of_words(words, word, TextureTarget.TEXTURE_RECTANGLE)
+    return TexImage(label=label, texture=label, image=image)
+
+
+def _quad(units, ignores_alpha, place, programmed):
+    """A Draw that shows texture 0, its alpha or one."""
+    final = shown(TEXTURE0, alpha=ONE if ignores_alpha else TEXTURE0)
     state = replace(
         scenes.DEFAULT,
         vertex=scenes.PROGRAM_RESULTS if programmed else scenes.xdk_vertex(depth_maximum=65535.0),
-        texture_units=tuple(TextureUnit(texture, scenes.NEAREST) for texture in images),
-        register_combiners=program(general, shown(SPARE0, alpha=SPARE0)),
-        alpha_test=AlphaTest(ComparisonFunction.GREATER, 0.0) if kills else None,
+        texture_units=units,
+        register_combiners=program(final),
     )
-    if not ignores_alpha:
-        state = replace(state, texture_units=state.texture_units[:1])
-    return [
-        *(TexImage(label=texture, texture=texture, image=image) for texture, image in images.items()),
-        Draw(label=label, mesh=_mesh(*place, programmed), state=state),
-    ]
+    return Draw(label=units[0].texture, mesh=_mesh(*place, programmed), state=state)
 
 
 def case(name, inputs):
@@ -117,20 +106,20 @@ def case(name, inputs):
     if name not in names():
         return None
     if name == X_ALPHA:
-        # Every texel's colour is the key's: all fragments end.
-        return Case(commands=(scenes.clear(0xFF999999),))
-    commands = [scenes.clear(BACKGROUND)]
+        at = np.arange(SIZE) // (SIZE // 4)
+        words = np.where((at[:, None] + at) % 2 == 1, X_KEY & 0xFFFFFF, X_KEY)
+        unit = _unit("texture", X_KEY, "AlphaColor")
+        store = _store("texture", words, TexelWord.X8R8G8B8)
+        return Case(commands=(scenes.clear(0xFF999999), store, _quad((unit,), False, (0.0, 0.0), True)))
+    commands = [scenes.clear(BACKGROUND), *(_store(f"texture {k}", texels(k)) for k in range(4))]
     if name == UNSAMPLED:
-        words, second = texels(0), texels(1)
-        first = words == COLOR_KEYS[0]
-        either = first | (second == (COLOR_KEYS[1] | 0xFF000000))
-        commands += _quad("one", words, first, "AlphaColor", False, (-1.6, 0.0), True)
-        commands += _quad("two", words, either, "AlphaColor", False, (1.6, 0.0), True)
+        one = _unit("texture 0", COLOR_KEYS[0], "AlphaColor")
+        two = _unit("texture 1", COLOR_KEYS[1] | 0xFF000000, "AlphaColor")
+        commands += [_quad((one,), False, (-1.6, 0.0), True), _quad((one, two), False, (1.6, 0.0), True)]
         return Case(commands=tuple(commands))
     ignores, programmed, mode = name.startswith("Ign"), "ProgTex" in name, name.split("_")[-1]
     for k, (x, y) in enumerate(PLACES):
         for keys, right in ((COLOR_KEYS, 0.0), (ALPHA_KEYS, SECOND)):
-            words, label = texels(k), f"stage {k} {keys[k]:X}"
-            place = x + right, y
-            commands += _quad(label, words, words == keys[k], mode, ignores, place, programmed)
+            unit = _unit(f"texture {k}", keys[k], mode)
+            commands.append(_quad((unit,), ignores, (x + right, y), programmed))
     return Case(commands=tuple(commands))

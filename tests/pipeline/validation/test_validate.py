@@ -52,6 +52,7 @@ from fixedpipe.pipeline.state import (
     AlphaPortion,
     AlphaTest,
     Blending,
+    ColorKey,
     CombinerInput,
     Composite,
     DepthClamp,
@@ -856,6 +857,13 @@ LACKING = {
     "texture_borders": (frozenset({0}), store(replace(levels((3, 3)), border=1)), "has a border of 1"),
     "max_texture_size": (4, MIPMAPPED, "up to 4x4"),
     "max_cube_map_texture_size": (2, CUBE, "up to 2x2"),
+    "color_key_operations": (
+        frozenset(),
+        textured(
+            sampler=Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST), color_key=ColorKey((0.0,) * 4)
+        ),
+        "GeForce 256 has no color keys",
+    ),
     "max_lod_bias": (0.0, textured(lod_bias=0.5), "takes 0.0 to 0.0. Set lod_bias"),
     "max_lights": (1, lit(Light(), back=Material(shininess=200.0)), "shininess is 200.0"),
     "max_shininess": (64.0, lit(front=Material(shininess=65.0)), "0 to 64.0"),
