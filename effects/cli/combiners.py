@@ -32,6 +32,7 @@ from fixedpipe.effects.cli.options import refuse_ignored
     metavar="N=R,G,B,A",
     help="A constant that a pixel shader's application sets: 1=0.5,0.5,0.5,1. May be given again.",
 )
+@click.option("--draw", type=int, metavar="N", help="Of a dump of several draws, which; otherwise the last.")
 @click.option("--bounds", is_flag=True, help="What every register can hold, and which clamps may bite.")
 @click.option(
     "--table", is_flag=True, help="Evaluate it for --input, stage by stage, as fixedpipe inspect does."
@@ -44,7 +45,7 @@ from fixedpipe.effects.cli.options import refuse_ignored
     help="Of --table: t0 to t3, v0, v1 as bytes; one number is all four. May be given again; otherwise 0.",
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write what it sets as JSON.")
-def combiners(file, profile, targets, notation, constants, bounds, table, inputs, json_file):
+def combiners(file, profile, targets, notation, constants, draw, bounds, table, inputs, json_file):
     """Read FILE (- for standard input), a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0``
     texture shaders, both in one text, a Direct3D pixel shader ps.1.0 to ps.1.3 or the Xbox's xps.1.1, or
     words of the NV2A's registers as an emulator's dump has them, and print what it sets, as equations, each
@@ -57,6 +58,7 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.user_pictures.inputs import read_text
     from fixedpipe.pipeline.description.program_text import program_text, usage
+    from fixedpipe.pipeline.notations.nv2a_registers import HEADER
     from fixedpipe.pipeline.notations.program_sources import is_pixel_shader
     from fixedpipe.pipeline.notations.programs import parse_program
     from fixedpipe.pipeline.notations.tokens import ProgramTextError
@@ -78,7 +80,11 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
     try:
         # Of the time: comments in any encoding, which the notations skip.
         program = parse_program(
-            read_text(file, otherwise="latin-1"), bound, _colors(constants), _per_stage_constants(machine)
+            read_text(file, otherwise="latin-1"),
+            bound,
+            _colors(constants),
+            _per_stage_constants(machine),
+            draw,
         )
     except ProgramTextError as error:
         raise Refusal(f"{'standard input' if file == '-' else file}, {error}") from error
@@ -89,6 +95,11 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
             f"{' and '.join(program.notations)} says what its units read and what its constants are, and a "
             "pixel shader alone does not",
         )
+    is_dump = program.notations == (HEADER,)
+    if not is_dump:
+        refuse_ignored(
+            click.get_current_context(), ("draw",), f"{' and '.join(program.notations)} is of no draw"
+        )
     unused = sorted({number for number in _colors(constants) if number not in program.colors})
     if unused:
         raise Refusal(f"--constant {unused[0]}: the program reads no c{unused[0]}; leave it out.")
@@ -97,6 +108,10 @@ def combiners(file, profile, targets, notation, constants, bounds, table, inputs
             validate_program(program.texture_shader, program.combiners, machine)
         except UnsupportedState as error:
             raise Refusal(program.tell(str(error))) from error
+    if is_dump and (notation or json_file):
+        # A dump is read by rules that notes name; what is printed has no room for them.
+        for note in program.notes:
+            click.echo(f"note: {note}", err=True)
     if notation:
         with refusals():
             click.echo(_text(program, notation), nl=False)

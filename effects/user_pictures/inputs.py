@@ -8,6 +8,7 @@ import importlib.util
 import io
 import logging
 import math
+import re
 import sys
 import warnings
 from pathlib import Path
@@ -183,20 +184,33 @@ def _read_array(path):
             raise Refusal(f"{path} holds no array that can be read. {again}") from error
 
 
+_UTF16 = (b"\xff\xfe", b"\xfe\xff")
+_LINE_END = re.compile("\r\n?")
+
+
+def text_of(data, otherwise=None):
+    """The text of bytes, in UTF-8 or, where its mark begins them, in UTF-16; its lines ended by newlines.
+
+    ``otherwise``: the encoding of what is neither. Raises UnicodeDecodeError where it is None.
+    """
+    if data.startswith(_UTF16):
+        return _LINE_END.sub("\n", data.decode("utf-16"))
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if otherwise is None:
+            raise
+        text = data.decode(otherwise)
+    return _LINE_END.sub("\n", text)
+
+
 def read_text(name, otherwise=None):
     """The text of a file, or of standard input for ``-``, its lines ended by newlines.
 
     ``otherwise``: the encoding of what is not UTF-8. Raises Refusal when there is no such file, or no text.
     """
     try:
-        data = sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
-        try:
-            text = data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            if otherwise is None:
-                raise
-            text = data.decode(otherwise)
-        return text.replace("\r\n", "\n").replace("\r", "\n")
+        return text_of(sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes(), otherwise)
     except UnicodeDecodeError as error:
         raise Refusal(f"{name} is not a text file ({error.reason} at byte {error.start}).") from error
     except OSError as error:

@@ -15,8 +15,6 @@ Source: the methods' addresses and fields as public headers of the NV2A's 3D cla
 NV20_TCL_PRIMITIVE_3D, nxdk's nv_regs.h); PS_COMBINERINPUTS and its kin of the Xbox's d3d8types.h.
 """
 
-import re
-
 from fixedpipe.pipeline.enums import (
     CombinerBias,
     CombinerScale,
@@ -28,9 +26,9 @@ from fixedpipe.pipeline.enums import (
     Register,
     TextureShaderOperation,
 )
+from fixedpipe.pipeline.notations.nv2a_dumps import COUNTS, RegisterTextError, read_dump
 from fixedpipe.pipeline.notations.program_sources import ProgramSources
 from fixedpipe.pipeline.notations.register_combiner_words import MAX_GENERAL_COMBINERS, constant_byte
-from fixedpipe.pipeline.notations.tokens import ProgramTextError
 from fixedpipe.pipeline.programs.combiner_rules import combiner_problems
 from fixedpipe.pipeline.state import (
     AlphaPortion,
@@ -45,27 +43,6 @@ from fixedpipe.pipeline.state import (
 HEADER = "NV2A registers"
 _PREFIX = "NV097_"
 _STAGES = 4
-# Methods: name, address, how many words, Direct3D's name.
-_METHODS = (
-    ("SET_COMBINER_ALPHA_ICW", 0x0260, 8, "PSAlphaInputs"),
-    ("SET_COMBINER_SPECULAR_FOG_CW0", 0x0288, 1, "PSFinalCombinerInputsABCD"),
-    ("SET_COMBINER_SPECULAR_FOG_CW1", 0x028C, 1, "PSFinalCombinerInputsEFG"),
-    ("SET_COMBINER_FACTOR0", 0x0A60, 8, "PSConstant0"),
-    ("SET_COMBINER_FACTOR1", 0x0A80, 8, "PSConstant1"),
-    ("SET_COMBINER_ALPHA_OCW", 0x0AA0, 8, "PSAlphaOutputs"),
-    ("SET_COMBINER_COLOR_ICW", 0x0AC0, 8, "PSRGBInputs"),
-    ("SET_SHADER_CLIP_PLANE_MODE", 0x17F8, 1, "PSCompareMode"),
-    ("SET_SPECULAR_FOG_FACTOR", 0x1E20, 2, "PSFinalCombinerConstant"),
-    ("SET_COMBINER_COLOR_OCW", 0x1E40, 8, "PSRGBOutputs"),
-    ("SET_COMBINER_CONTROL", 0x1E60, 1, "PSCombinerCount"),
-    ("SET_SHADER_STAGE_PROGRAM", 0x1E70, 1, "PSTextureModes"),
-    ("SET_DOT_RGBMAPPING", 0x1E74, 1, "PSDotMapping"),
-    ("SET_SHADER_OTHER_STAGE_INPUT", 0x1E78, 1, "PSInputTexture"),
-)
-_ADDRESSES = {address + 4 * k: (name, k) for name, address, count, _ in _METHODS for k in range(count)}
-_NAMES = {alias: name for name, _, _, word in _METHODS for alias in (name, word)}
-_COUNTS = {name: count for name, _, count, _ in _METHODS}
-
 _REGISTERS = {
     0x0: Register.ZERO,
     0x1: Register.CONSTANT_COLOR0,
@@ -142,96 +119,16 @@ _MODE_OF = {operation: mode for mode, operation in enumerate(_MODES)} | {
     _OP.OFFSET_TEXTURE_RECTANGLE_SCALE: 7,
     _OP.DOT_PRODUCT_TEXTURE_RECTANGLE: 9,
 }
-_LINE = re.compile(
-    r"(?P<name>\b(?:NV097_)?SET_[A-Z0-9_]+|\bPS[A-Z][A-Za-z0-9]*)"
-    r"[ \t]*(?:[\[(<][ \t]*(?P<index>[0-9]+)[ \t]*[\])>])?|0[xX](?P<address>[0-9a-fA-F]{3,4})\b"
-)
-_VALUE = re.compile(r"(?<![\w.])(?:0[xX](?P<hex>[0-9a-fA-F]+)|(?P<decimal>[0-9]+))(?![\w.])")
 
 
-class RegisterTextError(ProgramTextError):
-    """A text that holds no words of the NV2A's combiners, or words that no program of them has."""
-
-
-def is_dump(text: str) -> bool:
-    """Whether a text without a header names one of the methods."""
-    return any(_method(line) is not None for line in text.splitlines())
-
-
-def _method(line):
-    """((name, index), where its values begin) of a line, or None: what another method is given is no name."""
-    for match in _LINE.finditer(line):
-        if match["address"] is not None:
-            found = _ADDRESSES.get(int(match["address"], 16))
-            return found and (found, match.end())
-        name, index = match["name"].removeprefix(_PREFIX), match["index"]
-        number = re.fullmatch(r"(.*?)([0-9])", name)
-        if name not in _NAMES and number and number[1] in _NAMES:  # PSFinalCombinerConstant0
-            name, index = number[1], number[2]
-        if name in _NAMES:
-            return (_NAMES[name], int((index or "0")[:9])), match.end()
-        if name.startswith("SET_"):
-            return None
-    return None
-
-
-def _words(text, start):
-    """{(name, index): word} and {(name, index): line} of a dump."""
-    words, lines = {}, {}
-    for number, line in enumerate(text.splitlines(), start[0]):
-        found = _method(line)
-        if found is None:
-            continue
-        (name, index), at = found
-        # An address in parentheses after a name, as traces write it, is no value.
-        values = list(_values(line, at, name, index))
-        if not values:
-            raise RegisterTextError(f"{name} has no value; write {name} = 0x0 for instance.", number, at + 1)
-        for match in values:
-            value = int(match["hex"], 16) if match["hex"] else int(match["decimal"][:20])
-            if value > 0xFFFFFFFF:
-                raise RegisterTextError(
-                    f"{name} is given {match[0][:20]}, which is no word of 32 bits; give one.",
-                    number,
-                    match.start() + 1,
-                )
-            if index >= _COUNTS[name]:
-                raise RegisterTextError(
-                    f"{name} has the words 0 to {_COUNTS[name] - 1}; word {index} is given. Give those.",
-                    number,
-                    at + 1,
-                )
-            words[name, index], lines[name, index] = value, number
-            index += 1
-    return words, lines
-
-
-def _values(line, at, name, index):
-    """The numbers of a line from ``at`` on, as far as nothing but spaces and commas is between them."""
-    end = None
-    for match in _VALUE.finditer(line, at):
-        if end is None and _is_own_address(match, name, index):
-            continue
-        if end is not None and line[end : match.start()].strip(" \t,"):
-            return
-        end = match.end()
-        yield match
-
-
-def _is_own_address(match, name, index):
-    return (
-        bool(match["hex"])
-        and len(match["hex"]) <= 4
-        and _ADDRESSES.get(int(match["hex"], 16)) == (name, index)
-    )
-
-
-def parse(text, start=(1, 1)):
+def parse(text, start=(1, 1), draw=None):
     """(texture shader stages or None, RegisterCombiners or None, ProgramSources, notes) of a dump.
 
+    ``draw``: the number, from 1, of the draw that it is about, where the dump has several; None is the last.
     Raises RegisterTextError with line and column, both from 1.
     """
-    words, lines = _words(text, start)
+    dump = read_dump(text, start, draw)
+    words, lines = dump.words, dump.lines
     if not words:
         raise RegisterTextError(
             "no line names a register of the combiners; write NV097_SET_COMBINER_CONTROL = 0x1 for instance.",
@@ -243,7 +140,7 @@ def parse(text, start=(1, 1)):
     for path, sentence in combiner_problems(combiners) if combiners is not None else ():
         where = lines.get(_word_of(path), start[0])
         raise RegisterTextError(sentence, where, 1)
-    return stages, combiners, reader.sources(combiners, stages), tuple(reader.notes)
+    return stages, combiners, reader.sources(combiners, stages), (*dump.notes, *reader.notes)
 
 
 def _word_of(path):
@@ -440,7 +337,7 @@ def format_registers(combiners: RegisterCombiners | None, stages=None) -> str:
     if stages:
         words |= _stage_words(stages)
     return "".join(
-        f"{_PREFIX}{name}{f'[{k}]' if _COUNTS[name] > 1 else ''} = 0x{word:08x}\n"
+        f"{_PREFIX}{name}{f'[{k}]' if COUNTS[name] > 1 else ''} = 0x{word:08x}\n"
         for (name, k), word in words.items()
     )
 

@@ -48,6 +48,8 @@ def validator_notes(listing):
         yield from _read_again(instruction, {} if name in _OFFSETS else offsets)
         if name in _OFFSETS:
             offsets[instruction.sources[0].register] = name
+    if not listing.texture:
+        yield from _of_no_texture(listing)
     for instruction in listing.arithmetic:
         name, line = instruction.name, instruction.token.line
         if instruction.destination[0] == "v":
@@ -65,6 +67,25 @@ def validator_notes(listing):
         offsets.pop(instruction.destination, None)
     yield from _of_pairs(listing)
     yield from _of_slots(listing)
+
+
+def _of_no_texture(listing):
+    """Of a program without texture instructions, whose texture registers are what units sample.
+
+    Source: the DirectX 8.1 reference of ps.1.x, Registers; the assembler's error X5036.
+    """
+    known = set()
+    for instruction in listing.arithmetic:
+        for source in instruction.sources:
+            if source.letter == "t" and source.register not in known:
+                known.add(source.register)
+                yield (
+                    instruction.token.line,
+                    f"t{source.number} is read and no texture instruction gives it, which Direct3D refuses "
+                    f"(X5036); write tex t{source.number}. Here unit {source.number} samples what is bound "
+                    "to it.",
+                )
+        known.add(instruction.destination)
 
 
 def _of_pairs(listing):

@@ -17,6 +17,7 @@ from fixedpipe.pipeline.notations import (
     texture_shaders,
     xbox_pixel_shader_translation,
 )
+from fixedpipe.pipeline.notations.nv2a_dumps import is_dump
 from fixedpipe.pipeline.notations.pixel_shader_textures import ConstantPlace
 from fixedpipe.pipeline.notations.program_sources import ProgramSources
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
@@ -27,6 +28,8 @@ from fixedpipe.pipeline.state import Color, RegisterCombiners, TextureShaderStag
 MOST_CHARACTERS = 1_000_000
 # What may precede a header: white space, and the comments of either notation.
 _SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*+", re.VERBOSE | re.DOTALL)
+# What ends a string of C, and a file of CP/M's, where nothing follows.
+_END_MARKS = re.compile(r"[\0\x1a]+\s*\Z")
 # Instructions to a preprocessor, which are comments by their looks.
 _DIRECTIVE = re.compile(
     r"^[ \t]*(#(?:define|include|undef|ifdef|ifndef|if|else|elif|endif|pragma)\b)", re.MULTILINE
@@ -70,13 +73,16 @@ def parse_program(
     targets: Mapping[int, TextureTarget] | None = None,
     constants: Mapping[int, Color] | None = None,
     per_stage_constants: bool = True,
+    draw: int | None = None,
 ) -> Program:
     """The Program that a text holds.
 
     ``targets`` {unit: TextureTarget} and ``constants`` {number: color}: what a pixel shader leaves to whoever
     binds textures and sets constants. ``per_stage_constants``: whether a pixel shader's general combiners
     have two constants each (NV_register_combiners2), as the machine's profile says; otherwise all of them
-    share the program's two, and more are refused. Raises ProgramTextError with line and column, both from 1.
+    share the program's two, and more are refused. ``draw``: of a dump of registers that has several draws,
+    the number, from 1, of the one that is asked for; None is the last, and of no meaning to other notations.
+    Raises ProgramTextError with line and column, both from 1.
     """
     if len(text) > MOST_CHARACTERS:
         raise ProgramTextError(
@@ -85,6 +91,7 @@ def parse_program(
             1,
             1,
         )
+    text = _END_MARKS.sub("", text)
     at = _SKIPPED.match(text).end()  # type: ignore[union-attr]  # it matches the empty string
     directive = _DIRECTIVE.search(text, 0, at)
     if directive is not None:
@@ -94,10 +101,15 @@ def parse_program(
             *_place(text, directive.start(1)),
         )
     header = _HEADER.match(text, at)
-    if header is None and nv2a_registers.is_dump(text):
-        stages, combiners, sources, notes = nv2a_registers.parse(text)
+    if header is None and is_dump(text):
+        stages, combiners, sources, notes = nv2a_registers.parse(text, draw=draw)
         program = _program((nv2a_registers.HEADER,), stages, combiners)
         return replace(program, sources=sources, notes=notes)
+    if header is None and re.match(r"[^\0]?\0[^\0]", text[at:]):
+        raise ProgramTextError(
+            "the text is in UTF-16, or another encoding of several bytes; save it as UTF-8.",
+            *_place(text, at),
+        )
     if header is None:
         found = text[at : at + 20].split("\n")[0].strip()
         raise ProgramTextError(

@@ -187,7 +187,7 @@ DIRECT3D_REFUSES = (
     _yes(
         "a texture register in a program without texture instructions",
         "mov r0, t0",
-        "spare0 = tex0;",
+        "no texture instruction gives it, which Direct3D refuses (X5036)",
         "without texture shaders a unit samples what is bound",
         "texm3x3spec",
     ),

@@ -180,3 +180,51 @@ def test_what_cannot_be_done_is_said_in_the_text_s_own_words(arguments, given, w
     assert result.exit_code == 2, result.output
     assert words in result.stderr, result.stderr
     assert "Traceback" not in result.output
+
+
+# ----------------------------------------------------------------------------------------------- dumps
+
+TWO_DRAWS = """0x97 -> NV097_SET_COMBINER_CONTROL<0x1e60> (0x1)
+0x97 -> NV097_SET_BEGIN_END<0x17fc> (0x5)
+0x97 -> NV097_SET_COMBINER_CONTROL<0x1e60> (0x2)
+0x97 -> NV097_SET_BEGIN_END<0x17fc> (0x5)
+"""
+
+
+def test_a_trace_of_several_draws_says_so_and_has_each():
+    assert (
+        "note: the text has 2 draws (SET_BEGIN_END): the words before draw 2 are taken; give the number of"
+        in (run("-", given=TWO_DRAWS).stdout)
+    )
+    assert run("-", "--draw", 1, given=TWO_DRAWS).stdout.startswith("NV2A registers: 1 general combiner\n")
+    assert run("-", given=TWO_DRAWS).stdout.startswith("NV2A registers: 2 general combiners\n")
+    # What is printed as another notation has no notes, so they stand beside it.
+    assert "has 2 draws" in run("-", "--rc", given=TWO_DRAWS).stderr
+    assert "has draws 1 to 2; draw 3 is asked for" in run("-", "--draw", 3, given=TWO_DRAWS).stderr
+    assert "--draw would be ignored" in run("-", "--draw", 1, given=SHADER).stderr
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        SHADER.encode("utf-16"),
+        b"\xfe\xff" + SHADER.encode("utf-16-be"),
+        SHADER.encode() + b"\0",
+        SHADER.replace("\n", "\r\n").encode() + b"\x1a",
+        b"// Gr\xfc\xdfe\n" + SHADER.encode(),
+    ],
+    ids=["UTF-16", "UTF-16, big end first", "a string of C", "of DOS", "Latin-1 in a comment"],
+)
+def test_a_text_is_read_as_it_was_saved(data):
+    plain = run("-", given=SHADER).stdout
+    result = run("-", given=data)
+    assert result.exit_code == 0, result.output
+    assert [line.split(":")[-1] for line in result.stdout.splitlines()] == [
+        line.split(":")[-1] for line in plain.splitlines()
+    ]
+
+
+def test_utf_16_without_its_mark_is_named():
+    for encoding in ("utf-16-le", "utf-16-be"):
+        result = run("-", given=SHADER.encode(encoding))
+        assert result.exit_code == 2 and "the text is in UTF-16" in result.stderr
