@@ -195,7 +195,7 @@ PACKAGES = {
             "selftest golden"
         ),
         "effects": (
-            "refusal technique geometry bump_mapping volumes scattering acceptance figures studies "
+            "refusal technique bump_mapping volumes scattering acceptance figures studies "
             "conformance user_pictures reports presentation"
         ),
     },
@@ -218,7 +218,7 @@ LIBRARIES = {
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
-    "effects/user_pictures": ("imageio", "nrrd", "tifffile", "trimesh", "OpenImageIO"),
+    "effects/user_pictures": ("imageio", "nrrd", "tifffile", "plyfile", "OpenImageIO"),
     "effects/reports": ("PIL", "matplotlib"),
     "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
     "effects/cli": ("click", "rich"),

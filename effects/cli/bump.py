@@ -13,7 +13,7 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
     metavar="NAME",
     default="sphere",
     show_default=True,
-    help="plane, sphere, torus, or an OBJ file.",
+    help="plane, sphere, torus, or an OBJ or PLY file.",
 )
 @click.option(
     "--material",
@@ -82,12 +82,11 @@ def bump(
     from fixedpipe.effects.bump_mapping.tangent_space import examine_surface
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import check_size
-    from fixedpipe.effects.geometry.triangle_meshes import read_obj
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
     from fixedpipe.effects.user_pictures.bumped_mesh import Antialiasing, commands, material, mesh, way_of
     from fixedpipe.effects.user_pictures.drawing import drawn
-    from fixedpipe.effects.user_pictures.inputs import read_picture, read_text
+    from fixedpipe.effects.user_pictures.inputs import MESH_KINDS, read_mesh, read_picture
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -97,11 +96,12 @@ def bump(
     check_size("The picture", (size, size), machine)
     direction = three_numbers(light, "The light's direction")
     changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}
+    told: list[str] = []
     with refusals():
         way = way_of(machine)
         parameters = replace(material(material_name), **{k: v for k, v in changed.items() if v is not None})
-        is_file = mesh_name.lower().endswith(".obj")
-        surface = read_obj(read_text(mesh_name), mesh_name) if is_file else mesh(mesh_name)
+        is_file = mesh_name.lower().endswith(MESH_KINDS)
+        surface = read_mesh(mesh_name, smooth=True, tell=told.append) if is_file else mesh(mesh_name)
         if is_file and not (report := examine_surface(surface)).clean:
             click.echo(f"{mesh_name}: {report.text()}", err=True)
         frame = commands(
@@ -118,6 +118,8 @@ def bump(
         announce_compiling()
         drawing = drawn(frame, machine, size, size, threads)
     write_whole(path, png(drawing.image))
+    for line in told:
+        click.echo(line)
     if drawing.dropped:
         click.echo(f"{drawing.dropped} triangles were left out: the camera is inside them.", err=True)
     filtered = "" if how is Antialiasing.NONE else f", antialiased by {how.value}"

@@ -94,7 +94,7 @@ def material(
     from fixedpipe.effects.reports.files import writable_picture, write_whole
     from fixedpipe.effects.user_pictures import shown_material
     from fixedpipe.effects.user_pictures.drawing import drawn
-    from fixedpipe.effects.user_pictures.inputs import read_mesh
+    from fixedpipe.effects.user_pictures.inputs import MESH_KINDS, read_mesh
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -117,11 +117,12 @@ def material(
     check_size("The picture", (size, size), machine)
     tint = three_numbers(color, "The colour", "1,0.8,0.4")
     towards = [three_numbers(each, "The light's direction") for each in lights or ("-1,1,1",)]
+    told: list[str] = []
     with refusals():
         shown_material.check_machine(machine)
         brdf = shown_material.reflectance(reflectance, _settings(settings))
-        is_file = mesh_name.lower().endswith((".obj", ".ply"))
-        surface = read_mesh(mesh_name) if is_file else shown_material.mesh(mesh_name)
+        is_file = mesh_name.lower().endswith(MESH_KINDS)
+        surface = read_mesh(mesh_name, tell=told.append) if is_file else shown_material.mesh(mesh_name)
         if is_file and not (report := examine_surface(surface)).clean:
             click.echo(f"{mesh_name}: {report.text()}", err=True)
         if environment is None:
@@ -134,6 +135,8 @@ def material(
         frame = shown_material.commands(found, surface, lighting, machine, size, size, color=tint)
         drawing = drawn(frame, machine, size, size, threads)
     write_whole(path, png(drawing.image))
+    for line in told:
+        click.echo(line)
     if drawing.dropped:
         click.echo(f"{drawing.dropped} triangles were left out: the camera is inside them.", err=True)
     shining = len(lighting.directions)

@@ -56,13 +56,14 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     machine = choose("profile", profile, PROFILES)
     path = writable_picture(out, (mesh,))
     check_size("The picture", (size, size), machine)
+    told: list[str] = []
     with refusals():
         mesh_shadows.check_machine(algorithm, profile)
         if map_size and not way.map:
             raise Refusal(f"{algorithm} has no map; leave --map-size out, or give an algorithm with one.")
         position = three_numbers(light, "The lamp's place", "-3,6,4", zero=True)
         edge = mesh_shadows.checked_map_edge(size, machine, map_size)
-        read = read_mesh(mesh)
+        read = read_mesh(mesh, tell=told.append)
         mesh_shadows.check_closed(algorithm, read, mesh)
         surface = mesh_shadows.stood_on_floor(read, up)
         scene = mesh_shadows.scene_of(surface, mesh)
@@ -75,5 +76,7 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
             err=True,
         )
     write_whole(path, png(found.picture.image))
+    for line in told:
+        click.echo(line)
     click.echo(f"{path}: {way.title}, {found.picture.summary}")
     click.echo(f"shadows against rays: {found.agreement}")

@@ -5,7 +5,6 @@ What decoders say of arbitrary bytes is no sentence for a user; each refusal her
 """
 
 import importlib.util
-import io
 import logging
 import math
 import re
@@ -16,6 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from fixedpipe.effects.refusal import Refusal
+
+# How files of meshes are named.
+MESH_KINDS = (".obj", ".ply")
 
 # Pictures inside the wheels of the extra `samples`; nothing is downloaded. Package, path, array of an NPZ.
 SAMPLES = {
@@ -223,17 +225,19 @@ def read_text(name, otherwise=None):
 _LARGEST_MESH, _MOST_TRIANGLES = 256 << 20, 500_000
 
 
-def read_mesh(name):
-    """A surface from an OBJ or a PLY file, with the file's normals or, at edges, creases. PLY files need the
-    extra ``meshes``.
+def read_mesh(name, smooth=False, tell=None):
+    """A surface from an OBJ or a PLY file, with the file's normals or, at edges, creases; ``smooth``: with
+    normals averaged at vertices where it has none. PLY files need the extra ``meshes``.
 
-    Raises Refusal for anything else, and ValueError with a sentence where the mesh has no faces, vertices
-    that are no finite numbers, or no area.
+    ``tell`` is called with a line that says what was understood of the file. Raises Refusal for anything
+    else, and ValueError with a sentence where the mesh has no faces, vertices that are no finite numbers, or
+    no area.
     """
-    from fixedpipe.effects.geometry.triangle_meshes import read_obj, triangle_mesh, with_creases
+    from fixedpipe.effects.geometry.triangle_meshes import obj_corners
+    from fixedpipe.effects.user_pictures.ply_files import read_ply
 
     path, kind = Path(name), Path(name).suffix.lower()
-    if kind not in (".obj", ".ply"):
+    if kind not in MESH_KINDS:
         raise Refusal(f"{name!r} is no mesh; give an OBJ or a PLY file.")
     try:
         size = path.stat().st_size
@@ -247,45 +251,13 @@ def read_mesh(name):
             f"{name} has {size >> 20} MiB; meshes of up to {_LARGEST_MESH >> 20} MiB are read. Make it "
             "coarser."
         )
-    text = read_text(name) if kind == ".obj" else None
-    surface = read_obj(text, name) if kind == ".obj" else triangle_mesh(*_read_ply(path), name)
-    if len(surface.triangles) > _MOST_TRIANGLES:
+    # Names and comments may be in any encoding; what is read is ASCII.
+    corners = obj_corners(read_text(name, otherwise="latin-1"), name) if kind == ".obj" else read_ply(path)
+    if len(corners.points) > _MOST_TRIANGLES:
         raise Refusal(
-            f"{name} has {len(surface.triangles)} triangles; up to {_MOST_TRIANGLES} are drawn. Make it "
-            "coarser."
+            f"{name} has {len(corners.points)} triangles; up to {_MOST_TRIANGLES} are drawn. Make it coarser."
         )
-    return surface if text and "\nvn " in text else with_creases(surface)
-
-
-def _read_ply(path):
-    """Vertices and triangles of a PLY file. Raises Refusal."""
-    try:
-        import trimesh
-    except ImportError as error:
-        raise Refusal(
-            f"{path} needs the extra `meshes`: pip install 'fixedpipe[meshes]'. OBJ files need nothing."
-        ) from error
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
-    header, end, _ = data.partition(b"end_header")
-    if not header.startswith(b"ply"):
-        raise Refusal(f"{path} does not begin with ply and is no PLY file. Give a whole PLY or OBJ file.")
-    words = [line.split() for line in header.splitlines()]
-    vertices = [line[-1] for line in words if line[:1] == [b"property"]]
-    if not end or not {b"x", b"y", b"z"} <= set(vertices):
-        lacking = "x, y and z of its vertices" if end else "its end, end_header"
-        raise Refusal(f"{path} has a PLY header without {lacking}. Give a whole PLY or OBJ file.")
-    try:
-        # Vertices and faces as they are: nothing merged, nothing left out, and no texture's file opened.
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            mesh = trimesh.load_mesh(io.BytesIO(data), file_type="ply", process=False, skip_materials=True)
-            return np.array(mesh.vertices), np.array(getattr(mesh, "faces", np.zeros((0, 3))))
-    # A reader fed arbitrary bytes raises whatever it stumbles over.
-    except Exception as error:
-        raise Refusal(
-            f"{path} has a damaged header, or fewer vertices and faces than it names. Give a whole PLY or "
-            "OBJ file."
-        ) from error
+    surface = corners.surface(name, smooth)
+    if tell is not None:
+        tell(f"{name}: {corners.text(smooth)}")
+    return surface

@@ -192,9 +192,9 @@ def test_texture_coordinates_are_made_where_they_are_missing_and_keep_triangles_
         ("v 0 0\n", r"line 1: a vertex needs at least 3 numbers, found 2"),
         ("v 0 0 0\nv a b c\n", "line 2: a vertex must be numbers, found 'a b c'"),
         ("v 0 0 nan\n", "line 1: a vertex must be finite numbers"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "line 4: vertex index 4 does not exist; there are 3 so far"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "line 4: vertex index 4 does not exist; there are 3"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "line 4: vertex index 0 does not exist"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", "line 4: texture coordinate index 1 does not exist"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", "line 4: vertex index before the first does not exist"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", "line 4: a face has 2 corners"),
         (
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n",

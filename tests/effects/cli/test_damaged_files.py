@@ -71,7 +71,7 @@ def _nrrd(name):
 
 
 def _ply(name):
-    pytest.importorskip("trimesh")
+    pytest.importorskip("plyfile")
     return read_mesh(name)
 
 
@@ -214,7 +214,7 @@ def test_the_file_that_a_header_names_is_no_output(tmp_path):
 
 
 def test_a_mesh_file_opens_no_texture(tmp_path):
-    pytest.importorskip("trimesh")
+    pytest.importorskip("plyfile")
     data = of_ply(False).replace(b"element vertex", b"comment TextureFile /etc/hostname\nelement vertex")
     (tmp_path / "a.ply").write_bytes(data)
     assert len(read_mesh(str(tmp_path / "a.ply")).triangles) == 2

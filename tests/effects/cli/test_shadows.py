@@ -13,7 +13,7 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.user_pictures import inputs, mesh_shadows
 from tests.effects.cli.test_cli import refusal_of, run
 
-trimesh = pytest.importorskip("trimesh")
+pytest.importorskip("plyfile")
 
 
 def write_obj(path, surface):
@@ -187,12 +187,12 @@ def test_what_is_no_mesh_is_refused(ring, tmp_path, monkeypatch):
     assert "up to 10 are drawn" in refusal_of(*shadows(ring, tmp_path / "out.png"))
 
 
-def test_without_trimesh_a_ply_file_is_refused_with_what_to_install(tmp_path, monkeypatch):
+def test_without_plyfile_a_ply_file_is_refused_with_what_to_install(tmp_path, monkeypatch):
     mesh = write_ply(tmp_path / "mesh.ply", SQUARE, [[0, 1, 2]])
     real = builtins.__import__
 
     def without(name, *rest):
-        if name == "trimesh":
+        if name == "plyfile":
             raise ImportError(name)
         return real(name, *rest)
 
@@ -239,9 +239,8 @@ def test_both_sides_of_a_sheet_are_lit(tmp_path):
 
 
 def test_sharp_edges_stay_sharp_and_smooth_ones_smooth():
-    box = triangle_meshes.with_creases(
-        triangle_meshes.triangle_mesh(surfaces.box().positions, surfaces.box().triangles, "box")
-    )
+    whole = surfaces.box()
+    box = triangle_meshes.with_creases(triangle_meshes.from_triangles(whole.positions[whole.triangles]))
     assert {tuple(np.abs(n).round(12)) for n in box.normals.tolist()} == {(1, 0, 0), (0, 1, 0), (0, 0, 1)}
     ball = triangle_meshes.with_creases(surfaces.sphere(24, 12))
     assert (dot(ball.normals, ball.positions) > 0.99).all()
