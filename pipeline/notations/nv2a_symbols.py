@@ -66,13 +66,13 @@ _SWITCH = {"FALSE": 0, "TRUE": 1}
 
 
 def _fields():
-    """(name without NV097_SET_, mask, {name of a value: value}) of every field of the words."""
+    """(name without NV097_, mask, {name of a value: value}) of every field of the words."""
     registers = {f"REG_{code:X}": code for code in range(16)} | {"REG_SPECLIT": 14, "REG_EF_PROD": 15}
     for word, variables, mapping in (
-        ("COMBINER_COLOR_ICW", "ABCD", "MAP"),
-        ("COMBINER_ALPHA_ICW", "ABCD", "MAP"),
-        ("COMBINER_SPECULAR_FOG_CW0", "ABCD", "INVERSE"),
-        ("COMBINER_SPECULAR_FOG_CW1", "EFG", "INVERSE"),
+        ("SET_COMBINER_COLOR_ICW", "ABCD", "MAP"),
+        ("SET_COMBINER_ALPHA_ICW", "ABCD", "MAP"),
+        ("SET_COMBINER_SPECULAR_FOG_CW0", "ABCD", "INVERSE"),
+        ("SET_COMBINER_SPECULAR_FOG_CW1", "EFG", "INVERSE"),
     ):
         for k, variable in enumerate(variables):
             shift = 24 - 8 * k
@@ -81,35 +81,35 @@ def _fields():
             yield f"{word}_{variable}_ALPHA", 1 << shift + 4, _SWITCH
             yield f"{word}_{variable}_SOURCE", 15 << shift, registers
     for half in ("COLOR", "ALPHA"):
-        word = f"COMBINER_{half}_OCW"
+        word = f"SET_COMBINER_{half}_OCW"
         yield f"{word}_OP", 7 << 15, _OPERATIONS
         yield f"{word}_MUX_ENABLE", 1 << 14, _SWITCH
         for shift, name in ((8, "SUM"), (4, "AB"), (0, "CD")):
             yield f"{word}_{name}_DST", 15 << shift, registers
     for shift, name in ((13, "AB"), (12, "CD")):
-        yield f"COMBINER_COLOR_OCW_{name}_DOT_ENABLE", 1 << shift, _SWITCH
+        yield f"SET_COMBINER_COLOR_OCW_{name}_DOT_ENABLE", 1 << shift, _SWITCH
     for shift, name in ((19, "AB"), (18, "CD")):
         values = {"DISABLE": 0, f"{name}_DST_ENABLE": 1}
-        yield f"COMBINER_COLOR_OCW_BLUETOALPHA_{name}", 1 << shift, values
+        yield f"SET_COMBINER_COLOR_OCW_BLUETOALPHA_{name}", 1 << shift, values
     for bit, name in ((7, "CLAMP"), (6, "ADD_INVERT_R5"), (5, "ADD_INVERT_R12")):
-        yield f"COMBINER_SPECULAR_FOG_CW1_SPECULAR_{name}", 1 << bit, _SWITCH
+        yield f"SET_COMBINER_SPECULAR_FOG_CW1_SPECULAR_{name}", 1 << bit, _SWITCH
     counts = {name: k for k, name in enumerate(_COUNTS, 1)}
-    yield "COMBINER_CONTROL_ITERATION_COUNT", 0xFF, counts
-    yield "COMBINER_CONTROL_MUX_SELECT", 0xF00, {"LSB": 0, "MSB": 1}
+    yield "SET_COMBINER_CONTROL_ITERATION_COUNT", 0xFF, counts
+    yield "SET_COMBINER_CONTROL_MUX_SELECT", 0xF00, {"LSB": 0, "MSB": 1}
     for mask, name in ((0xF000, "FACTOR0"), (0xFFFF0000, "FACTOR1")):
-        yield f"COMBINER_CONTROL_{name}", mask, {"SAME_FACTOR_ALL": 0, "EACH_STAGE": 1}
+        yield f"SET_COMBINER_CONTROL_{name}", mask, {"SAME_FACTOR_ALL": 0, "EACH_STAGE": 1}
     for stage in range(4):
         modes = {name: k for k, name in enumerate(_STAGE_PROGRAMS)}
-        yield f"SHADER_STAGE_PROGRAM_STAGE{stage}", 31 << 5 * stage, modes
+        yield f"SET_SHADER_STAGE_PROGRAM_STAGE{stage}", 31 << 5 * stage, modes
     for stage, mask in ((1, 0xFFFF), (2, 0xF0000), (3, 0xF00000)):
         inputs = {f"INSTAGE_{k}": k for k in range(stage)}
-        yield f"SHADER_OTHER_STAGE_INPUT_STAGE{stage}", mask, inputs
+        yield f"SET_SHADER_OTHER_STAGE_INPUT_STAGE{stage}", mask, inputs
 
 
 _SYMBOLS = {f"PS_{kind}_{name}": value for kind, names in _DIRECT3D.items() for name, value in names.items()}
 for _field, _mask, _values in _fields():
-    _SYMBOLS[f"NV097_SET_{_field}"] = _mask
-    _SYMBOLS |= {f"NV097_SET_{_field}_{name}": value for name, value in _values.items()}
+    _SYMBOLS[f"NV097_{_field}"] = _mask
+    _SYMBOLS |= {f"NV097_{_field}_{name}": value for name, value in _values.items()}
 
 # Where a function's arguments go.
 _SHIFTS = {
