@@ -3,6 +3,7 @@
 import gc
 import importlib
 import warnings
+from contextlib import contextmanager
 
 import click
 
@@ -96,6 +97,30 @@ def _say(otherwise):
     return show
 
 
+@contextmanager
+def _reading_said():
+    """What files were taken for is shown, a line for each."""
+    from logging import INFO, Handler, getLogger
+
+    said = set()
+
+    class Shown(Handler):
+        def emit(self, record):
+            if (line := record.getMessage()) not in said:
+                said.add(line)
+                click.echo(line, err=True)
+
+    log, shown = getLogger("fixedpipe.reading"), Shown()
+    level = log.level
+    log.addHandler(shown)
+    log.setLevel(INFO)
+    try:
+        yield
+    finally:
+        log.removeHandler(shown)
+        log.setLevel(level)
+
+
 class LazyGroup(click.Group):
     """A group that imports a subcommand's module when the subcommand is looked up."""
 
@@ -125,6 +150,7 @@ class LazyGroup(click.Group):
         """Run the subcommand; a Refusal or a wrong option becomes a sentence and status 2, a warning one."""
         ctx.with_resource(warnings.catch_warnings())
         warnings.showwarning = _say(warnings.showwarning)
+        ctx.with_resource(_reading_said())
         with said():
             result = super().invoke(ctx)
             if wait := ctx.meta.get(COMPILING):

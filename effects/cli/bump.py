@@ -2,7 +2,7 @@
 
 import click
 
-from fixedpipe.effects.cli.options import profile_option, threads_option, three_numbers
+from fixedpipe.effects.cli.options import limit_option, profile_option, threads_option, three_numbers
 
 
 @click.command(short_help="Bump-map a mesh with a photograph.")
@@ -47,6 +47,7 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
     show_default=True,
     help="What bumps smaller than a pixel leave: none, mip or roughness.",
 )
+@limit_option
 @threads_option
 def bump(
     photo,

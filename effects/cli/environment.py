@@ -2,9 +2,10 @@
 
 import click
 
-from fixedpipe.effects.cli.options import refuse_ignored, threads_option
+from fixedpipe.effects.cli.options import limit_option, refuse_ignored, threads_option
 
 _KINDS = ("cube", "parabolic", "prefilter")
+_LAYOUTS = ("latlong", "ball", "mirror", "cross", "strip")
 
 
 @click.command(short_help="Make environment maps of a panorama or a light probe.")
@@ -13,6 +14,13 @@ _KINDS = ("cube", "parabolic", "prefilter")
     "--to", "kind", metavar="KIND", required=True, help=f"{', '.join(_KINDS[:-1])} or {_KINDS[-1]}."
 )
 @click.option("--out", metavar="FILE", required=True, help="FILE.png, a picture, or FILE.npz, floats.")
+@click.option(
+    "--as",
+    "layout",
+    metavar="LAYOUT",
+    help=f"{', '.join(_LAYOUTS[:-1])} or {_LAYOUTS[-1]}. Without it latlong where IMAGE is twice as wide as "
+    "high, ball of a square.",
+)
 @click.option(
     "--exponent",
     type=float,
@@ -35,14 +43,18 @@ _KINDS = ("cube", "parabolic", "prefilter")
     metavar="E",
     help="What a picture is multiplied by; without it 1, or so that 99.5 % are below one.",
 )
+@limit_option
 @threads_option
-def environment(image, kind, out, exponent, size, exposure, threads):
-    """Make environment maps of IMAGE: a panorama twice as wide as high, or a square light probe.
+def environment(image, kind, out, layout, exponent, size, exposure, threads):
+    """Make environment maps of IMAGE: a panorama, a light probe, or the faces of a cube.
 
-    Radiance (.hdr) and OpenEXR files keep their range (pip install 'fixedpipe[probes]'); others are PNG,
-    TIFF, JPEG and NPY. A panorama's middle is -z. An NPZ file has `faces`, float32 [6, N, N, 3] in the order
-    +x, -x, +y, -y, +z, -z, or `discs`, [2, N, N, 3], of z <= 0 and z > 0; a picture has a cross, or both
-    discs.
+    Radiance (.hdr) and OpenEXR (pip install 'fixedpipe[probes]') files keep their range; others are PNG,
+    TIFF, JPEG and NPY. A panorama's middle is -z (--as latlong, or ball of a square light probe). --as mirror
+    is the photograph of a mirroring ball from +z. --as cross is six faces in 4:3 or 3:4, as --to cube draws
+    them; --as strip is +x, -x, +y, -y, +z and -z in 6:1 or 1:6, as textures are loaded.
+
+    An NPZ file has `faces`, float32 [6, N, N, 3] in the order +x, -x, +y, -y, +z, -z, or `discs`,
+    [2, N, N, 3], of z <= 0 and z > 0; a picture has a cross, or both discs.
     """
     import io
     from pathlib import Path
@@ -68,7 +80,7 @@ def environment(image, kind, out, exponent, size, exposure, threads):
         probes.checked_exponent(exponent)
         if exposure is not None and not 0.0 < exposure < float("inf"):
             raise ValueError(f"The exposure is {exposure:g}; give a positive number.")
-        found = probes.probe(image)
+        found = probes.probe(image, layout)
         path = writable_file(out)
         if kind == "prefilter":
             announce_compiling()
@@ -82,9 +94,7 @@ def environment(image, kind, out, exponent, size, exposure, threads):
             np.savez(file, **{"discs" if len(maps) == 2 else "faces": maps.astype(np.float32)})
             data, said = file.getvalue(), "floats"
     write_whole(path, data)
-    rows, columns = found.colors.shape[:2]
-    layout = "panorama" if found.panorama else "light probe"
-    click.echo(f"{image}: {layout} of {columns}x{rows} pixels, brightest {float(found.colors.max()):.4g}")
+    click.echo(f"{image}: {found}")
     lobe = f", exponent {exponent:g}" if kind == "prefilter" else ""
     click.echo(
         f"{path}: {kind}{lobe}, {len(maps)} of {size}x{size} texels, brightest {brightest:.4g}, {said}"

@@ -3,6 +3,7 @@
 import click
 
 from fixedpipe.effects.cli.options import (
+    limit_option,
     profile_option,
     refuse_beside,
     refuse_ignored,
@@ -55,6 +56,12 @@ from fixedpipe.effects.cli.options import (
     help="room, or a panorama or light probe: .hdr, .exr, PNG, TIFF, JPEG or NPY. In place of --light.",
 )
 @click.option(
+    "--as",
+    "layout",
+    metavar="LAYOUT",
+    help="Of the environment's file: latlong, ball, mirror, cross or strip, as of fixedpipe environment.",
+)
+@click.option(
     "--lights",
     "count",
     type=click.IntRange(1, 64),
@@ -74,10 +81,11 @@ from fixedpipe.effects.cli.options import (
     metavar="E",
     help="What all light is multiplied by. Without it 1, or less for an environment of high range.",
 )
+@limit_option
 @threads_option
 def material(
-    reflectance, listing, settings, mesh_name, terms, color, lights, environment, count, profile, out, size,
-    exposure, threads,
+    reflectance, listing, settings, mesh_name, terms, color, lights, environment, layout, count, profile, out,
+    size, exposure, threads,
 ):  # fmt: skip
     """Draw a mesh with any reflectance, on any machine, by products of textures.
 
@@ -109,8 +117,12 @@ def material(
         raise Refusal("No file is given for the picture; give --out FILE.png.")
     machine = choose("profile", profile, PROFILES)
     if environment is None:
-        refuse_ignored(context, ("count",), "they are of an --environment; leave it out, or give one")
+        refuse_ignored(
+            context, ("count", "layout"), "they are of an --environment; leave it out, or give one"
+        )
     else:
+        if environment == shown_material.ROOM:
+            refuse_ignored(context, ("layout",), "room is no file; leave it out")
         refuse_ignored(context, ("lights",), "the --environment gives the light; leave one of the two out")
     inputs = [each for each in (reflectance, mesh_name, environment) if each is not None]
     path = writable_picture(out, tuple(inputs))
@@ -128,7 +140,7 @@ def material(
         if environment is None:
             lighting = shown_material.directional(towards, exposure)
         else:
-            lighting = shown_material.environment(environment, count, exposure)
+            lighting = shown_material.environment(environment, count, exposure, layout)
         shown_material.check_picture(lighting, machine, size, size, tint)
         announce_compiling()
         found = shown_material.factored(brdf, terms)

@@ -21,14 +21,35 @@ threads_option = click.option(
     help="Threads; any number gives the same bits.",
 )
 
-set_option = click.option(
-    "--set",
-    "settings",
-    metavar="NAME=VALUE",
-    multiple=True,
-    help="Another value of a figure's parameter, as alpha_x=0.15 or light=1,1,1; fixedpipe parameters ID "
-    "names them.",
+
+def _limited(context, _, millions):
+    if millions is not None:
+        from fixedpipe.effects.user_pictures.reading import limit
+
+        context.with_resource(limit(1_000_000 * millions))
+
+
+limit_option = click.option(
+    "--limit",
+    type=click.IntRange(min=1),
+    metavar="MILLIONS",
+    expose_value=False,
+    callback=_limited,
+    help="Pixels, voxels or samples of a file that are read at most. Without it 40, 135 or 17 million, which "
+    "take some 1.2 GB.",
 )
+
+
+def set_option(command):
+    """--set of a figure's parameters, and --limit, as some of them are files."""
+    return click.option(
+        "--set",
+        "settings",
+        metavar="NAME=VALUE",
+        multiple=True,
+        help="Another value of a figure's parameter, as alpha_x=0.15 or light=1,1,1; fixedpipe parameters "
+        "ID names them.",
+    )(limit_option(command))
 
 
 def changes_of(settings, figure, methods):

@@ -2,6 +2,8 @@
 
 import click
 
+from fixedpipe.effects.cli.options import limit_option
+
 
 @click.command(short_help="Make a bump map's pyramids of bumps and of roughness.")
 @click.argument("heights")
@@ -18,6 +20,7 @@ import click
     show_default=True,
     help="Lowest to highest, in edges of the field.",
 )
+@limit_option
 @click.option("--once", is_flag=True, help="The map does not repeat; its edges stay as they are.")
 def roughness(heights, out, shown, size, height_scale, once):
     """Filter the bumps of HEIGHTS, a PNG, TIFF, JPEG or NPY file or a sample, and keep what filtering loses.

@@ -2,7 +2,7 @@
 
 import click
 
-from fixedpipe.effects.cli.options import profile_option, threads_option, three_numbers
+from fixedpipe.effects.cli.options import limit_option, profile_option, threads_option, three_numbers
 
 
 @click.command(short_help="Scatter light between the bumps of a height field.")
@@ -61,6 +61,7 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
     show_default=True,
     help="Where paths are summed: framebuffer, accumulation-buffer or host.",
 )
+@limit_option
 @threads_option
 def scatter(
     heights,

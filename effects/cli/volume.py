@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from fixedpipe.effects.cli.options import refuse_ignored, threads_option, three_numbers
+from fixedpipe.effects.cli.options import limit_option, refuse_ignored, threads_option, three_numbers
 
 TYPES = {"uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2", "float32": "f4", "float64": "f8"}
 _WITH_HEADERS = (".nrrd", ".nhdr")
@@ -51,6 +51,7 @@ ENDIANS = {"little": "<", "big": ">"}
     "--size", type=click.IntRange(min=8), metavar="N", default=512, show_default=True, help="Pixels an edge."
 )
 @click.option("--profile", metavar="NAME", default="OCTANE", show_default=True, help="Machine, or IDEAL.")
+@limit_option
 @threads_option
 def volume(
     file, iso, out, dims, type_name, endian, skip, spacing, view, up, light, shadows, slices, size, profile,

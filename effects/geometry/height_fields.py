@@ -13,6 +13,8 @@ from fixedpipe.pipeline.textures.pixels import array_of, refused_type
 
 # Luminance of a colour: Rec. 601 weights, as photographs of the time were made grey.
 LUMINANCE = (0.299, 0.587, 0.114)
+# Of a picture that become floats at a time.
+_ROWS = 256
 
 
 def frames(slope_s, slope_t):
@@ -112,22 +114,34 @@ def from_image(image):
         raise ValueError(
             f"The image has shape {array.shape}; give [rows, columns] or [rows, columns, 1 to 4]."
         )
-    array = array.astype(np.float64)
-    if array.ndim == 3:
-        red, green, blue = (array[..., k if array.shape[2] >= 3 else 0] for k in range(3))
-        array = (LUMINANCE[0] * red + LUMINANCE[1] * green) + LUMINANCE[2] * blue
-    if not np.isfinite(array).all():
+    heights = _luminance(array) if array.ndim == 3 else array.astype(np.float64)
+    low, high = float(heights.min()), float(heights.max())
+    if not np.isfinite([low, high]).all():  # of NaN anywhere both are NaN
         raise ValueError(
             "The image holds NaN or infinity; fill the missing values before making a height field."
         )
     # Differences of the largest float64 would overflow; a power of two changes no digit.
-    array = array * (0.25 if np.abs(array).max() > 2.0**1000 else 1.0)
-    low, high = float(array.min()), float(array.max())
+    if max(-low, high) > 2.0**1000:
+        heights, low, high = heights * 0.25, low * 0.25, high * 0.25
     if low == high:
         raise ValueError(
             f"Every value of the image is {low:g}; a height field needs at least two different heights."
         )
-    return ((array - low) / (high - low))[::-1]
+    heights -= low
+    heights /= high - low
+    return heights[::-1]
+
+
+def _luminance(array):
+    """Colours or grey [rows, columns, 1..4] as float64 [rows, columns], of a few rows at a time: pictures are
+    large, and stay in their own type beside it.
+    """
+    out = np.empty(array.shape[:2])
+    for first in range(0, len(array), _ROWS):
+        some = array[first : first + _ROWS]
+        red, green, blue = (some[..., k if array.shape[2] >= 3 else 0].astype(np.float64) for k in range(3))
+        out[first : first + _ROWS] = (LUMINANCE[0] * red + LUMINANCE[1] * green) + LUMINANCE[2] * blue
+    return out
 
 
 def resample(heights, columns, rows):
@@ -139,7 +153,8 @@ def resample(heights, columns, rows):
         heights = np.swapaxes(heights, 0, axis)
         while len(heights) >= 2 * size:
             even = len(heights) & ~1
-            heights = (heights[0:even:2] + heights[1:even:2]) / 2
+            heights = heights[0:even:2] + heights[1:even:2]
+            heights /= 2
         at = np.clip((np.arange(size) + 0.5) * (len(heights) / size) - 0.5, 0.0, len(heights) - 1.0)
         low = np.minimum(np.floor(at).astype(np.int64), max(len(heights) - 2, 0))
         high = np.minimum(low + 1, len(heights) - 1)
@@ -154,15 +169,15 @@ def tileable(heights, margin=1 / 8):
     The last strip of the field, ``margin`` wide, is faded into the first: what leaves on one side comes in on
     the other. Fields of fewer than eight texels along an axis are left alone there.
     """
-    heights = numbers(heights)
+    heights = numbers(heights).copy()
     for axis in (0, 1):
         heights = np.swapaxes(heights, 0, axis)
         strip = int(len(heights) * margin)
         if strip:
             kept = len(heights) - strip
             fade = (np.arange(strip) / strip)[:, None]
-            first = heights[kept:] * (1.0 - fade) + heights[:strip] * fade
-            heights = np.concatenate([first, heights[strip:kept]])
+            heights[:strip] = heights[kept:] * (1.0 - fade) + heights[:strip] * fade
+            heights = heights[:kept]
         heights = np.swapaxes(heights, 0, axis)
     return heights
 

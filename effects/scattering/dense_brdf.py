@@ -52,7 +52,7 @@ class DenseBRDF:
         the horizon than any sample, the nearest z counts; at the zenith, the mean of those around it.
         """
         n = self.count
-        samples = _with_zenith(_with_zenith(self.samples, 0), 2)
+        samples = _with_zenith(self.samples)
         places = [*_place(towards, n), *_place(views, n)]
         out = np.zeros((len(places[0][0]), 3))
         for corner in range(16):
@@ -65,14 +65,22 @@ class DenseBRDF:
         return out
 
 
-def _with_zenith(samples, axis):
-    """Samples with one more z, the zenith's: the mean of the last over the angle."""
-    last = np.take(samples, [-1], axis)
-    total = np.zeros_like(np.take(last, 0, axis + 1))
-    for angle in range(samples.shape[axis + 1]):
-        total += np.take(last, angle, axis + 1)
-    mean = np.expand_dims(total / samples.shape[axis + 1], axis + 1)
-    return np.concatenate([samples, np.broadcast_to(mean, last.shape)], axis)
+def _with_zenith(samples):
+    """Samples with one more z of light and of view, the zenith's: the mean of the last over the angle."""
+    n = len(samples)
+    out = np.empty((n + 1, n, n + 1, n, 3))
+    out[:n, :, :n] = samples
+    out[n, :, :n] = _mean(samples[n - 1])
+    out[:, :, n] = _mean(np.moveaxis(out[:, :, n - 1], 2, 0))[:, :, None]
+    return out
+
+
+def _mean(over):
+    """The mean over the first axis, summed one after the other."""
+    total = np.zeros_like(over[0])
+    for each in over:
+        total += each
+    return total / len(over)
 
 
 def _place(directions, count):

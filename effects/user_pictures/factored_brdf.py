@@ -9,7 +9,6 @@ table of the MERL database (.binary), or an NPZ file with ``samples`` (as ``simu
 Source: Heidrich 2001, section 1.1.2 (H17 and H18 of the catalogue).
 """
 
-import io
 import zipfile
 from dataclasses import dataclass
 from enum import Enum
@@ -23,6 +22,8 @@ from fixedpipe.effects.reflectance.hemisphere_maps import Halves
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.scattering import merl
 from fixedpipe.effects.scattering.dense_brdf import DenseBRDF
+from fixedpipe.effects.user_pictures import arrays
+from fixedpipe.effects.user_pictures.reading import SAMPLES, check_count, whole
 
 _FILES = "Give a MERL table (.binary) or an NPZ file with an array `samples` [n, n, n, n, 3]."
 # Texels along an edge of the maps at whose directions the ways are compared.
@@ -56,37 +57,61 @@ def read(name):
         problem = f"{name} is no file" if str(name) and path.exists() else f"There is no file {str(name)!r}"
         raise Refusal(f"{problem}. {_FILES}")
     try:
-        contents = path.read_bytes()
+        with path.open("rb") as file:
+            if file.read(2) == b"PK":
+                return _dense(path)
+            file.seek(0)
+            return merl.MeasuredBRDF(merl.read(file.read(merl.BYTES + 1)))
     except OSError as error:
         raise Refusal(f"{name} cannot be read: {error.strerror or error}.") from error
-    try:
-        if contents[:2] == b"PK":
-            return _dense(contents)
-        return merl.MeasuredBRDF(merl.read(contents))
+    except Refusal:
+        raise
     except ValueError as error:
         raise Refusal(f"{name}: {error} {_FILES}") from error
 
 
-def _dense(contents):
-    try:
-        with np.load(io.BytesIO(contents), allow_pickle=False) as arrays:
-            samples = arrays.get("samples")
-    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
-        raise ValueError("The NPZ file is damaged.") from error
-    if samples is None:
-        raise ValueError("The NPZ file has no array `samples`.")
+def _dense(path):
+    """The DenseBRDF of an NPZ file, whose array's header is looked at before anything is unpacked."""
+    cure = "Write it with fixedpipe brdf, or numpy.savez."
+    with whole(path, "is a damaged NPZ file", cure), zipfile.ZipFile(path) as members:
+        if "samples.npy" not in members.namelist():
+            raise Refusal(f"{path}: The NPZ file has no array `samples`. {_FILES}")
+        if members.getinfo("samples.npy").flag_bits & 1:
+            raise Refusal(f"{path} is an encrypted NPZ file. {cure}")
+        with members.open("samples.npy") as file:
+            found = arrays.header(file)
+            if wrong := _wrong(found):
+                raise Refusal(f"{path}: {wrong} {_FILES}")
+            check_count(path, found.shape[:4], "samples", SAMPLES)
+            samples = arrays.values(file, found, path)
+            if file.read(1):
+                raise Refusal(f"{path} has more values than the {found.shape} that it names. {cure}")
     return dense(samples)
+
+
+_NO_NUMBERS = "The samples are not all finite numbers; give f_r per steradian."
+
+
+def _wrong(array):
+    """What is wrong with samples' shape or type, a sentence; None: nothing is."""
+    shape = array.shape
+    if len(shape) != 5 or shape[4] != 3 or not 0 < shape[0] == shape[1] == shape[2] == shape[3]:
+        return f"The samples have shape {shape}; give [n, n, n, n, 3]."
+    return None if array.dtype.kind in "fiu" else _NO_NUMBERS
 
 
 def dense(samples):
     """The DenseBRDF of samples [n, n, n, n, 3], as its own are. Raises ValueError for anything else."""
     samples = np.asarray(samples)
-    shape = samples.shape
-    if len(shape) != 5 or shape[4] != 3 or not 0 < shape[0] == shape[1] == shape[2] == shape[3]:
-        raise ValueError(f"The samples have shape {shape}; give [n, n, n, n, 3].")
-    if samples.dtype.kind not in "fiu" or not np.isfinite(samples).all():
-        raise ValueError("The samples are not all finite numbers; give f_r per steradian.")
-    return DenseBRDF(samples.astype(np.float64))
+    if wrong := _wrong(samples):
+        raise ValueError(wrong)
+    if not np.isfinite(samples).all():
+        raise ValueError(_NO_NUMBERS)
+    if samples.min() < 0:
+        raise ValueError(
+            f"The samples go down to {samples.min():g}; f_r is zero or more, so give none below."
+        )
+    return DenseBRDF(samples.astype(np.float64, copy=False))
 
 
 def brdf_of(brdf):

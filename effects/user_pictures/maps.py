@@ -14,6 +14,7 @@ from fixedpipe.effects.geometry.height_fields import resample, smooth, tileable
 from fixedpipe.effects.reflectance.material_textures import Material
 from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MaterialParameters
 from fixedpipe.effects.user_pictures.inputs import read_picture
+from fixedpipe.effects.user_pictures.picture_files import ORIENTATION, turned
 
 # What the components of a file of whole numbers are at most.
 _FULL = {"uint8": 255.0, "uint16": 65535.0, "bool": 1.0}
@@ -28,7 +29,7 @@ def _picture(value):
     if isinstance(value, str | Path):
         return read_picture(str(value)), str(value)
     if hasattr(value, "convert") and hasattr(value, "mode"):
-        value = value if value.mode in _MODES else value.convert("RGB")
+        return _of_pillow(value)
     if np.ma.is_masked(value):
         raise ValueError("The array has masked values; fill them before.")
     try:
@@ -39,6 +40,18 @@ def _picture(value):
     if array.dtype.kind not in "biuf":
         raise ValueError(f"This is {called}; give numbers.")
     return array, called
+
+
+def _of_pillow(image):
+    tiles = getattr(image, "tile", None) or ()  # asked first: what follows reads the file, and forgets them
+    if any(";16" in str(tile[-1]) for tile in tiles) and image.mode != "I;16":
+        raise ValueError(
+            "The image's file has 16 bits a component, and Pillow cuts them to 8; give the file's name, of "
+            "which all are read."
+        )
+    orientation = image.getexif().get(ORIENTATION, 1) if hasattr(image, "getexif") else 1
+    array = np.asarray(image if image.mode in _MODES else image.convert("RGB"))
+    return turned(array, orientation), f"an array of shape {array.shape}, {array.dtype}"
 
 
 def _fitted(values, columns, rows, repeated):
@@ -90,17 +103,28 @@ def height_field(value):
 
 @dataclass(frozen=True, eq=False)
 class Photograph:
-    """Colours of a user's own, float64 [rows, columns, 3], RGB in [0, 1], bottom row first.
+    """Colours of a user's own, [rows, columns, components], grey or RGB first, bottom row first, as the file
+    has them: of any type, from zero to ``full``.
 
     ``called``: where they come from, in words.
     """
 
-    colors: np.ndarray = field(repr=False)
+    values: np.ndarray = field(repr=False)
     called: str
+    full: float = field(repr=False)
+
+    def _channel(self, values, k):
+        """Component ``k`` of some of the values as floats from 0 to 1."""
+        return values[..., k if self.values.shape[2] >= 3 else 0].astype(np.float64) / self.full
+
+    @property
+    def colors(self):
+        """All of them as float64 [rows, columns, 3], RGB in [0, 1]."""
+        return np.stack([self._channel(self.values, k) for k in range(3)], axis=-1)
 
     def fitted(self, columns, rows, *, repeated):
         """Colours at another size, float64 [rows, columns, 3]; ``repeated`` as of ``HeightField.fitted``."""
-        channels = [_fitted(self.colors[..., k], columns, rows, repeated) for k in range(3)]
+        channels = [_fitted(self._channel(self.values, k), columns, rows, repeated) for k in range(3)]
         return np.stack(channels, axis=-1)
 
     def brightness(self, columns, rows, *, repeated):
@@ -115,14 +139,19 @@ class Photograph:
         """
         toward = np.asarray(toward, np.float64)
         x, y, z = (toward[..., k] for k in range(3))
-        rows, columns = self.colors.shape[:2]
+        rows, columns = self.values.shape[:2]
         column = (np.arctan2(x, -z) / (2.0 * np.pi) + 0.5) * columns - 0.5
         row = (np.arctan2(y, np.sqrt(x * x + z * z)) / np.pi + 0.5) * rows - 0.5
         row = np.clip(row, 0.0, rows - 1.0)
         i, j = np.floor(column).astype(np.int64), np.floor(row).astype(np.int64)
         f, g = (column - i)[..., None], (row - j)[..., None]
+
+        def colors(row, column):
+            there = self.values[row, column]
+            return np.stack([self._channel(there, k) for k in range(3)], axis=-1)
+
         low, high = (
-            self.colors[k, i % columns] * (1.0 - f) + self.colors[k, (i + 1) % columns] * f
+            colors(k, i % columns) * (1.0 - f) + colors(k, (i + 1) % columns) * f
             for k in (j, np.minimum(j + 1, rows - 1))
         )
         return low * (1.0 - g) + high * g
@@ -147,15 +176,13 @@ def photograph(value):
             f"The photograph holds whole numbers of type {array.dtype}, whose full brightness is not known; "
             "give uint8, uint16, or numbers from 0 to 1."
         )
-    colors = array.astype(np.float64) / _FULL.get(array.dtype.name, 1.0)
-    if not (np.isfinite(colors).all() and colors.min() >= 0.0 and colors.max() <= 1.0):
+    full = _FULL.get(array.dtype.name, 1.0)
+    low, high = float(array.min()) / full, float(array.max()) / full  # NaN where there is any
+    if not 0.0 <= low <= high <= 1.0:
         raise ValueError(
-            f"The photograph ranges over {colors.min():g}..{colors.max():g}; give uint8, uint16, or numbers "
-            "from 0 to 1."
+            f"The photograph ranges over {low:g}..{high:g}; give uint8, uint16, or numbers from 0 to 1."
         )
-    colors = colors[..., None] if colors.ndim == 2 else colors
-    colors = colors[..., :3] if colors.shape[2] >= 3 else np.repeat(colors[..., :1], 3, axis=2)
-    return Photograph(np.ascontiguousarray(colors[::-1]), called)
+    return Photograph((array[..., None] if array.ndim == 2 else array)[::-1], called, full)
 
 
 _NAMES = f"{', '.join(list(MATERIALS)[:-1])} or {list(MATERIALS)[-1]}"

@@ -183,11 +183,12 @@ def directional(directions, exposure=None):
     return Lighting(towards, np.full(towards.shape, exposure), None, exposure)
 
 
-def environment(name, count=16, exposure=None):
+def environment(name, count=16, exposure=None, layout=None):
     """The Lighting of an environment: ``room``, or a file of ``probes.probe``.
 
     count     of lights; fewer where fewer texels shine
     exposure  None: one where bytes hold all, else so that 99.5 % of the environment are below one
+    layout    of the file's picture, as of ``probes.probe``
 
     Raises ValueError (Refusal) for what is none, and for a black environment.
     """
@@ -197,7 +198,7 @@ def environment(name, count=16, exposure=None):
     if name == ROOM:
         radiance, cube = environments.room, environments.faces(_LIGHT_TEXELS)
     else:
-        found = probes.probe(name)
+        found = probes.probe(name, layout)
         radiance, cube = found.radiance, probes.maps(found, "cube", _LIGHT_TEXELS)
     exposure = exposure or probes.exposure_of(cube)
     lights = lights_of(cube, count)

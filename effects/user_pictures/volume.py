@@ -63,21 +63,30 @@ def _weights(count, wanted):
             yield first, tuple(share * wanted / count for share in shares)
 
 
-def resampled(values, edges):
-    """An array [layers, rows, columns] with ``edges`` voxels along these axes: float32."""
-    values = np.asarray(values, np.float32)
-    for axis, wanted in enumerate(edges):
-        count = values.shape[axis]
-        if count == wanted:
-            continue
-        source = np.moveaxis(values, axis, 0)
-        out = np.empty((wanted, *source.shape[1:]), np.float32)
-        for k, (first, weights) in enumerate(_weights(count, wanted)):
-            out[k] = np.float32(weights[0]) * source[first]
-            for i, weight in enumerate(weights[1:], start=1):
-                out[k] += np.float32(weight) * source[first + i]
-        values = np.moveaxis(out, 0, axis)
-    return values
+def _blended(read, count, wanted):
+    """Of ``count`` layers along an axis, which ``read`` gives by their numbers, ``wanted``: float32 each."""
+    if wanted == count:
+        yield from map(read, range(count))
+        return
+    for first, weights in _weights(count, wanted):
+        out = np.float32(weights[0]) * read(first)
+        for i, weight in enumerate(weights[1:], start=1):
+            out += np.float32(weight) * read(first + i)
+        yield out
+
+
+def resampled(values, edges, unit=np.float32):
+    """An array [layers, rows, columns] with ``edges`` voxels along these axes: float32.
+
+    unit  (a layer [rows, columns]) -> what is resampled of it, float32; layers are taken one after the other,
+          so that of a large volume few are floats
+    """
+    out = np.empty(edges, np.float32)
+    for k, layer in enumerate(_blended(lambda k: unit(values[k]), len(values), edges[0])):
+        for edge in edges[1:]:
+            layer = np.array(tuple(_blended(layer.__getitem__, len(layer), edge))).T
+        out[k] = layer
+    return out
 
 
 def volume_of(values, name, profile, iso=None, spacing=(1.0, 1.0, 1.0)):
@@ -117,11 +126,13 @@ def volume_of(values, name, profile, iso=None, spacing=(1.0, 1.0, 1.0)):
             f"The iso-surface's value is {wanted:g}; the values of {name} go from {low:g} to {high:g} in 255 "
             "steps, give one between."
         )
-    unit = np.empty(values.shape, np.float32)
-    for into, layer in zip(unit, values, strict=True):
-        into[...] = (layer.astype(np.float64) - low) / (high - low)
+
+    def unit(layer):
+        return ((layer.astype(np.float64) - low) / (high - low)).astype(np.float32)
+
     edges = texture_edges(values.shape, min(profile.textures.max_3d_texture_size, LARGEST_EDGE))
-    density = np.floor(np.float32(255.0) * resampled(unit, edges) + np.float32(0.5)).astype(np.uint8)
+    density = resampled(values, edges, unit)
+    density = np.floor(np.float32(255.0) * density + np.float32(0.5)).astype(np.uint8)
     if density.max() < np.ceil(255.0 * fraction):
         raise ValueError(
             f"Resampled to {'x'.join(map(str, density.shape[::-1]))} voxels, nothing of {name} reaches "

@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from fixedpipe.effects.scattering import light_transport
-from fixedpipe.effects.user_pictures import inputs, maps, scattering
+from fixedpipe.effects.user_pictures import inputs, maps, picture_files, scattering
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
@@ -202,9 +202,10 @@ def test_elevation_models_of_kinds_that_pillow_does_not_read_are_read(tmp_path, 
     ):
         tifffile.imwrite(tmp_path / name, heights, **options)
         assert (inputs.read_picture(str(tmp_path / name)) == heights).all()
-    monkeypatch.setattr(inputs, "_MOST_VALUES", 100)
+    monkeypatch.setattr(picture_files, "PIXELS", 100)
     out = tmp_path / "out.png"
-    assert "too many pixels" in refusal_of("scatter", tmp_path / "tiles.tif", "--out", out, *SMALL)
+    said = refusal_of("scatter", tmp_path / "tiles.tif", "--out", out, *SMALL)
+    assert "24 x 24 pixels" in said and "more memory with --limit 1" in said
     monkeypatch.undo()
     assert run("scatter", tmp_path / "tiles.tif", "--out", out, *SMALL).exit_code == 0
 

@@ -87,7 +87,10 @@ def test_shadows_darken_and_can_be_left_out(tmp_path):
         (("--dims", "12,10"), ["dimensions", "256,256,110"]),
         (("--dims", "12,10,1"), ["dimensions"]),
         (("--dims", "a,b,c"), ["dimensions"]),
-        (("--dims", "99999,99999,99999"), ["up to 1073741824 (1024x1024x1024) are read"]),
+        (
+            ("--dims", "99999,99999,99999"),
+            ["99999 x 99999 x 99999 voxels", "up to 135 million", "--limit 999970001"],
+        ),
         (("--dims", "12,10,9"), ["2165 bytes", "uint8 are 1080"]),
         ((*RAW, "--skip", 9999), ["2165 bytes, and --skip 9999 leaves none"]),
         ((*RAW, "--skip", 9), ["2156 bytes after the 9 skipped"]),
@@ -118,7 +121,7 @@ def test_a_volume_that_cannot_be_drawn_is_refused(raw, tmp_path, more, words):
         ("a.nrrd", b"nothing of the kind", "NRRD"),
         ("a.nrrd", b"", "NRRD"),
         ("a.nrrd", HEADER + b"sizes: 9 9 9\nendian: little\n\n12", "2 bytes of values"),
-        ("a.nrrd", HEADER + b"sizes: 99999 99999 99999\n\n", "up to 1073741824"),
+        ("a.nrrd", HEADER + b"sizes: 99999 99999 99999\n\n", "up to 135 million are read"),
         ("a.nhdr", HEADER + b"sizes: 9 9 9\nendian: little\ndata file: none.raw\n", "none.raw"),
     ],
 )

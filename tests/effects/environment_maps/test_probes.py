@@ -72,8 +72,8 @@ def test_files_of_high_dynamic_range_keep_their_range(tmp_path, ending):
 
 def test_without_the_library_the_extra_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "OpenImageIO", None)
-    path = tmp_path / "probe.hdr"
-    path.write_bytes(b"#?RADIANCE\n\n-Y 8 +X 16\n")
+    path = tmp_path / "probe.exr"
+    path.write_bytes(b"\x76\x2f\x31\x01 and more")
     with pytest.raises(Refusal, match=r"pip install 'fixedpipe\[probes\]'"):
         probes.probe(str(path))
 

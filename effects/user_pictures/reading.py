@@ -1,0 +1,109 @@
+"""What all readers of a user's files share: how much is read, the sentence for what cannot be, and the line
+that says what was understood.
+"""
+
+import errno
+import logging
+import math
+import os
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+
+import numpy as np
+
+from fixedpipe.effects.refusal import Refusal
+
+# Of a picture; a height field of so many takes some 900 MB while it is fitted to a map.  Measured.
+PIXELS = 40_000_000
+# Of a volume: 512 x 512 x 512, which are 1.1 GB where they are of 64 bits.
+VOXELS = 135_000_000
+# Of a BRDF's lights and views, each of three numbers: a grid of 64, where `fixedpipe brdf --grid` ends.
+SAMPLES = 17_000_000
+
+_own_limit: ContextVar[int | None] = ContextVar("own_limit", default=None)
+_LOG = logging.getLogger("fixedpipe.reading")
+
+
+@contextmanager
+def limit(count):
+    """So many pixels, voxels or samples are read of a file meanwhile; None: PIXELS, VOXELS and SAMPLES."""
+    before = _own_limit.set(count)
+    try:
+        yield
+    finally:
+        _own_limit.reset(before)
+
+
+def check_count(name, counts, what, usual):
+    """Raises Refusal where a file names more values than are read, before any of them is.
+
+    counts  along each axis
+    what    they are: pixels, voxels or samples
+    usual   how many are read without a ``limit``
+    """
+    count, most = math.prod(counts), _own_limit.get() or usual
+    if count > most:
+        raise Refusal(
+            f"{name} has {' x '.join(map(str, counts))} {what}, {_millions(count)} million; up to "
+            f"{_millions(most)} million are read. Give fewer, or more memory with --limit "
+            f"{-(-count // 1_000_000)}."
+        )
+
+
+def _millions(count):
+    return f"{count / 1e6:.10g}"
+
+
+@contextmanager
+def whole(name, what, cure):
+    """Whatever a reader of arbitrary bytes raises becomes a Refusal: file, what it is, reason, what to do.
+
+    what  "is a damaged NPZ file", as what follows the file's name; ``cure``: a sentence
+    """
+    try:
+        yield
+    except Refusal:
+        raise
+    except MemoryError as error:
+        raise Refusal(f"{name} needs more memory than there is. Give a smaller one.") from error
+    except OSError as error:
+        # The system's; decoders raise OSError too, with words of their own, and seek to where no file is.
+        if error.errno not in (None, errno.EINVAL):
+            raise Refusal(f"{name} cannot be read: {error.strerror}.") from error
+        raise Refusal(f"{name} {what}. {cure}") from error
+    except Exception as error:
+        raise Refusal(f"{name} {what}. {cure}") from error
+
+
+@contextmanager
+def silent():
+    """What libraries in C write to the error stream is nowhere: a Refusal says it."""
+    kept = None
+    with suppress(OSError):  # no such stream
+        kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 2)
+        os.close(nowhere)
+    try:
+        yield
+    finally:
+        if kept is not None:
+            os.dup2(kept, 2)
+            os.close(kept)
+
+
+def understood(name, picture, notes=()):
+    """Log a line of what a picture's file was taken for: columns x rows, type, least and greatest value.
+
+    picture  [rows, columns] or [rows, columns, components]
+    notes    what else was made of it
+    """
+    if picture.ndim < 2 or not picture.size or not _LOG.isEnabledFor(logging.INFO):
+        return
+    rows, columns = picture.shape[:2]
+    components = f" of {picture.shape[2]} components" if picture.ndim > 2 and picture.shape[2] > 1 else ""
+    said = f"{picture.dtype.name}, {_short(picture.min())} to {_short(picture.max())}"
+    _LOG.info(", ".join((f"{name}: {columns} x {rows}{components}", said, *notes)))
+
+
+def _short(number):
+    return f"{number:.7g}" if isinstance(number, np.floating) else str(int(number))
