@@ -311,7 +311,8 @@ def _luminance_and_chroma(path):
         check_count(path, size, "pixels", PIXELS)
         total += math.prod(size) * len(header["channels"])
     check_count(path, (total,), "values of its channels", 4 * PIXELS)
-    for part in OpenEXR.File(str(path), separate_channels=True).parts:
+    file = OpenEXR.File(str(path), separate_channels=True)  # its parts are none without it
+    for part in file.parts:
         if "Y" not in part.channels:
             continue
         header = part.header

@@ -245,11 +245,10 @@ def _faces_of(values):
 def _cube(found, size):
     """A cube map whose texels are means of all that they cover."""
     most = (4 if size > _MOST_FINE // 2 else 2) * _MOST_FINE
-    around = 4 if found.layout == STRIP else 1  # a cube's face is a quarter of the way round
-    while around * found.values.shape[1] > most and not any(n % 2 for n in found.values.shape[:2]):
+    while found.values.shape[1] > most and not any(n % 2 for n in found.values.shape[:2]):
         found = found.halved()
     fine = size
-    while 2 * fine < around * found.values.shape[1] and 2 * fine <= _MOST_FINE:
+    while 2 * fine < found.values.shape[1] and 2 * fine <= _MOST_FINE:
         fine *= 2
     # Face by face: the directions of all are many.
     return prefilter.reduced(np.stack([found.radiance(face) for face in cube_maps.directions(fine)]), size)

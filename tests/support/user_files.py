@@ -159,7 +159,7 @@ def texels(rows=8, columns=16):
     out = np.full((rows, columns, 4), 128, np.uint8)
     out[..., 0] = 16 * np.arange(rows)[:, None] + np.arange(columns)
     out[..., 1] = 200 - 8 * np.arange(rows)[:, None]
-    out[1, 3] = (200, 190, 180, 131)
+    out[1, 3 % columns] = (200, 190, 180, 131)
     return out
 
 
