@@ -7,6 +7,9 @@ from pathlib import Path
 
 from fixedpipe.effects.refusal import Refusal
 
+# Characters of a file's name that a temporary one beside it has, and of its ending.
+_NAMED, _LONGEST_ENDING = 30, 10
+
 
 def writable_folder(folder):
     """The folder as a path, made if need be. Raises Refusal when nothing can be written there."""
@@ -61,8 +64,13 @@ def writable_picture(name, inputs=()):
 
 
 def _temporary_beside(path):
-    """An open handle of a new file in the folder of ``path``, hidden and named after it, and its path."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
+    """An open handle of a new file in the folder of ``path``, hidden and named after it, and its path; its
+    name is no longer than that of ``path`` may be.
+    """
+    with suppress(FileNotFoundError):
+        os.lstat(path)  # raises where the file system takes no such name
+    ending = path.suffix if len(path.suffix) <= _LONGEST_ENDING else ""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem[:_NAMED]}.", suffix=ending)
     return handle, Path(temporary)
 
 

@@ -72,7 +72,7 @@ def read(name):
 
 def _dense(path):
     """The DenseBRDF of an NPZ file, whose array's header is looked at before anything is unpacked."""
-    cure = "Write it with fixedpipe brdf, or numpy.savez."
+    cure = f"Write it with fixedpipe brdf, or numpy.savez. {_FILES}"
     with whole(path, "is a damaged NPZ file", cure), zipfile.ZipFile(path) as members:
         if "samples.npy" not in members.namelist():
             raise Refusal(f"{path}: The NPZ file has no array `samples`. {_FILES}")

@@ -78,7 +78,7 @@ def _png(path):
             columns, rows, bits, color = struct.unpack(">16xIIBB", file.read(26))
         check_count(path, (columns, rows), "pixels", PIXELS)
         if bits == 16 and color != 0:  # Pillow cuts colours and grey with alpha to 8 bits
-            return by_openimageio(path, "PNG"), ()
+            return through_openimageio(path, "PNG"), ()
         return _by_pillow(path, "PNG")
 
 
@@ -96,7 +96,7 @@ def _by_pillow(path, kind):
         warnings.simplefilter("ignore")
         with Image.open(path, formats=(kind,)) as image:
             check_count(path, image.size, "pixels", PIXELS)
-            orientation = 1 if kind == "TIFF" else _orientation_of(image)  # Pillow turns TIFF itself
+            orientation = _orientation_of(image)
             if image.mode == "P":
                 image = image.convert(image.palette.mode)
             elif image.mode in _OTHER_COLORS:
@@ -126,7 +126,7 @@ class _any_size:  # noqa: N801 (a context)
         self.module.MAX_IMAGE_PIXELS = self.before
 
 
-def by_openimageio(path, kind):
+def through_openimageio(path, kind):
     """The values of a file's first picture by OpenImageIO, in the file's own type: [rows, columns(, c)].
 
     Raises Refusal without the library, with its own words where it cannot read the file, and for more than
@@ -186,7 +186,7 @@ _NODATA = 42113
 _UNSIGNED, _SIGNED, _FLOAT = 1, 2, 3
 # (bits, format) that Pillow reads right where there is one component.
 _OF_PILLOW = ((16, _UNSIGNED), (16, _SIGNED), (32, _SIGNED), (32, _FLOAT))
-# tifffile unpacks these whole: none, PackBits, and what _check_deflate has looked at.
+# What tifffile unpacks is bounded: none, PackBits, and what _check_deflate has looked at.
 _NONE, _PACKED, _DEFLATED = 1, 32773, (8, 32946)
 
 
@@ -212,12 +212,12 @@ def _tags(path):
 
     with path.open("rb") as file, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        begin = file.read(8)
-        big, order = b"+" in begin[2:4], "little" if begin.startswith(b"II") else "big"
-        begin += file.read(8) if big else b""
-        tags = ImageFileDirectory_v2(begin)
-        tags._bigtiff = big  # Pillow 13 sees it of files with the smaller byte first alone
-        file.seek(int.from_bytes(begin[8:] if big else begin[4:], order))
+        begin = file.read(16)
+        big, small_first = b"+" in begin[2:4], begin.startswith(b"II")
+        # Pillow 13 sees that a file is a BigTIFF where the smaller byte is first alone; so it is told.
+        tags = ImageFileDirectory_v2(b"II*\0\0\0\0\0" if small_first else b"MM\0*\0\0\0\0")
+        tags._bigtiff = big
+        file.seek(int.from_bytes(begin[8:] if big else begin[4:8], "little" if small_first else "big"))
         tags.load(file)
         values = {tag: tags[tag] for tag in tags}
     return {tag: value[0] if type(value) is tuple and value else value for tag, value in values.items()}
@@ -226,26 +226,29 @@ def _tags(path):
 def _tiff_values(path, tags):
     """(values, notes) by the first library that is right about the file's kind and reads it."""
     bits, form = tags.get(_BITS, 1), tags.get(_SAMPLE_FORMAT, _UNSIGNED)
-    alone = tags.get(_COMPONENTS, 1) == 1
-    right = (bits <= 8 and form == _UNSIGNED) or (alone and (bits, form) in _OF_PILLOW)
+    few = bits <= 8 and form == _UNSIGNED
+    # Pillow turns TIFF files itself, and takes columns for rows where there are not as many.
+    upright = tags.get(ORIENTATION, 1) not in _TURNS
+    right = upright and (few or (tags.get(_COMPONENTS, 1) == 1 and (bits, form) in _OF_PILLOW))
 
     def by_pillow():
-        if not right:
-            raise Refusal(f"{path} has {bits} bits a component, which need the extra `probes`.")
-        return _by_pillow(path, "TIFF")[0]  # and turned
+        return _by_pillow(path, "TIFF")
 
-    def turned_by(read):
-        return lambda: turned(read(), tags.get(ORIENTATION, 1))
+    def by_openimageio():
+        return _turned_with_note(through_openimageio(path, "TIFF"), tags.get(ORIENTATION, 1))
 
-    others = [turned_by(lambda: by_openimageio(path, "TIFF")), turned_by(lambda: _by_tifffile(path, tags))]
-    if bits == 64 and form != _FLOAT:
-        readers = others[1:]  # OpenImageIO reads none of these
+    def by_tifffile():
+        return _turned_with_note(_by_tifffile(path, tags), tags.get(ORIENTATION, 1))
+
+    if bits == 64:
+        # OpenImageIO reads no whole numbers of 64 bits, and of tiles of doubles what was in memory before.
+        readers = [by_tifffile, *([by_openimageio] if form == _FLOAT and _TILE[0] not in tags else [])]
     else:
-        readers = [by_pillow, *others] if bits <= 8 and form == _UNSIGNED else [*others, by_pillow]
+        readers = [*([by_pillow] if right else []), by_openimageio][:: 1 if few else -1]
     refused = None
     for reader in readers:
         try:
-            return reader(), _turned_with_note(np.empty((1, 1)), tags.get(ORIENTATION, 1))[1]
+            return reader()
         except MemoryError:
             raise
         except Exception as error:  # a decoder fed arbitrary bytes raises whatever it stumbles over
@@ -254,7 +257,7 @@ def _tiff_values(path, tags):
 
 
 def _by_tifffile(path, tags):
-    """Of kinds that OpenImageIO does not read: whole numbers of 64 bits."""
+    """Of numbers of 64 bits."""
     try:
         import tifffile
     except ImportError:

@@ -107,7 +107,7 @@ def read_candidates(root: Path) -> dict[str, Candidate]:
     found = {}
     for path in sorted((root / FOLDER / "candidates").glob("*.json")):
         try:
-            given = json.loads(path.read_text(encoding="utf-8"))
+            given = json.loads(path.read_text(encoding="utf-8-sig"))
             candidate = Candidate(**(given | {"golden": from_object(given["golden"])}))
         except FileNotFoundError:  # accepted by another process meanwhile
             continue
@@ -221,7 +221,7 @@ def read_run(root: Path) -> dict[str, Any]:
     """What ``write_run`` wrote. Raises StoreError."""
     path = root / FOLDER / "run.json"
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(path.read_text(encoding="utf-8-sig"))
         if found["format"] != 1 or not isinstance(found["pictures"], dict):
             raise ValueError("another format")
     except FileNotFoundError as error:

@@ -117,8 +117,10 @@ def pixels_of_png(data: bytes, name: str = "the PNG file") -> NDArray[np.uint8 |
 
     Raises ValueError for a file that is broken, or whose pixels ``pixels_of`` would refuse.
     """
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
 
+    if not data.startswith(_SIGNATURE):
+        raise ValueError(f"{name} is no whole PNG file: it begins otherwise. Write it anew.")
     try:
         depth, color_type, interlaced = data[24], data[25], data[28]
         if depth == 16 and color_type in _COMPONENTS:
@@ -127,6 +129,8 @@ def pixels_of_png(data: bytes, name: str = "the PNG file") -> NDArray[np.uint8 |
             return _of_array(_sixteen_bits(data, _COMPONENTS[color_type]))
         with Image.open(BytesIO(data)) as image:
             return _of_array(_of_pillow(image))
+    except UnidentifiedImageError as error:  # its words name an object of Python
+        raise ValueError(f"{name} is no whole PNG file: its header is damaged. Write it anew.") from error
     except (
         OSError,
         SyntaxError,

@@ -182,7 +182,7 @@ def _once(pairs):
 def read_store(path: Path) -> dict[str, GoldenPicture]:
     """The accepted pictures of a file, by name; none where there is no file. Raises StoreError."""
     try:
-        return from_text(path.read_text(encoding="utf-8"), path)
+        return from_text(path.read_text(encoding="utf-8-sig"), path)  # editors of Windows put a mark first
     except FileNotFoundError:
         return {}
     except UnicodeDecodeError as error:

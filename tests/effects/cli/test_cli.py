@@ -22,6 +22,7 @@ from fixedpipe.effects.figures import FIGURES, Method
 from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import files
+from fixedpipe.effects.reports.files import writable_file, write_whole
 from fixedpipe.effects.reports.gallery import gallery
 from fixedpipe.effects.technique import INDEX
 from fixedpipe.effects.user_pictures import bumped_mesh, inputs
@@ -510,6 +511,12 @@ def test_a_picture_that_cannot_be_written_is_refused_before_it_is_drawn(photo, t
     (tmp_path / "taken").write_text("a file")
     assert words in refusal_of(*bump(photo, tmp_path / name))
     assert {path.name for path in tmp_path.iterdir()} == {"hills.png", "taken"}
+
+
+@pytest.mark.parametrize("name", ["n" * 251 + ".png", "é" * 125 + ".png", "n." + "b" * 253, ".n" + "n" * 253])
+def test_a_name_as_long_as_the_file_system_takes_is_written(tmp_path, name):
+    write_whole(writable_file(tmp_path / name), b"all of it")
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [(name, b"all of it")]
 
 
 @pytest.mark.parametrize("size", ["0", "-5", "x", "1.5"])

@@ -248,3 +248,10 @@ def test_bounds_are_inclusive_pairs():
         with pytest.raises(ValueError, match="pixels is"):
             bounds(wrong, "pixels")
     assert isinstance(difference(PICTURE, one_bit_of_alpha(PICTURE)), Difference)
+
+
+@pytest.mark.parametrize("data", [b"", b"a text", b"\x89PNG\r\n\x1a\n", b"\x89PNG\r\n\x1a\n" + bytes(40)])
+def test_what_is_no_png_file_is_said_without_pythons_words(data):
+    with pytest.raises(ValueError, match=r"a\.png is no whole PNG file") as refused:
+        pixels_of_png(data, "a.png")
+    assert "object at" not in str(refused.value) and "<" not in str(refused.value)

@@ -283,3 +283,12 @@ def test_nothing_is_accepted_where_the_self_test_fails(accepted, monkeypatch):
     monkeypatch.setattr(quick, "failures", tuple)
     assert len(accept_where_sound(root, [changed])) == 1
     assert kept(root) != before
+
+
+def test_a_store_that_an_editor_gave_a_byte_order_mark_is_read(tmp_path):
+    path = tmp_path / "test_a.json"
+    text = to_text({"test_a": golden_of(PICTURE)})
+    path.write_text(text, encoding="utf-8-sig")
+    assert read_store(path) == from_text(text, path)
+    change_store(path, {"test_b": golden_of(OTHER)})
+    assert sorted(read_store(path)) == ["test_a", "test_b"]
