@@ -76,8 +76,12 @@ def _dense(path):
     with whole(path, "is a damaged NPZ file", cure), zipfile.ZipFile(path) as members:
         if "samples.npy" not in members.namelist():
             raise Refusal(f"{path}: The NPZ file has no array `samples`. {_FILES}")
-        if members.getinfo("samples.npy").flag_bits & 1:
+        member = members.getinfo("samples.npy")
+        if member.flag_bits & 1:
             raise Refusal(f"{path} is an encrypted NPZ file. {cure}")
+        # zipfile unpacks what others packed without a bound.
+        if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            raise Refusal(f"{path} is an NPZ file packed by method {member.compress_type}. {cure}")
         with members.open("samples.npy") as file:
             found = arrays.header(file)
             if wrong := _wrong(found):

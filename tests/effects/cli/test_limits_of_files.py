@@ -78,11 +78,30 @@ def deflated(times, wrapped=False):
     return (b"\x78\x9c" if wrapped else b"") + piece * times + zlib.compressobj(9, zlib.DEFLATED, -15).flush()
 
 
-def zipped(name, data, size):
-    """A ZIP file of one deflated member, which says that it has so many bytes."""
-    local = struct.pack("<4sHHHHHIIIHH", b"PK\3\4", 20, 0, 8, 0, 0, 0, len(data), size, len(name), 0) + name
+def zipped(name, data, size, method=8):
+    """A ZIP file of one member, deflated or by another method, which says that it has so many bytes."""
+    local = (
+        struct.pack("<4sHHHHHIIIHH", b"PK\3\4", 20, 0, method, 0, 0, 0, len(data), size, len(name), 0) + name
+    )
     central = struct.pack(
-        "<4sHHHHHHIIIHHHHHII", b"PK\1\2", 20, 20, 0, 8, 0, 0, 0, len(data), size, len(name), 0, 0, 0, 0, 0, 0
+        "<4sHHHHHHIIIHHHHHII",
+        b"PK\1\2",
+        20,
+        20,
+        0,
+        method,
+        0,
+        0,
+        0,
+        len(data),
+        size,
+        len(name),
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
     )
     end = struct.pack(
         "<4sHHHHIIH", b"PK\5\6", 0, 0, 1, 1, len(central) + len(name), len(local) + len(data), 0
@@ -149,6 +168,12 @@ BOMBS = {
         lambda: zipped(b"samples.npy", stored(npy_header((110, 110, 110, 110, 3))) + deflated(1), 2**32 - 1),
         "146.41 million",
     ),
+    "bzip2.npz": (
+        "brdf",
+        lambda: zipped(b"samples.npy", bz2.compress(npy_header(BRDF)) + bz2.compress(ZEROS) * 32, 2**31, 12),
+        "packed by method 12",
+    ),
+    "method.npz": ("brdf", lambda: zipped(b"samples.npy", b"", 9, 99), "packed by method 99"),
     "large.png": ("heights", lambda: png_header(13000, 13000, 8, 2), "169 million"),
     "deep.png": ("heights", lambda: png_header(13000, 13000, 16, 6), "169 million"),
     "large.tif": ("heights", lambda: _large_tiff(), "3600 million"),
