@@ -10,6 +10,7 @@ Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6; pass sequence A-G23, 6
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +48,16 @@ class DenseBRDF:
         out = out / n
         return DenseBRDF(0.5 * (out + out.transpose(2, 3, 0, 1, 4)))
 
+    @cached_property
+    def _with_zenith(self):
+        return _with_zenith(self.samples)
+
     def at(self, towards, views):
         """f_r of directions [n, 3] each, above the horizon, linear between samples: float64 [n, 3]. Nearer to
         the horizon than any sample, the nearest z counts; at the zenith, the mean of those around it.
         """
         n = self.count
-        samples = _with_zenith(self.samples)
+        samples = self._with_zenith
         places = [*_place(towards, n), *_place(views, n)]
         out = np.zeros((len(places[0][0]), 3))
         for corner in range(16):

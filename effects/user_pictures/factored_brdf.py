@@ -111,6 +111,8 @@ def dense(samples):
         raise ValueError(wrong)
     if not np.isfinite(samples).all():
         raise ValueError(_NO_NUMBERS)
+    if not samples.any():
+        raise ValueError("The samples are all zero; there is nothing to factor.")
     if samples.min() < 0:
         raise ValueError(
             f"The samples go down to {samples.min():g}; f_r is zero or more, so give none below."
