@@ -54,7 +54,10 @@ _APPROVED = (
     "Source: ARB_texture_env_combine and ARB_texture_env_dot3 were approved on February 16, 2001; Assumed: "
     "no driver had their functions under another name; a list of its extensions would settle it"
 )
-_LISTED = "Source: berkelium.com, NVIDIA OpenGL Extensions (a list of about 2000, undated)"
+_LISTED = (
+    "Inferred: berkelium.com, NVIDIA OpenGL Extensions, lists EXT_point_parameters beside "
+    "EXT_vertex_weighting, which came with this board; the list is undated"
+)
 _POINTS: dict[str, Any] = {"point_parameters": known(True, _LISTED)}
 _WITHOUT_DOT3: dict[str, Any] = {
     "combine_functions": known(
@@ -66,7 +69,8 @@ _WITHOUT_DOT3: dict[str, Any] = {
 _S3TC: dict[str, Any] = {
     "internal_formats": known(
         CORE_FORMATS | frozenset(f for f in InternalFormat if "S3TC" in f.name),
-        "Source: nvnews.net, Detonator Driver Report, part 2 (April 11, 2000): S3TC is new with 5.13",
+        "Source: nvnews.net, Detonator Driver Report, part 2 (April 11, 2000): S3TC is new with 5.13; "
+        "Assumed: its texels are decoded exactly, without dither; a picture of one would settle it",
     )
 }
 _DRIVERS = (
