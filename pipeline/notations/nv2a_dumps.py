@@ -54,9 +54,11 @@ _PREFIX = re.compile(r"(?:X_)?(?:D3DRS_)?(?:NV097_)?")
 _OTHER_METHOD = re.compile(r"NV[0-9A-Fa-f]{3}_|(?:X_)?D3DRS_|SET_[A-Z0-9]")
 # The class of what a trace tells: another's methods have the same addresses.
 _CLASS, _KELVIN = re.compile(r"0[xX]0*(?P<hex>[0-9a-fA-F]{1,2})>?[ \t]*->"), 0x97
-_NUMBER = r"(?P<index>0[xX][0-9a-fA-F]{1,2}|[0-9]{1,9})"
+_NUMBER = r"(?P<index>0[xX][0-9a-fA-F]{1,2}|[0-9]+)"
 _INDEX = re.compile(rf"[ \t]*(?:(?P<open>[\[(<])[ \t]*{_NUMBER}[ \t]*[\])>])?")
 _NO_INDEX = re.compile(r"\[(?P<index>[^\]\n]*)")
+_ADDRESS_BEFORE = re.compile(r"0[xX]0*(?P<hex>[0-9a-fA-F]{3,4})[ \t:(<]*\Z")
+_SUM_BEFORE = re.compile(r"[\w)\]][ \t]*([+*/&|^-])[ \t]*\(?\Z")
 _PLUS, _AFTER_OFFSET = re.compile(r"[ \t]*\+(?!=)"), re.compile(r"[ \t]*[,\])=:]")
 # Beside a name: in brackets, or before another number.
 _ADDRESS = re.compile(
@@ -74,9 +76,9 @@ _BEGINS_VALUE = re.compile(r"[0-9]|PS_[A-Z]+_|PS_COMBINER|D3DCOLOR_")
 _COUNTING = re.compile(
     r"\b(?P<name>\w*(?:METHOD|BEGIN|HEADER)\w*|pb_push(?:_to)?|mem\w+)[ \t]*\((?P<rest>[^\n]*)", re.IGNORECASE
 )
-_PUSHED = re.compile(
-    r"[^\n]*\n\s*(?:\*\s*\(?\s*\w+\s*\+\+|OUT_RING\w*\s*\(|\w*PUSH_?DATA\w*\s*\()", re.IGNORECASE
-)
+# Assumed: no call is longer before a method's name.
+_CALL = 400
+_PUSHED = re.compile(r"\n\s*(?:\*\s*\(?\s*\w+\s*\+\+|OUT_RING\w*\s*\(|\w*PUSH_?DATA\w*\s*\()", re.IGNORECASE)
 _ENDS = re.compile(r"\w*END\b")
 _LARGEST = 0xFFFFFFFF
 
@@ -156,34 +158,50 @@ class _Reader:
         return len(self.text) if end < 0 else end
 
     def read(self):
-        done = 0
-        for number, at in enumerate(self.line_starts(), self.start[0]):
-            if at >= done and (found := self.method(at)) is not None:
-                done = self.statement(*found, number)
+        at, number, begins = 0, self.start[0], True
+        while at <= len(self.text):
+            found = self.method(at, begins)
+            end = self.line_end(at) + 1 if found is None else self.statement(*found, number)
+            number += self.text.count("\n", at, end)
+            at, begins = end, found is None
         self.refuse_offsets()
 
-    def method(self, line):
-        """(name, index or None, where it ends, whether it is an address) of the line that begins there, or
-        None.
+    def method(self, at, begins=True):
+        """(name, index or None, where it ends, whether it is an address) of the first method of the line from
+        there on, or None. ``begins``: whether the line begins there; addresses stand at its beginning.
         """
-        if _PASSED.match(self.text, line):
+        if begins and _PASSED.match(self.text, at):
             return None
-        first = True
-        for term in _TERM.finditer(self.text, line, self.line_end(line)):
+        first = begins
+        for term in _TERM.finditer(self.text, at, self.line_end(at)):
             if term["hex"] is None:
                 if known := _named(term[0]):
-                    return (*known, term.end(), False)
-                if _OTHER_METHOD.match(term[0]):
-                    return None  # what another method is given names none
+                    return self.behind_address(at, term, *known)
+                # What another method is given is no address of one.
+                first = first and not _OTHER_METHOD.match(term[0])
                 continue
             value = int(term["hex"][-8:], 16)
-            if (trace := _CLASS.match(self.text, term.start())) and int(trace["hex"], 16) != _KELVIN:
-                return None
-            if first and len(term["hex"]) in (3, 4):
-                found = _ADDRESSES.get(value)
-                return found and (*found, term.end(), True)
+            if trace := _CLASS.match(self.text, term.start()):
+                if int(trace["hex"], 16) != _KELVIN:
+                    return None
+                first = begins
+                continue
+            if first and len(term["hex"]) in (3, 4) and value in _ADDRESSES:
+                return (*_ADDRESSES[value], term.end(), True)
             first = first and value == _KELVIN
         return None
+
+    def behind_address(self, line, term, name, index):
+        """What ``method`` returns of a name, before which its address may stand."""
+        before = _ADDRESS_BEFORE.search(self.text, line, term.start())
+        if before and _ADDRESSES.get(int(before["hex"], 16), ("",))[0] == name:
+            return (*_ADDRESSES[int(before["hex"], 16)], before.end("hex"), True)
+        if sum_ := _SUM_BEFORE.search(self.text, line, term.start()):
+            raise self.error(
+                sum_.end(1),
+                f"{name} stands behind {sum_[1]}; write the offset of a word behind its name.",
+            )
+        return name, index, term.end(), False
 
     def statement(self, name, index, at, is_address, number):
         """Read what follows a method; returns where that ends."""
@@ -296,10 +314,11 @@ class _Reader:
 
     def refuse_counts(self, name, at):
         """Of a push buffer's header, which says how many words follow elsewhere, and of a block of memory."""
-        counting = _COUNTING.search(self.text, self.text.rfind("\n", 0, at) + 1, at)
+        before = max(self.text.rfind("\n", 0, at) + 1, at - _CALL)
+        counting = _COUNTING.search(self.text, before, at)
         if counting and counting["rest"].count(")") > counting["rest"].count("("):
             counting = None
-        if counting or _PUSHED.match(self.text, at):
+        if counting or _PUSHED.match(self.text, self.line_end(at)):
             who = counting["name"][:40] if counting else "this line"
             raise self.error(
                 at,
@@ -323,7 +342,7 @@ class _Reader:
             if line < len(text) and not _PASSED.match(text, line) and not other:
                 between = _BETWEEN.match(text, line)
                 listed, at = listed or "{" in between[0], between.end()
-        if at >= len(text) or text[at] in "\n;)]}":
+        if at >= len(text) or text[at] in "\n;)]}" or (text[at] == "~" and not _GOES_ON.search(between[0])):
             if bracket and bracket["open"] != "[" and COUNTS[name] == 1:
                 return [(_number(bracket["index"]), bracket.start("index"))], at, False
             raise self.error(place, f"{name} has no value; write {name} = 0x0 for instance.")
@@ -402,4 +421,4 @@ class _Reader:
 
 
 def _number(text):
-    return int(text, 16 if text[:2] in ("0x", "0X") else 10)
+    return int(text[:9], 16 if text[:2] in ("0x", "0X") else 10)

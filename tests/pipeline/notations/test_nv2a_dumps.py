@@ -151,6 +151,20 @@ def test_an_expression_is_c_s(expression, word):
     assert words(f"SET_COMBINER_CONTROL = {expression}") == {CONTROL: word}
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "PSRGBInputs[0] = 5; PSRGBOutputs[1] = 0xc0;",
+        f"p = pb_push1(p, NV097_{ICW}, 5); p = pb_push1(p, NV097_SET_LIGHT, 9); f(NV097_{OCW} + 4, 0xc0);",
+        "psd = { .PSRGBInputs = { 0x5 }, .PSRGBOutputs[1] = 0xc0 };",
+        f"[0x7f12] {TRACE}0x0ac0 NV097_{ICW}[0] 0x5\n[0x7f13] {TRACE}0x1e44 NV097_{OCW}[4] 0xc0",
+        f"pc 0x80001234: 0x0ac0 NV097_{ICW}[0] 0x5; 0x1e44 NV097_{OCW}[4] 0xc0",
+    ],
+)
+def test_every_statement_of_a_line_is_read(line):
+    assert words(line) == {(ICW, 0): 5, (OCW, 1): 0xC0}
+
+
 def test_an_array_is_given_whole():
     eight = {(ICW, k): k + 1 for k in range(8)}
     assert words("PSRGBInputs[8]   = 0x1 0x2 0x3 0x4 0x5 0x6 0x7 0x8\n") == eight
@@ -202,6 +216,9 @@ A_NAME = "a name that has no value here"
         ("psd.PSRGBInputs[i] = 5;", 1, 17, ["index 'i'"]),
         ("psd.PSRGBInputs[0] = 5 / 2;", 1, 24, ["'/'"]),
         (f"p = pb_push1(p, NV097_{ICW} + stage * 4, 5);", 1, 48, ["followed by + and 'stage'"]),
+        (f"p = pb_push1(p, 4 * 1 + NV097_{ICW}, 5);", 1, 24, ["stands behind +"]),
+        ("SET_COMBINER_CONTROL ~ 0x5", 1, 22, ["has no value"]),
+        (f"{ICW}[{'9' * 400}] = 0x0", 1, 425, ["words 0 to 7"]),
         (f"p = pb_push1(p, NV097_{ICW} + 2, 5);", 1, 47, ["no offset of a word"]),
         (f"*p++ = PB_METHOD_INC(0, NV097_{ICW}, 1);\n*p++ = 0x08040000;", 1, 53, ["PB_METHOD_INC takes"]),
         (f"pb_push_to(SUBCH_3D, p++, NV097_{ICW}, 8);\n *(p++) = 0x0;", 1, 55, ["pb_push_to takes a number"]),
@@ -293,8 +310,9 @@ def test_what_was_given_again_or_behind_the_last_draw_is_said():
         "f(" * 200_000 + "SET_COMBINER_CONTROL, 5",
         "SET_COMBINER_CONTROL 1\nSET_BEGIN_END 5\nSET_COMBINER_CONTROL 2\nSET_BEGIN_END 5\n" * 6000,
         "SET_COMBINER_CONTROL = MASK(" * 15_000,
+        "f(SET_COMBINER_CONTROL, 5); " * 25_000,
     ],
-    ids=range(9),
+    ids=range(10),
 )
 def test_a_long_text_takes_seconds(text):
     begin = time.process_time()
