@@ -156,7 +156,7 @@ def _is_whole(words, properties):
 def _corners(elements, path):
     vertex = elements["vertex"]
     names = vertex.dtype.names
-    points = np.stack([np.asarray(vertex[axis], np.float64) for axis in "xyz"], axis=-1)
+    points = _columns(vertex, "xyz")
     polygons, coordinates_of = _polygons(elements, path)
     triangles, faces, problems = _triangles(polygons, points, path)
     if not len(triangles):
@@ -168,19 +168,26 @@ def _corners(elements, path):
     shape = (*numbers.shape, 2)
     given = next((pair for pair in _COORDINATES if set(pair) <= set(names)), None)
     if given is not None:
-        pairs = np.stack([np.asarray(vertex[name], np.float64) for name in given], axis=-1)
-        coordinates = _finite(pairs)[numbers]
+        coordinates = _finite(_columns(vertex, given))[numbers]
     elif coordinates_of is not None:
         coordinates = _of_faces(coordinates_of, polygons, triangles)
     else:
         coordinates = np.full(shape, math.nan)
     normals = np.full((*numbers.shape, 3), math.nan)
     if {"nx", "ny", "nz"} <= set(names):
-        vectors = np.stack([np.asarray(vertex[f"n{axis}"], np.float64) for axis in "xyz"], axis=-1)
+        vectors = _columns(vertex, ("nx", "ny", "nz"))
         # A normal of no length says nothing.
         vectors[(vectors == 0.0).all(axis=-1)] = math.nan
         normals = _finite(vectors)[numbers]
     return Corners(points[numbers], coordinates, normals, len(points), faces, problems)
+
+
+def _columns(vertex, names):
+    """Properties of vertices as columns. Raises TypeError where one is a list."""
+    for name in names:
+        if vertex.dtype[name].kind == "O":
+            raise TypeError(name)
+    return np.stack([np.asarray(vertex[name], np.float64) for name in names], axis=-1)
 
 
 def _finite(vectors):

@@ -293,6 +293,17 @@ def test_a_header_that_names_too_many_is_refused_before_room_is_made(tmp_path, k
         read(tmp_path, data, "a.ply")
 
 
+def test_properties_of_kinds_that_no_mesh_has_are_refused(tmp_path):
+    rows = [((x,), y, z) for x, y, z in POINTS]
+    listed = ply("ascii", [("vertex", [("uchar", "int", "x"), *XYZ[1:]], rows), FACE])
+    floats = ply(
+        "ascii", [("vertex", XYZ, POINTS), ("face", [("uchar", "float", "vertex_indices")], FACE[2])]
+    )
+    for data in (listed, floats):
+        with pytest.raises(Refusal, match="has properties of kinds that are not read"):
+            read(tmp_path, data, "a.ply")
+
+
 @settings(max_examples=60)
 @given(
     st.lists(st.lists(st.integers(0, 7), min_size=0, max_size=5), min_size=1, max_size=12),
