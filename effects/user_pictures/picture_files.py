@@ -8,6 +8,7 @@ Source: PNG specification, second edition; TIFF 6.0; Exif 2.3 (orientation); GDA
 """
 
 import logging
+import math
 import re
 import struct
 import sys
@@ -274,6 +275,9 @@ def _by_tifffile(path, tags):
             raise Refusal(f"{path} has the compression {page.compression.name}. {_SAVE_AGAIN} without it.")
         if page.samplesperpixel > 4 or page.size > 4 * tags[_WIDTH] * tags[_HEIGHT]:
             raise Refusal(f"{path} has {page.samplesperpixel} components; give a picture of one to four.")
+        # What has none would be zeros.
+        if len(page.dataoffsets) != math.prod(page.chunked) or not all(page.databytecounts):
+            raise Refusal(f"{path} has not all of the strips or tiles that it names. {_SAVE_AGAIN}.")
         if compression in _DEFLATED:
             _check_deflate(path, page)
         return np.asarray(page.asarray())
@@ -281,7 +285,7 @@ def _by_tifffile(path, tags):
 
 def _check_deflate(path, page):
     """Raises Refusal where a strip or tile unpacks to more than it may have: tifffile would hold it all."""
-    most = int(np.prod([max(n, 1) for n in page.chunks])) * page.dtype.itemsize
+    most = math.prod(page.chunks) * page.dtype.itemsize
     with path.open("rb") as file:
         for offset, count in zip(page.dataoffsets, page.databytecounts, strict=True):
             file.seek(offset)

@@ -158,3 +158,25 @@ def test_what_is_no_file_is_refused(tmp_path):
         factored_brdf.factored(np.zeros((2, 2)))
     with pytest.raises(ValueError, match="finite"):
         factored_brdf.factored(np.full((2, 2, 2, 2, 3), np.inf))
+
+
+def test_an_npz_file_that_cannot_be_unpacked_is_refused_in_a_sentence(tmp_path):
+    path = tmp_path / "a.npz"
+    np.savez_compressed(path, samples=np.arange(48.0).reshape(2, 2, 2, 2, 3))
+    whole = path.read_bytes()
+    central = whole.index(b"PK\1\2")
+    encrypted, packed = bytearray(whole), bytearray(whole)
+    for at in (6, central + 8):
+        encrypted[at] |= 1
+    packed[60:80] = bytes(20)
+    for data, words in ((encrypted, "is an encrypted NPZ file"), (packed, "is a damaged NPZ file")):
+        path.write_bytes(data)
+        with pytest.raises(Refusal, match=words):
+            factored_brdf.read(path)
+    for samples, words in (
+        (np.full((2, 2, 2, 2, 3), -0.9), "go down to -0.9"),
+        (np.zeros((2, 2, 2, 2, 3)), "zero"),
+    ):
+        np.savez(path, samples=samples)
+        with pytest.raises(Refusal, match=words):
+            factored_brdf.read(path)

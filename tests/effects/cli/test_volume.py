@@ -1,11 +1,15 @@
 """``fixedpipe volume``: raw and NRRD volumes become pictures, and what is none ends with one sentence."""
 
+import bz2
+import gzip
 import sys
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.user_pictures.volume_files import read_nrrd
 from tests.effects.cli.test_cli import refusal_of, run
 
 nrrd = pytest.importorskip("nrrd")
@@ -153,3 +157,63 @@ def test_missing_files_samples_and_packages_are_refused(tmp_path, monkeypatch):
     nrrd.write(str(file), np.eye(4))
     monkeypatch.setitem(sys.modules, "nrrd", None)
     assert "fixedpipe[volumes]" in refusal_of(*volume(file, tmp_path / "none.png"))
+
+
+def _written(folder, head, data, name="a.nrrd"):
+    path = folder / name
+    path.write_bytes(b"NRRD0004\n" + head + b"\n" + data)
+    return path
+
+
+def test_ends_of_lines_letters_and_streams_after_each_other_change_nothing(tmp_path):
+    data = np.arange(24, dtype="<u2")
+    raw, half = data.tobytes(), len(data.tobytes()) // 2
+    head = b"type: ushort\ndimension: 3\nsizes: 4 3 2\nencoding: %s\nendian: little\n"
+    packed = gzip.compress(raw)
+    for encoding, values, more in (
+        (b"raw", raw, b""),
+        (b"raw", raw + b"\n", b""),
+        (b"raw", raw + b"\r\n\r\n", b""),
+        (b"raw", b"12345" + raw, b"byte skip: 5\n"),
+        (b"raw", b"of any length" + raw, b"byte skip: -1\n"),
+        (b"raw", b"a line\nanother\n" + raw, b"line skip: 2\n"),
+        (b"gzip", packed, b""),
+        (b"gz", packed + b"\n and what is no stream", b""),
+        (b"gzip", gzip.compress(raw + b"\n"), b""),
+        (b"gzip", gzip.compress(raw[:half]) + gzip.compress(raw[half:]), b""),
+        (b"gzip", gzip.compress(b"123" + raw), b"byteskip: 3\n"),
+        (b"bzip2", bz2.compress(raw[:7]) + bz2.compress(raw[7:]), b""),
+        (b"ascii", b" ".join(b"%d" % n for n in data) + b"\n\n", b""),
+    ):
+        fields = head % encoding + more
+        shouted = b"".join(
+            line.partition(b":")[0].title() + b":" + line.partition(b":")[2].upper() + b"\n"
+            for line in fields.splitlines()
+        )
+        for written in (fields, shouted):
+            path = _written(tmp_path, written, values)
+            found, _ = read_nrrd(path)
+            np.testing.assert_array_equal(found.ravel(), data)
+            assert found.shape == (2, 3, 4)
+
+
+@pytest.mark.parametrize(
+    ("head", "data", "words"),
+    [
+        (b"encoding: raw\n", bytes(24) + b"more", "has 28 bytes of values; 4x3x2"),
+        (b"encoding: raw\n", bytes(24) + b"\n" * 40, "has 64 bytes of values"),
+        (b"encoding: gzip\n", gzip.compress(bytes(24) + b"more"), "has more values than it names"),
+        (b"encoding: gzip\n", gzip.compress(bytes(23)), "too few of them: 23 bytes of values"),
+        (b"encoding: gzip\n", gzip.compress(bytes(24))[:12], "has damaged data, or too few"),
+        (b"encoding: gzip\n", b"no stream at all", "has damaged data, or too few"),
+        (b"encoding: gzip\nbyte skip: -1\n", gzip.compress(bytes(24)), "that many there are not"),
+        (b"encoding: ascii\n", b"1 " * 25, "has more than the 24 values"),
+        (b"encoding: raw\ndata file: LIST\na.raw\nb.raw\n", b"", r"several files \(LIST\)"),
+        (b"encoding: raw\ndata file: LIST 2\na.raw\n", b"", r"several files \(LIST 2\)"),
+        (b"encoding: raw\nDATAFILE: s%02d.raw 0 23 1 2\n", b"", r"several files \(s%02d.raw 0 23 1 2\)"),
+    ],
+)
+def test_more_and_fewer_values_and_several_files_are_said(tmp_path, head, data, words):
+    path = _written(tmp_path, b"type: uchar\ndimension: 3\nsizes: 4 3 2\n" + head, data)
+    with pytest.raises(Refusal, match=words):
+        read_nrrd(path)
