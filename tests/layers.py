@@ -218,7 +218,7 @@ LIBRARIES = {
     "effects/texture_filtering": ("PIL",),
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
-    "effects/user_pictures": ("imageio", "nrrd", "tifffile", "plyfile", "OpenImageIO"),
+    "effects/user_pictures": ("PIL", "nrrd", "tifffile", "plyfile", "OpenImageIO", "OpenEXR"),
     "effects/reports": ("PIL", "matplotlib"),
     "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
     "effects/cli": ("click", "rich"),

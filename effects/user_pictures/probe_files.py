@@ -95,6 +95,7 @@ def _radiance_header(path, file):
             size = int(lines), int(texels)
             form = next(iter(said.get("FORMAT", ())), _RGBE)
             if form not in _FORMATS:
+                form = re.sub(r"[^\w-]", "?", form[:40])
                 raise Refusal(f"{path} has the format {form}; Radiance's {' and '.join(_FORMATS)} are read.")
             if first + second in _TURNS and min(size) > 0:
                 return said, size, _TURNS[first + second]
