@@ -78,8 +78,8 @@ PACKAGES = {
     "pipeline/inspection": {
         "raster": "codes witness columns",
         "pipeline": (
-            "enums state textures commands profiles notations description vertices framebuffers validation "
-            "native columns execution ideal"
+            "enums sentences state textures commands profiles notations description vertices framebuffers "
+            "validation native columns execution ideal"
         ),
     },
     "pipeline/selftest": {

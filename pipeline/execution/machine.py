@@ -226,7 +226,7 @@ class Machine:
 
     def _run(self, commands, trace, record):
         held = self.width, self.height, self.depth_bits, self.textures, self.surfaces, self.statistics
-        valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read, self.samples or 1))
+        valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read, samples=self.samples or 1))
         self._current, self._drawn_samples = self.framebuffer, self._samples
         # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
         engine = chosen_engine("portable" if record else self.engine)

@@ -108,6 +108,7 @@ class Framebuffer:
         color_format: ColorFormat = ColorFormat.A8R8G8B8,
         color_bits: int = 8,
         clamped: bool = True,
+        *,
         samples: int = 1,
         shares_depth: bool = False,
         depth_of: str | None = None,

@@ -153,7 +153,10 @@ def validate(
     check_samples(profile, samples)
     if color_bits is not None:
         check_color_bits(profile, color_bits)
-    walked(begun(profile, width, height, depth_bits, textures, surfaces, statistics, read, samples), commands)
+    walked(
+        begun(profile, width, height, depth_bits, textures, surfaces, statistics, read, samples=samples),
+        commands,
+    )
 
 
 def begun(
@@ -165,11 +168,12 @@ def begun(
     surfaces: "Mapping[str, Framebuffer] | None",
     statistics: "PixelStatistics | None",
     read: Iterable[str],
+    *,
     samples: int = 1,
 ) -> Walk:
     """A Walk that knows what a machine holds, before any command; arguments as ``validate``'s."""
     depth_bits = profile.widest_depth if depth_bits is None else depth_bits
-    walk = Walk(profile, width, height, depth_bits, surfaces or {}, statistics, read, samples)
+    walk = Walk(profile, width, height, depth_bits, surfaces or {}, statistics, read, samples=samples)
     for name, image in (textures or {}).items():
         walk.where = f"Texture {name!r}, which the machine holds"
         store(walk, name, image)

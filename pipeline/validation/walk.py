@@ -138,6 +138,7 @@ class Walk:
         surfaces: "Mapping[str, Framebuffer]",
         statistics: "PixelStatistics | None",
         read: Iterable[str] = (),
+        *,
         samples: int = 1,
     ):
         self.profile, self.width, self.height, self.depth_bits = profile, width, height, depth_bits
