@@ -259,7 +259,7 @@ DISAGREEMENTS = {
         "the NV2A's register has the bytes of a HILO texel (Measured: the Texture_format captures, R16B16); "
         "table 2 has zeros",
         ["a texel of HILO"],
-        ["GEFORCE_3", "NV2A"],
+        ["NV2A"],
     ),
 }
 
