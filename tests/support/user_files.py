@@ -184,6 +184,37 @@ def of_exr(folder, channels, **attributes):
     return path.read_bytes()
 
 
+def of_luminance_and_chroma(luminance, red, blue):
+    """An OpenEXR file of halves, not compressed: Y, and RY and BY at every second line and column."""
+    rows, columns = luminance.shape
+    channels = b"".join(
+        name + b"\0" + struct.pack("<iIii", 1, 0, step, step)
+        for name, step in ((b"BY", 2), (b"RY", 2), (b"Y", 1))
+    )
+    window = struct.pack("<4i", 0, 0, columns - 1, rows - 1)
+    attributes = (
+        (b"channels", b"chlist", channels + b"\0"),
+        (b"compression", b"compression", b"\0"),
+        (b"dataWindow", b"box2i", window),
+        (b"displayWindow", b"box2i", window),
+        (b"lineOrder", b"lineOrder", b"\0"),
+        (b"pixelAspectRatio", b"float", struct.pack("<f", 1.0)),
+        (b"screenWindowCenter", b"v2f", bytes(8)),
+        (b"screenWindowWidth", b"float", struct.pack("<f", 1.0)),
+    )
+    data = b"\x76\x2f\x31\x01" + struct.pack("<I", 2)
+    for name, kind, value in attributes:
+        data += name + b"\0" + kind + b"\0" + struct.pack("<I", len(value)) + value
+    data += b"\0"
+    places, lines = b"", b""
+    for line in range(rows):
+        even = () if line % 2 else (blue[line // 2], red[line // 2])
+        values = np.concatenate([*even, luminance[line]]).astype("<f2").tobytes()
+        places += struct.pack("<Q", len(data) + 8 * rows + len(lines))
+        lines += struct.pack("<iI", line, len(values)) + values
+    return data + places + lines
+
+
 def _nrrd(name):
     return read_nrrd(Path(name))
 
@@ -194,6 +225,7 @@ def files(folder):
     colors = np.stack([deep, deep + 1, deep + 2], axis=-1)
     numbers = b"".join(b"%d " % n for n in range(48))
     panorama = {name: np.linspace(0.0, 2.0, 128).reshape(8, 16) for name in "RGB"}
+    chroma = np.full((4, 8), 0.1)
     return {
         "a.png": (of_picture("PNG"), read_picture),
         "deep.png": (of_png(colors), read_picture),
@@ -214,6 +246,7 @@ def files(folder):
         "a.hdr": (of_radiance(texels()), probe),
         "old.hdr": (of_radiance(texels(), lines=(), coded=False), probe),
         "a.exr": (of_exr(folder, panorama), probe),
+        "chroma.exr": (of_luminance_and_chroma(panorama["R"], chroma, -chroma), probe),
         "a.npz": (of_samples(np.arange(48.0).reshape(2, 2, 2, 2, 3)), factored_brdf.read),
         "a.binary": (
             b"".join((np.array([90, 90, 180], "<i4").tobytes(), bytes(merl.BYTES - 12))),

@@ -28,9 +28,9 @@ def _nrrd(name):
 KINDS = (
     "a.png", "deep.png", "a.tiff", "deep.tiff", "whole.tiff", "a.jpg", "a.npy", "a.asc", "a.pgm", "text.ply",
     "binary.ply", "a.obj", "raw.nrrd", "text.nrrd", "gzip.nrrd", "bzip2.nrrd", "a.hdr", "old.hdr", "a.exr",
-    "a.npz", "a.binary",
+    "chroma.exr", "a.npz", "a.binary",
 )  # fmt: skip
-LIBRARIES = ("nrrd", "plyfile", "OpenImageIO", "tifffile")
+LIBRARIES = ("nrrd", "plyfile", "OpenImageIO", "OpenEXR", "tifffile")
 
 
 def check_sentence(sentence, path):

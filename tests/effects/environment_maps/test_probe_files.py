@@ -3,7 +3,6 @@ in the colours of Rec. 709; and pictures of all directions in every layout.
 """
 
 import logging
-import struct
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.user_pictures import probe_files, probes
 from tests.effects.cli.test_cli import refusal_of, run
-from tests.support.user_files import of_exr, of_radiance, texels
+from tests.support.user_files import of_exr, of_luminance_and_chroma, of_radiance, texels
 
 ROWS, COLUMNS = 8, 16
 # From XYZ to Rec. 709 with its white of D65, and from white E to D65 by Bradford's transform.
@@ -236,38 +235,7 @@ def test_chromaticities_are_used_and_said(tmp_path):
     assert "colours made Rec. 709's from its chromaticities" in str(found)
 
 
-def of_luminance_and_chroma(luminance, red, blue):
-    """An OpenEXR file of halves, not compressed: Y, and RY and BY at every second line and column."""
-    rows, columns = luminance.shape
-    channels = b"".join(
-        name + b"\0" + struct.pack("<iIii", 1, 0, step, step)
-        for name, step in ((b"BY", 2), (b"RY", 2), (b"Y", 1))
-    )
-    window = struct.pack("<4i", 0, 0, columns - 1, rows - 1)
-    attributes = (
-        (b"channels", b"chlist", channels + b"\0"),
-        (b"compression", b"compression", b"\0"),
-        (b"dataWindow", b"box2i", window),
-        (b"displayWindow", b"box2i", window),
-        (b"lineOrder", b"lineOrder", b"\0"),
-        (b"pixelAspectRatio", b"float", struct.pack("<f", 1.0)),
-        (b"screenWindowCenter", b"v2f", bytes(8)),
-        (b"screenWindowWidth", b"float", struct.pack("<f", 1.0)),
-    )
-    data = b"\x76\x2f\x31\x01" + struct.pack("<I", 2)
-    for name, kind, value in attributes:
-        data += name + b"\0" + kind + b"\0" + struct.pack("<I", len(value)) + value
-    data += b"\0"
-    places, lines = b"", b""
-    for line in range(rows):
-        even = () if line % 2 else (blue[line // 2], red[line // 2])
-        values = np.concatenate([*even, luminance[line]]).astype("<f2").tobytes()
-        places += struct.pack("<Q", len(data) + 8 * rows + len(lines))
-        lines += struct.pack("<iI", line, len(values)) + values
-    return data + places + lines
-
-
-def test_luminance_and_chroma_are_made_colours(tmp_path):
+def test_luminance_and_chroma_are_made_colours(tmp_path, capfd):
     pytest.importorskip("OpenEXR")
     # Of Rec. 709; chroma is linear along both axes, so that what is between is known.
     weights = np.array([0.2126, 0.7152, 0.0722])
@@ -279,6 +247,10 @@ def test_luminance_and_chroma_are_made_colours(tmp_path):
     expected = np.stack([luminance * (1 + red), luminance, luminance * (1 + blue)], axis=-1)
     expected[..., 1] = (luminance - expected[..., [0, 2]] @ weights[[0, 2]]) / weights[1]
     np.testing.assert_allclose(found, expected[:7, :15], atol=2e-3)
+    for length in (len(data) - 1, len(data) // 2):
+        with pytest.raises(Refusal, match="cannot be read to its end"):
+            read(tmp_path, data[:length], "exr")
+    assert capfd.readouterr() == ("", "")
 
 
 # ------------------------------------------------------------------------------------------------ layouts
