@@ -101,7 +101,8 @@ def understood(name, picture, notes=()):
         return
     rows, columns = picture.shape[:2]
     components = f" of {picture.shape[2]} components" if picture.ndim > 2 and picture.shape[2] > 1 else ""
-    said = f"{picture.dtype.name}, {_short(picture.min())} to {_short(picture.max())}"
+    shown = picture[..., : 3 if picture.shape[2] > 2 else 1] if picture.ndim > 2 else picture  # without alpha
+    said = f"{picture.dtype.name}, {_short(shown.min())} to {_short(shown.max())}"
     _LOG.info(", ".join((f"{name}: {columns} x {rows}{components}", said, *notes)))
 
 

@@ -3,6 +3,7 @@ one line what they were taken for.
 """
 
 import io
+import logging
 import struct
 
 import numpy as np
@@ -240,6 +241,14 @@ def test_commands_say_in_a_line_what_they_took_heights_for(heights, tmp_path, mo
     result = run(*(str(a).format(heights) for a in arguments))
     line = f"{heights}: 12 x 16, uint16, 20000 to 23820, turned as its orientation 6 says"
     assert result.stderr.splitlines().count(line) == 1, result.output
+
+
+def test_alpha_is_no_height_in_what_is_said(tmp_path, caplog):
+    pytest.importorskip("OpenImageIO")
+    caplog.set_level(logging.INFO, "fixedpipe.reading")
+    (tmp_path / "deep.png").write_bytes(of_png(np.stack([HEIGHTS, np.full_like(HEIGHTS, 65535)], axis=-1)))
+    read_picture(str(tmp_path / "deep.png"))
+    assert caplog.messages == [f"{tmp_path / 'deep.png'}: 16 x 12 of 2 components, uint16, 20000 to 23820"]
 
 
 def test_without_the_library_of_deep_pictures_its_extra_is_named(tmp_path, monkeypatch):
