@@ -8,7 +8,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TypeVar
 
-from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.refusal import NoSuchName, Refusal, no_such
 
 Held = TypeVar("Held")  # a Figure, a Study
 
@@ -69,7 +69,9 @@ class Collection(Mapping[str, Held]):
         self._modules = {identifier: found[identifier] for identifier in sorted(found, key=_parts)}
 
     def __getitem__(self, identifier: str) -> Held:
-        """The figure or study of that id; imports its module."""
+        """The figure or study of that id; imports its module. Raises NoSuchName, a KeyError."""
+        if identifier not in self._modules:
+            raise NoSuchName(no_such(self._attribute.lower(), identifier, self._modules))
         name = self._modules[identifier]
         try:
             value = getattr(importlib.import_module(name), self._attribute, None)

@@ -25,8 +25,29 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f" Did you mean {as_written[close[0]]}?" if close else ""
 
 
+# Names that a refusal lists. Of more it says which one was probably meant, or how many there are.
+_LISTED = 30
+
+
+def no_such(what: str, name: object, known: Iterable[str]) -> str:
+    """A sentence that there is no such name: what was probably meant, or else what there is."""
+    known = list(known)
+    meant, listed = nearest(str(name), known), ", ".join(known)
+    if len(known) > _LISTED:
+        listed = f"{', '.join(known[:3])} and {len(known) - 3} more"
+    there = "" if meant and len(known) > _LISTED else f" There are: {listed}."
+    return f"There is no {what} {name!r}.{meant}{there}"
+
+
 def choose(what, name, known):
-    """``known[name]``, or a Refusal that names what there is and what was probably meant."""
+    """``known[name]``, or a Refusal with what was probably meant, or what there is."""
     if name in known:
         return known[name]
-    raise Refusal(f"There is no {what} {name!r}.{nearest(name, known)} There are: {', '.join(known)}.")
+    raise Refusal(no_such(what, name, known))
+
+
+class NoSuchName(KeyError):  # noqa: N818 (it names what happens)
+    """A mapping lacks a name; the message is a sentence."""
+
+    def __str__(self):
+        return str(self.args[0])

@@ -129,8 +129,8 @@ def _tracks(moves, figure, method):
         parameter = moving(figure, name, method)
         if len(texts) > 2 and "," not in texts[-1]:
             steps = texts.pop()
-            if not steps.isdigit():
-                raise Refusal(f"--vary {name} has {steps!r} steps; give a whole number.")
+            if not steps.isdigit() or not int(steps):
+                raise Refusal(f"--vary {name} has {steps!r} steps; give a whole number from 1.")
             said.add(int(steps))
         if len(texts) > 2 and "," not in texts[0]:
             raise Refusal(f"--vary {name} is {text!r}; give FROM:TO or FROM:TO:STEPS.")

@@ -1,5 +1,7 @@
 """A frame that a subcommand looks into: a figure's, or the one that a script makes."""
 
+import traceback
+
 import click
 
 from fixedpipe.effects.cli.options import changes_of, machine_of
@@ -85,6 +87,14 @@ def _figure(figure_id, profile, size, settings):
         return FrameAsked(title, machine, dimensions, lambda of: figure.commands(of, size, method, **changes))
 
 
+def _line_of(path, error):
+    """A script's line that raised an error, with what stands before it in a sentence; or nothing."""
+    lines = [
+        line for frame, line in traceback.walk_tb(error.__traceback__) if frame.f_code.co_filename == path
+    ]
+    return f", line {lines[-1]}," if lines else ""
+
+
 def _script(path, profile, size, settings):
     import runpy
 
@@ -97,7 +107,7 @@ def _script(path, profile, size, settings):
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}.") from None
     except (Exception, SystemExit) as error:
-        raise Refusal(f"{path} raised {type(error).__name__}: {error}") from error
+        raise Refusal(f"{path}{_line_of(path, error)} raised {type(error).__name__}: {error}") from error
     missing = [name for name in ("commands", "width", "height") if name not in made]
     if missing or not (profile or "profile" in made):
         names = ", ".join(missing or ("profile",))

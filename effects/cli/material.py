@@ -90,12 +90,12 @@ def material(
     """Draw a mesh with any reflectance, on any machine, by products of textures.
 
     NAME is one of --list. FILE is a MERL table (.binary), or an NPZ file of fixedpipe brdf. The table of all
-    its lights and views becomes products of maps of directions; how well, the error says.
+    its lights and views becomes products of maps of directions; how well, the error says. IDEAL draws the
+    reflectance itself at each pixel.
 
     An environment becomes directional lights, each a set of passes whose pictures are added, and stands
-    behind the mesh. +x is right, +y up, +z towards you. IDEAL draws without rounding.
+    behind the mesh. +x is right, +y up, +z towards you.
     """
-    from fixedpipe.effects.bump_mapping.tangent_space import examine_surface
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.refusal import Refusal, choose, refusals
@@ -116,6 +116,10 @@ def material(
     if out is None:
         raise Refusal("No file is given for the picture; give --out FILE.png.")
     machine = choose("profile", profile, PROFILES)
+    if machine.arithmetic.exact:
+        refuse_ignored(
+            context, ("terms",), "IDEAL draws the reflectance itself, without factors; leave it out"
+        )
     if environment is None:
         refuse_ignored(
             context, ("count", "layout"), "they are of an --environment; leave it out, or give one"
@@ -135,31 +139,34 @@ def material(
         brdf = shown_material.reflectance(reflectance, _settings(settings))
         is_file = mesh_name.lower().endswith(MESH_KINDS)
         surface = read_mesh(mesh_name, tell=told.append) if is_file else shown_material.mesh(mesh_name)
-        if is_file and not (report := examine_surface(surface)).clean:
-            click.echo(f"{mesh_name}: {report.text()}", err=True)
         if environment is None:
             lighting = shown_material.directional(towards, exposure)
         else:
             lighting = shown_material.environment(environment, count, exposure, layout)
-        shown_material.check_picture(lighting, machine, size, size, tint)
-        announce_compiling()
-        found = shown_material.factored(brdf, terms)
-        frame = shown_material.commands(found, surface, lighting, machine, size, size, color=tint)
-        drawing = drawn(frame, machine, size, size, threads)
+        if machine.arithmetic.exact:
+            announce_compiling()
+            drawing = shown_material.meant(brdf, surface, lighting, size, size, color=tint, threads=threads)
+            drawn_by = drawing.summary
+        else:
+            shown_material.check_picture(lighting, machine, size, size, tint)
+            announce_compiling()
+            found = shown_material.factored(brdf, terms)
+            frame = shown_material.commands(found, surface, lighting, machine, size, size, color=tint)
+            drawing = drawn(frame, machine, size, size, threads)
+            passes = shown_material.passes_of(frame)
+            drawn_by = (
+                f"{shown_material.way_of(machine)}; {passes} pass{'es' * (passes > 1)}, {drawing.summary}"
+            )
+            told.append(shown_material.said_of(reflectance, found))
+            if doubt := shown_material.doubt_of(reflectance, found):
+                click.echo(doubt, err=True)
     write_whole(path, png(drawing.image))
     for line in told:
         click.echo(line)
     if drawing.dropped:
         click.echo(f"{drawing.dropped} triangles were left out: the camera is inside them.", err=True)
     shining = len(lighting.directions)
-    click.echo(
-        f"{reflectance}: {found.way.value}, {shown_material.products_of(found)}; RMS error of the factors "
-        f"{found.error:.3g} of the reflectance's"
-    )
-    click.echo(
-        f"{path}: {shown_material.way_of(machine)}; {shining} light{'s' * (shining > 1)}, exposure "
-        f"{lighting.exposure:.4g}, {shown_material.passes_of(frame)} passes, {drawing.summary}"
-    )
+    click.echo(f"{path}: {shining} light{'s' * (shining > 1)}, exposure {lighting.exposure:.4g}; {drawn_by}")
 
 
 def _settings(settings):

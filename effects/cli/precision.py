@@ -41,8 +41,13 @@ def precision(figure_id, profile, size, bits, parts, settings):
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
-    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
 
+    if figure_id.endswith(".py"):
+        raise Refusal(
+            f"{figure_id} is a script, and precision takes figures by their ids. fixedpipe inspect "
+            f"{figure_id} --bits combiner=N draws a script's frame with other widths."
+        )
     figure = choose("figure", figure_id, FIGURES)
     key = profile or figure.machines[0]
     machine = machine_of(key)

@@ -87,6 +87,17 @@ def _values(profile):
     return table
 
 
+def _lines(profile, with_evidence):
+    """All values of a machine, each on a line of its own below its section's name."""
+    from fixedpipe.pipeline.profiles.sections import SECTIONS
+
+    for section, kind in SECTIONS.items():
+        yield section.replace("_", " ")
+        for name in kind.names():
+            fact = profile.facts[name]
+            yield f"  {name}: {_value_text(fact.value)}" + f" ({fact.evidence})" * with_evidence
+
+
 def _change_text(now, other):
     """What a field's value is; of a set, what it has more or less than the profile's."""
     if not isinstance(now, frozenset):
@@ -126,6 +137,7 @@ def profiles(names):
         console.print("Which machine has which feature: docs/machines.md")
         return
     chosen = {name: choose("profile", name, PROFILES) for name in names}
+    console.soft_wrap = not console.is_terminal
     for name, profile in chosen.items():
         console.print(f"{name}: {profile.description}", style="bold")
         if profile.ancestor is not None:
@@ -136,4 +148,8 @@ def profiles(names):
         said = {fact.evidence for fact in profile.facts.values()}
         if len(said) == 1:
             console.print(f"All values: {said.pop()}.")
-        console.print(_values(profile))
+        if console.is_terminal:
+            console.print(_values(profile))
+        else:  # a file or another program: a line for each value, whole
+            for line in _lines(profile, len(said) > 1):
+                click.echo(line)

@@ -26,7 +26,7 @@ def study(study_ids, profile, check, out, json_file):
     matplotlib: pip install 'fixedpipe[plots]'.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.refusal import Refusal, choose
+    from fixedpipe.effects.refusal import choose
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.studies import STUDIES
     from fixedpipe.effects.technique import INDEX
@@ -64,9 +64,10 @@ def study(study_ids, profile, check, out, json_file):
     if json_path:
         write_whole(json_path, json_bytes(records))
     if without_plot:
-        raise Refusal(
-            f"The tables are in {folder}; plots need matplotlib, which is not installed: "
-            "pip install 'fixedpipe[plots]'."
+        click.echo(
+            f"The tables are in {folder}, without plots: these need matplotlib, which is not installed. "
+            "pip install 'fixedpipe[plots]' brings it.",
+            err=True,
         )
     click.echo(f"\n{len(records)} stud{'ies' if len(records) > 1 else 'y'} in {folder}")
     if missed:

@@ -11,6 +11,7 @@ An environment is that many directional lights (``environment_lights``), and its
 Source: Heidrich 2001, section 1.1.2 (H17 and H18 of the catalogue).
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,9 +22,9 @@ from fixedpipe.effects.environment_maps import bumped_reflections, environments
 from fixedpipe.effects.environment_maps.environment_lights import lights_of
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.vectors import dot, unit_vector
+from fixedpipe.effects.geometry.vectors import cross, dot, in_frame, normalize, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, perspective_view
-from fixedpipe.effects.passes.draws import ADD, REPLACE, draw
+from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, REPLACE, draw
 from fixedpipe.effects.reflectance import dependent_lookups, factored_passes
 from fixedpipe.effects.reflectance.brdfs import BRDFS
 from fixedpipe.effects.reflectance.hemisphere_maps import AnalyticBRDF, Halves
@@ -32,8 +33,9 @@ from fixedpipe.effects.refusal import Refusal, nearest
 from fixedpipe.effects.scenes.teapot import teapot
 from fixedpipe.effects.user_pictures import factored_brdf, probes
 from fixedpipe.effects.user_pictures.bumped_mesh import fitted
+from fixedpipe.effects.user_pictures.drawing import Drawing
 from fixedpipe.effects.user_pictures.factored_brdf import Factored, Way
-from fixedpipe.pipeline.profiles import PROFILES
+from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
 MESHES = ("plane", "sphere", "torus", "teapot")
@@ -252,6 +254,14 @@ def check_picture(lighting, profile, width, height, color=(1.0, 1.0, 1.0)):
         )
 
 
+def _viewed(surface, width, height, eye):
+    """(the Surface fitted into the view, its View)."""
+    surface = fitted(surface, eye)
+    radius = float(np.sqrt(dot(surface.positions, surface.positions).max()))
+    panel = Panel(0, 0, width, height)
+    return surface, perspective_view(panel, eye, field_of_view=FIELD_OF_VIEW, radius=1.05 * radius)
+
+
 def commands(found, surface, lighting, profile, width, height, *, color=(1.0, 1.0, 1.0), eye=EYE):
     """Everything from factors to passes.
 
@@ -263,11 +273,8 @@ def commands(found, surface, lighting, profile, width, height, *, color=(1.0, 1.
     Raises ValueError as ``check_picture``.
     """
     check_picture(lighting, profile, width, height, color)
-    panel = Panel(0, 0, width, height)
-    surface = fitted(surface, eye)
-    radius = float(np.sqrt(dot(surface.positions, surface.positions).max()))
-    view = perspective_view(panel, eye, field_of_view=FIELD_OF_VIEW, radius=1.05 * radius)
-    colors = _colors_of(lighting, color)
+    surface, view = _viewed(surface, width, height, eye)
+    panel, colors = view.panel, _colors_of(lighting, color)
     brightest = float(colors.max())
     loading, loaded = factored_passes.load(found.factors, "reflectance", profile, intensity=brightest)
     several = len(colors) > 1
@@ -288,17 +295,77 @@ def commands(found, surface, lighting, profile, width, height, *, color=(1.0, 1.
     return tuple(out)
 
 
+def meant(brdf, surface, lighting, width, height, *, color=(1.0, 1.0, 1.0), eye=EYE, threads=None):
+    """The Drawing of a BRDF itself, with no factors: the ideal interpolates the surface's frame, and the BRDF
+    is evaluated at each pixel, pi f_r (n.l)+ of every light. Arguments as of ``commands``.
+
+    Raises ValueError for a colour that is none.
+    """
+    from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+
+    colors = _colors_of(lighting, color)
+    surface, view = _viewed(surface, width, height, eye)
+    reach = float(np.abs(surface.positions).max())
+
+    def at_pixels(values):
+        """A vertex's three numbers of [-1, 1] at each pixel, [h, w, 3], and where the mesh is, [h, w]."""
+        shown = draw("a vertex's numbers", surface.mesh(colors=0.5 + 0.5 * values), view, None)
+        frame = (
+            view.panel.clear((0.0, 0.0, 0.0)),
+            replace(shown, state=replace(shown.state, depth_test=FIRST_PASS)),
+        )
+        found = execute_ideal(frame, width, height, threads=threads).color
+        return 2.0 * found[..., :3] - 1.0, found[..., 3] > 0.5
+
+    normals, covered = at_pixels(surface.normals)
+    normal = normalize(normals[covered])
+    tangent = at_pixels(surface.tangents)[0][covered]
+    tangent = normalize(tangent - dot(tangent, normal)[:, None] * normal)
+    frame = tangent, cross(normal, tangent), normal
+    positions = reach * at_pixels(surface.positions / reach)[0][covered]
+    toward_eye = in_frame(view.view_vectors(positions), *frame)
+    total = np.zeros((len(normal), 3))
+    for toward, share in zip(lighting.directions, colors, strict=True):
+        light = in_frame(np.broadcast_to(toward, normal.shape), *frame)
+        lit = (light[:, 2] > 0.0) & (toward_eye[:, 2] > 0.0)
+        total[lit] += math.pi * brdf.at(light[lit], toward_eye[lit]) * light[lit, 2:] * share
+    backdrop = execute_ideal(_backdrop(lighting, view, IDEAL), width, height, threads=threads)
+    image = backdrop.color.copy()
+    image[covered] = np.concatenate([np.clip(total, 0.0, 1.0), np.ones((len(total), 1))], axis=1)
+    return Drawing(image, np.rint(255.0 * image).astype(np.uint8), 0, "the reflectance itself at each pixel")
+
+
+# Chosen: factors that err by more show another material. At 0.83 of the reflectance Phong's highlight of
+# exponent 20 is a long ellipse; at 0.13 Blinn and Phong's looks as it should.
+MOST_ERROR = 0.3
+
+
+def doubt_of(name, found):
+    """What is said of factors that err too much, a sentence; None: of those that do not."""
+    if found.error <= MOST_ERROR:
+        return None
+    return (
+        f"{name}: the factors err by {found.error:.2g} of the reflectance; above {MOST_ERROR:g} a picture "
+        "shows another material. --profile IDEAL draws the reflectance itself. Products of textures hold "
+        "highlights about the halfway vector well: try blinn_phong or ward."
+    )
+
+
 def passes_of(frame):
     """How many draws of the mesh and of the backdrop a frame has."""
     return sum(hasattr(command, "mesh") for command in frame)
 
 
-def products_of(found):
-    """What a Factored is drawn as, in words."""
+def said_of(name, found):
+    """What a Factored is drawn as, and how far it is from its reflectance: a line."""
+    terms = 1 if found.way is Way.HOMOMORPHIC else found.factors.terms
+    products = f"{terms} term{'s' * (terms > 1)}"
     if found.way is Way.HOMOMORPHIC:
-        return "one product of three maps"
-    terms = found.factors.terms
-    return f"{terms} term{'s' * (terms > 1)}"
+        products = "one product of three maps"
+    return (
+        f"{name}: {found.way.value}, {products}; RMS error of the factors {found.error:.3g} of the "
+        "reflectance's"
+    )
 
 
 def way_of(profile):

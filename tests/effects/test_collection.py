@@ -35,6 +35,15 @@ def package(tmp_path, monkeypatch):
         del sys.modules[name]
 
 
+@pytest.mark.parametrize(("name", "sentence"), [("F004-44", "Did you mean F004-4?"), ("x", "There are: ")])
+def test_an_id_that_nobody_has_is_a_key_error_that_is_a_sentence(name, sentence):
+    with pytest.raises(KeyError) as raised:
+        FIGURES[name]
+    assert str(raised.value).startswith(f"There is no figure {name!r}.") and sentence in str(raised.value)
+    assert len(str(raised.value)) < 100
+    assert name not in FIGURES and FIGURES.get(name) is None
+
+
 def holds(identifier):
     return f"from types import SimpleNamespace\nTHING = SimpleNamespace(id={identifier!r})\n"
 

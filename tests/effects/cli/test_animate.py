@@ -64,6 +64,7 @@ def test_bits_alone_are_slow(tmp_path):
         (("K14", "--vary", "titl=1:2"), "Did you mean tilt"),
         (("K14", "--vary", "tilt=1:a"), "tilt is 'a'"),
         (("K14", "--vary", "tilt=1:2:x"), "has 'x' steps"),
+        (("K14", "--vary", "tilt=1:2:0"), "has '0' steps; give a whole number from 1"),
         (("K14", "--vary", "tilt=1:2:3:4"), "give FROM:TO or FROM:TO:STEPS"),
         (("K14", "--vary", "tilt=1:2:1"), "An animation has 2 to 1000 frames"),
         (("K14", "--vary", "tilt=1:2:3", "--vary", "depth=0.1:1:4"), "3 and 4 steps"),

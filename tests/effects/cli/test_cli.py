@@ -615,6 +615,16 @@ def test_profiles_lists_the_machines_in_lines_that_fit(columns):
     assert "fixedpipe profiles NAME" in result.stdout
 
 
+def test_profiles_of_a_machine_are_whole_lines_where_no_terminal_shows_them():
+    lines = run("profiles", "GEFORCE_256").stdout.splitlines()
+    (line,) = [line for line in lines if line.strip().startswith("max_cube_map_texture_size:")]
+    assert line.endswith("512 (Assumed: 512; a MAX_CUBE_MAP_TEXTURE_SIZE query would settle it)")
+
+
+def test_precision_of_a_script_names_the_command_that_takes_one():
+    assert "fixedpipe inspect power.py --bits combiner=N" in refusal_of("precision", "power.py")
+
+
 def test_profiles_says_what_each_driver_changes_and_how_it_is_known():
     shown = " ".join(run("profiles", "GEFORCE_256", "GEFORCE_3").output.split())
     assert 'Driver "Release 5", June 2000:' in shown

@@ -167,6 +167,7 @@ def test_a_script_s_pixel_is_told(tmp_path):
     ("source", "sentence"),
     [
         ("1 / 0", "raised ZeroDivisionError: division by zero"),
+        ("x = 1\n\ndef f():\n    return 1 / 0\n\nf()", ", line 4, raised ZeroDivisionError"),
         ("width = height = 8", "does not define commands"),
         ("commands, width, height = (), 8, 8", "does not define profile"),
         ("commands, width, height, profile = (), 8, 8, 'NONE'", "There is no profile 'NONE'"),

@@ -97,6 +97,48 @@ def test_the_ideal_is_the_model_at_every_pixel_of_a_ball(ward, found, lighting):
     assert relative(picture[hit], true) < 1.25 * found.error
 
 
+@pytest.mark.parametrize("name", ("ward", "phong"))
+def test_ideal_draws_the_reflectance_itself(name):
+    """Phong's factors are far from it: 0.83 of the reflectance."""
+    brdf = shown_material.reflectance(name, {"phong": {"exponent": "20"}}.get(name))
+    lighting = shown_material.directional([(-1.0, 1.0, 1.0), (1.0, 0.2, 0.7)], 0.5)
+    sphere = shown_material.mesh("sphere")
+    picture = shown_material.meant(brdf, sphere, lighting, SIZE, SIZE)
+    true, hit = sphere_by_rays(brdf, lighting, SIZE)
+    # The ball is of 9,216 triangles, so a normal between vertices is up to 0.001 off, and a highlight of
+    # exponent 20 up to twenty times as much.
+    assert relative(picture.color[..., :3][hit], true) < 0.02
+    assert (picture.image == np.rint(255 * picture.color)).all()
+    found = quickly(brdf)
+    frame = shown_material.commands(found, sphere, lighting, PROFILES["IDEAL"], SIZE, SIZE)
+    by_factors = drawn(frame, PROFILES["IDEAL"], SIZE, SIZE).color[..., :3]
+    assert (relative(by_factors[hit], true) > 0.5) == (name == "phong")
+
+
+def test_ideal_draws_the_environment_and_the_colour_as_machines_do(ward, found):
+    lighting, color = shown_material.environment("room", 5), (1.0, 0.8, 0.4)
+    ideal, torus = PROFILES["IDEAL"], shown_material.mesh("torus")
+    frame = shown_material.commands(found, torus, lighting, ideal, SIZE, SIZE, color=color)
+    by_factors = np.clip(drawn(frame, ideal, SIZE, SIZE).color[..., :3], 0.0, 1.0)
+    picture = shown_material.meant(ward, torus, lighting, SIZE, SIZE, color=color).color[..., :3]
+    # As far apart as the factors are from the reflectance.
+    assert np.abs(picture - by_factors).mean() < found.error * by_factors.mean()
+    np.testing.assert_array_equal(picture[:8], by_factors[:8])  # nothing but the room
+
+
+def test_factors_of_another_material_are_told(tmp_path):
+    def said(*arguments):
+        return run("material", *arguments, "--size", 16, "--out", tmp_path / "a.png").stderr
+
+    assert "shows another material. --profile IDEAL draws the reflectance itself" in said(
+        "phong", "--set", "exponent=20"
+    )
+    assert "another material" not in said("blinn_phong", "--set", "exponent=20")
+    assert "another material" not in said("phong", "--set", "exponent=20", "--profile", "IDEAL")
+    refused = refusal_of("material", "phong", "--profile", "IDEAL", "--terms", 3, "--out", tmp_path / "a.png")
+    assert "without factors" in refused
+
+
 @pytest.mark.parametrize("key", PROFILES)
 @pytest.mark.parametrize("way", (Way.HALFWAY, Way.HOMOMORPHIC))
 def test_every_machine_draws_about_what_the_ideal_does(key, way, ward):
