@@ -102,10 +102,10 @@ def _results(root):
 
 
 def _tell(found):
-    from fixedpipe.effects.reports.golden.results import GOOD, STATUSES
+    from fixedpipe.effects.reports.golden.results import EXCUSED, GOOD, STATUSES
 
     for entry in found:
-        if entry["status"] not in GOOD:
+        if entry["status"] not in GOOD or (entry["told"] and entry["status"] != EXCUSED):
             click.echo(f"{entry['status']:8} {entry['name']}")
             for line in entry["told"].splitlines():
                 click.echo(f"         {line.strip()}")

@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 
 from fixedpipe.effects.refusal import Refusal, nearest
+from fixedpipe.pipeline.golden.store import plain_key
 
 _SHOWN = 20  # names that a refusal lists
 
@@ -76,4 +77,4 @@ def _tests(expression, root, run_pytest):
 
 def _is_of(candidate, root, test, store):
     same = (root / candidate.store).resolve() == store.resolve()
-    return same and (candidate.key == test or candidate.key.startswith(f"{test}::"))
+    return same and (plain_key(candidate.key) == test or candidate.key.startswith(f"{test}::"))

@@ -3,12 +3,17 @@ wrong.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.pipeline.golden.allowances import Allowance, allowance_of
 from fixedpipe.pipeline.golden.candidates import (
+    ALLOWED,
     CHANGED,
     MISSING,
     NEW,
@@ -20,7 +25,14 @@ from fixedpipe.pipeline.golden.candidates import (
 )
 from fixedpipe.pipeline.golden.differences import Pixels, bounds, difference, kinds_differ
 from fixedpipe.pipeline.golden.pixels import pixels_of
-from fixedpipe.pipeline.golden.store import GoldenPicture, StoreError, golden_of, read_store
+from fixedpipe.pipeline.golden.store import (
+    GoldenPicture,
+    StoreError,
+    golden_of,
+    plain_key,
+    read_store,
+    variant_key,
+)
 
 _NAME = re.compile(r"[^/\\\x00-\x1f\x7f:]{1,80}")
 
@@ -32,6 +44,8 @@ class Place:
     root     the project's folder; store: the module's file, below it or not
     module   the module as pytest names it: tests/test_sphere.py; test: the test in it: test_lit[wide]
     keep     whether PNG files are kept; record: whether a picture that is not there yet may be recorded
+    variant  of which platform or driver pictures are, where that is said
+    repetition   which of a repeated test's runs this is, from 0 on
     """
 
     root: Path
@@ -40,6 +54,8 @@ class Place:
     test: str
     keep: bool = True
     record: bool = False
+    variant: str | None = None
+    repetition: int = 0
 
 
 @dataclass
@@ -52,19 +68,41 @@ class Golden:
     must_differ: bool = False
     asked: dict[str, str] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
+    allowed: dict[str, str] = field(default_factory=dict)  # how pictures differ by no more than is allowed
     recorded: list[str] = field(default_factory=list)  # what would be failures, were they not to be recorded
 
     # ---------------------------------------------------------------------------------------------- pictures
 
-    def __call__(self, picture: Any, name: str | None = None) -> bool:
+    def __call__(
+        self,
+        picture: Any,
+        name: str | None = None,
+        *,
+        variant: str | None = None,
+        at_most: tuple[int, int] | None = None,
+        ignore: Sequence[Sequence[int]] | NDArray[np.bool_] | None = None,
+        reason: str | None = None,
+    ) -> bool:
         """Whether a picture is the golden one of this name, pixel by pixel.
 
         ``picture``: as of ``fixedpipe.pipeline.golden.pixels.pixels_of``, uint8 or uint16. ``name``: of
-        letters that a file's name can have, where a test has several pictures. Raises ValueError for what is
-        no picture or no name; a picture that differs makes the test fail at its end.
+        letters that a file's name can have, where a test has several pictures.
+
+        ``variant``: the platform or driver that drew it, else what --golden-variant says; its golden picture
+        is one of its own, or where there is none yet the plain one. ``at_most``, ``ignore`` and their
+        ``reason``: what is allowed beside equal pixels, as of ``allowance_of``.
+
+        Raises ValueError for what is no picture, name, variant or allowance; a picture that differs makes the
+        test fail at its end.
         """
-        key, pixels = self._key(name), pixels_of(picture)
-        return self._judge(key, pixels, golden_of(pixels))
+        variant = self.place.variant if variant is None else variant
+        key, pixels = self._key(name, variant), pixels_of(picture)
+        allowance = allowance_of(pixels, at_most, ignore, reason)
+        if allowance and self.must_differ:
+            raise ValueError(
+                "A test whose pictures must differ allows them nothing; leave out at_most and ignore."
+            )
+        return self._judge(key, pixels, golden_of(pixels), allowance)
 
     def frame(
         self,
@@ -78,7 +116,8 @@ class Golden:
         """Draw a frame, compare its picture and what every command left, and give the Result.
 
         Arguments as of ``execute``; ``machine`` what it takes by name. A frame whose picture is golden fails
-        too where a command leaves other colours, depths or stencil values than it did.
+        too where a command leaves other colours, depths or stencil values than it did. It has no variants:
+        fixedpipe draws the same bits everywhere.
         """
         from fixedpipe.pipeline.golden.frames import drawn_with_digests, made_by, with_stages
 
@@ -87,7 +126,7 @@ class Golden:
         result, passes = drawn_with_digests(*given, **machine)
         pixels = pixels_of(result)
         golden = golden_of(pixels, passes, made_by(profile))
-        known = self._golden(key)
+        known = read_store(self.place.store).get(key)
         if known is None or not _equal(known, golden):
             golden = golden_of(pixels, with_stages(passes, *given, **machine), golden.made)
         self._judge(key, pixels, golden)
@@ -139,7 +178,7 @@ class Golden:
         """A picture's whole name."""
         return f"{self.place.module}::{key}"
 
-    def _key(self, name):
+    def _key(self, name, variant=None):
         if name is not None and (
             not isinstance(name, str) or not _NAME.fullmatch(name) or name.strip() != name
         ):
@@ -147,7 +186,7 @@ class Golden:
                 f"golden(…, name={name!r}): a name has 1 to 80 characters, no slash, colon or control "
                 "character, and no space at its ends. Choose another."
             )
-        key = self.place.test if name is None else f"{self.place.test}::{name}"
+        key = variant_key(self.place.test if name is None else f"{self.place.test}::{name}", variant)
         if key in self.asked:
             what = (
                 "has a second picture without a name" if name is None else f"has two pictures named {name!r}"
@@ -158,11 +197,12 @@ class Golden:
         self.asked[key] = MISSING  # until it is drawn
         return key
 
-    def _golden(self, key) -> GoldenPicture | None:
-        return read_store(self.place.store).get(key)
-
-    def _judge(self, key: str, pixels: Pixels, golden: GoldenPicture) -> bool:
-        known = self._golden(key)
+    def _judge(
+        self, key: str, pixels: Pixels, golden: GoldenPicture, allowance: Allowance | None = None
+    ) -> bool:
+        store = read_store(self.place.store)
+        against = key if key in store else plain_key(key)
+        known = store.get(against)
         if known is None:
             self.asked[key] = NEW
             told = self.recorded if self.place.record else self.failures
@@ -177,16 +217,23 @@ class Golden:
                     f"{self.told(key)} must differ from its golden picture, and is equal to it"
                 )
                 return False
-            told = self._difference(key, known, golden, pixels)
-            self.failures.append(f"{self.told(key)}: {told}")
-            self._propose(key, CHANGED, golden, known.sha256, pixels, told)
-            return False
-        self.asked[key] = PASSED
-        remove_candidate(self.place.root, self.told(key))
+            within, told = self._difference(against, known, golden, pixels, allowance)
+            if not within:
+                if against != key:
+                    told += f"\n  compared with {against}, since this variant has no golden picture yet"
+                self.failures.append(f"{self.told(key)}: {told}")
+                self._propose(key, CHANGED, golden, known.sha256, pixels, told, against)
+                return False
+            self.asked[key], self.allowed[key] = ALLOWED, told
+        else:
+            self.asked[key] = PASSED
+        if not self.place.repetition:  # or what differed at another repetition would be lost
+            remove_candidate(self.place.root, self.told(key))
         return True
 
-    def _difference(self, key, known, golden, pixels):
-        lines = []
+    def _difference(self, key, known, golden, pixels, allowance):
+        """Whether a picture differs by no more than is allowed, and sentences on how."""
+        lines, within = [], False
         if str(known) != str(golden):
             lines.append(f"was {known}, is {golden}")
         elif known.sha256 == golden.sha256:
@@ -195,18 +242,21 @@ class Golden:
             shown = Candidate("", self._store(), key, CHANGED, golden, known.sha256, "")
             try:
                 expected = golden_pixels(self.place.root, shown)
-                lines.append(
-                    "its pixels differ (no PNG file of the golden picture is kept)"
-                    if expected is None
-                    else str(difference(expected, pixels))
-                )
+                if expected is None:
+                    needed = ", which what is allowed is judged by" if allowance else ""
+                    lines.append(f"its pixels differ (no PNG file of the golden picture is kept{needed})")
+                elif allowance:
+                    within, said = allowance.judge(expected, pixels)
+                    lines.append(said)
+                else:
+                    lines.append(str(difference(expected, pixels)))
             except StoreError as error:
                 lines.append(f"its pixels differ ({error})")
         if known.passes and golden.passes:
             from fixedpipe.pipeline.golden.frames import parted
 
             lines.append(parted(known.passes, golden.passes))
-        return "\n  ".join(line for line in lines if line)
+        return within, "\n  ".join(line for line in lines if line)
 
     def _renamed(self, golden):
         """Which other picture of the module has the same pixels: a renamed test's."""
@@ -219,9 +269,10 @@ class Golden:
         except ValueError:
             return self.place.store.as_posix()
 
-    def _propose(self, key, status, golden, expected, pixels, told=""):
+    def _propose(self, key, status, golden, expected, pixels, told="", against=""):
+        against = "" if against == key else against
         candidate = Candidate(
-            self.told(key), self._store(), key, status, golden, expected, told, self.place.keep
+            self.told(key), self._store(), key, status, golden, expected, told, self.place.keep, against
         )
         try:
             write_candidate(self.place.root, candidate, pixels)

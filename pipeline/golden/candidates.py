@@ -33,6 +33,7 @@ from fixedpipe.pipeline.golden.store import (
 
 FOLDER = ".golden"
 NEW, CHANGED, PASSED, ORPHAN, MISSING, RECORDED = "new", "changed", "passed", "orphan", "missing", "recorded"
+ALLOWED = "allowed"  # differs by no more than its test allows
 EXCUSED = "excused"  # of a test that was skipped, or failed as it was expected to
 
 
@@ -47,6 +48,8 @@ class Candidate:
     expected  the digest of what is golden now; None: nothing is
     told      sentences on how it differs
     keep      whether its PNG file is kept beside the store
+    against   the name in the store of what is golden now, where it is another: a variant that is not there
+              yet is compared with the plain picture
     """
 
     name: str
@@ -57,6 +60,7 @@ class Candidate:
     expected: str | None
     told: str
     keep: bool = True
+    against: str = ""
 
 
 def workplace(start: Path) -> Path:
@@ -133,7 +137,7 @@ def golden_pixels(root: Path, candidate: Candidate) -> Pixels | None:
     """The pixels of what is golden now; None where no PNG file of it is kept. Raises StoreError where the
     file does not hold the golden pixels.
     """
-    path = picture_path(root / candidate.store, candidate.key)
+    path = picture_path(root / candidate.store, candidate.against or candidate.key)
     if candidate.expected is None or not path.exists():
         return None
     return _kept(path, candidate.expected, "take it from version control again")
@@ -169,13 +173,15 @@ def accept(root: Path, candidate: Candidate) -> str:
     as they were.
     """
     store = root / candidate.store
-    before = read_store(store).get(candidate.key)
+    golden = read_store(store)
+    before = golden.get(candidate.key)
+    expected = before or golden.get(candidate.against)
     if before and (before.sha256, before.passes) == (candidate.golden.sha256, candidate.golden.passes):
         remove_candidate(root, candidate.name)
         return (
             f"{candidate.name}: golden already, as it was drawn"  # another run of the same tests was quicker
         )
-    if (before and before.sha256) != candidate.expected:
+    if (expected and expected.sha256) != candidate.expected:
         raise StoreError(
             f"{candidate.name} was accepted otherwise since the tests ran; run them again, and look at what "
             "differs then."
@@ -193,7 +199,7 @@ def accept(root: Path, candidate: Candidate) -> str:
         change_store(store, {candidate.key: before})
         raise StoreError(f"{error} Nothing was accepted.") from error
     remove_candidate(root, candidate.name)
-    if before is None:
+    if expected is None:
         return f"{candidate.name}: new, {candidate.golden}"
     return f"{candidate.name}: {what}{_passes(candidate)}"
 
@@ -208,7 +214,9 @@ def _passes(candidate):
 
 
 def write_run(root: Path, pictures: Mapping[str, Mapping[str, str]]) -> None:
-    """Keep how pictures went, by name: status, store, key, test. Raises StoreError."""
+    """Keep how pictures went, by name: status, store, key, test, and told, where a picture that held has
+    something to tell. Raises StoreError.
+    """
     prepare(root)
     lines = ",\n".join(
         f"  {json.dumps(name, ensure_ascii=False)}: {json.dumps(how, ensure_ascii=False)}"

@@ -7,6 +7,7 @@ began the run (pytest-xdist's, or itself), which alone writes what the run found
 import fnmatch
 import json
 import os
+import re
 import sys
 from contextlib import nullcontext
 from functools import partial
@@ -18,6 +19,7 @@ from fixedpipe.pipeline.native import waiting
 
 _SENT = "fixedpipe_golden"  # under which a process of pytest-xdist sends what it saw
 _RUN = "golden-run"
+_LATER = "differed at first, and held when its test was tried again"
 _ORPHANS = ("fail", "warn", "ignore")
 
 
@@ -34,6 +36,11 @@ def pytest_addoption(parser):
         metavar="FILE",
         help="Write the tests that are there into FILE, with their stores: for `fixedpipe golden import`.",
     )
+    group.addoption(
+        "--golden-variant",
+        metavar="NAME",
+        help="The platform or driver that draws here: its golden pictures are kept beside the plain ones.",
+    )
     parser.addini(
         "golden_folder", "Folder beside a test module that keeps its golden pictures.", default="golden"
     )
@@ -45,6 +52,8 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     """The marker, and what this process sees."""
+    from fixedpipe.pipeline.golden.store import variant_key
+
     config.addinivalue_line(
         "markers", "golden_differs: the test's pictures must differ from those that are kept as golden"
     )
@@ -52,6 +61,10 @@ def pytest_configure(config):
         raise pytest.UsageError(
             f"golden_orphans is {config.getini('golden_orphans')!r}; it is fail, warn or ignore."
         )
+    try:
+        variant_key("", config.getoption("golden_variant"))
+    except ValueError as error:
+        raise pytest.UsageError(f"--golden-variant: {error}") from error
     folder = config.getini("golden_folder")
     if not folder or Path(folder).is_absolute() or ".." in Path(folder).parts:
         raise pytest.UsageError(
@@ -131,6 +144,8 @@ class _Run:
         from fixedpipe.pipeline.golden.asking import Place
 
         module, _, test = item.nodeid.partition("::")
+        if (step := _repetition(item)) is not None:
+            test = re.sub(rf"(\[|-){step + 1}-\d+\]$", lambda end: "" if end[1] == "[" else "]", test)
         path = item.path
         store = path.parent / self.config.getini("golden_folder") / f"{path.stem}.json"
         return Place(
@@ -140,6 +155,8 @@ class _Run:
             test,
             self.config.getini("golden_png"),
             self.config.getoption("golden_record"),
+            self.config.getoption("golden_variant"),
+            step or 0,
         )
 
     @pytest.hookimpl(wrapper=True)
@@ -182,8 +199,26 @@ class _Run:
                     continue
                 name = asking.told(key)
                 store = os.path.relpath(asking.place.store, self.root).replace(os.sep, "/")
-                self.pictures[name] = {"status": status, "store": store, "key": key, "test": item.nodeid}
+                picture = {"status": status, "store": store, "key": key, "test": item.nodeid}
+                if key in asking.allowed:
+                    picture["told"] = asking.allowed[key]
+                self._note(name, picture)
         return asking
+
+    def _note(self, name, picture):
+        """How a picture went, that may have been asked for before: by an earlier try of its test, which is
+        told, or by a repetition, of which the one that has most to tell counts.
+        """
+        from fixedpipe.pipeline.golden.candidates import ALLOWED, CHANGED, PASSED
+
+        earlier = self.pictures.get(name)
+        if earlier and picture["status"] in (ALLOWED, PASSED):
+            if earlier["test"] != picture["test"] and (earlier["status"] == CHANGED or "told" in earlier):
+                return
+            if earlier["status"] == CHANGED:
+                told = picture.get("told")
+                picture["told"] = f"{_LATER}{f'; {told}' if told else ''}"
+        self.pictures[name] = picture
 
     def pytest_runtest_logreport(self, report):
         """Which tests ran to their end, which failed, and of which nothing is asked: those that are skipped
@@ -206,7 +241,8 @@ class _Run:
     def pytest_collection_finish(self, session):
         """Which tests there are."""
         self.tests |= {item.nodeid for item in session.items}
-        self.whole = self.whole and self.collected == len(session.items)
+        repeated = any(_repetition(item) is not None for item in session.items)  # as other tests, by name
+        self.whole = self.whole and self.collected == len(session.items) and not repeated
         if file := self.config.getoption("golden_tests"):
             places = [self.place(item) for item in session.items]
             told = [{"test": p.test, "store": str(p.store), "keep": p.keep} for p in places]
@@ -239,7 +275,7 @@ class _Run:
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session, exitstatus):
         """Send, or gather: what the run found, orphans, what is recorded."""
-        from fixedpipe.pipeline.golden.candidates import EXCUSED, PASSED
+        from fixedpipe.pipeline.golden.candidates import ALLOWED, EXCUSED, PASSED
 
         if self.config.getoption("collectonly"):
             return
@@ -247,7 +283,8 @@ class _Run:
             self.config.workeroutput[_SENT] = json.dumps(self._seen())
             return
         for sent in self.reports:
-            self.pictures |= sent["pictures"]
+            for name, picture in sent["pictures"].items():
+                self._note(name, picture)
             self.tests |= set(sent["tests"])
             self.passed |= set(sent["passed"])
             self.whole = self.whole and sent["whole"]
@@ -255,7 +292,7 @@ class _Run:
         stopped = stopped or session.shouldfail or session.shouldstop
         self.whole = self.whole and not stopped and not any("::" in arg for arg in self.config.args)
         for picture in self.pictures.values():
-            if picture["test"] in self.excused and picture["status"] != PASSED:
+            if picture["test"] in self.excused and picture["status"] not in (ALLOWED, PASSED):
                 picture["status"] = EXCUSED
         stores = self._stores() if self.whole or self.pictures else {}
         if not (self.pictures or stores):
@@ -291,6 +328,7 @@ class _Run:
         for picture in earlier.values():
             if picture["test"] in self.failed:  # what it drew this time is told of itself
                 picture["status"] = MISSING
+                picture.pop("told", None)
             elif picture["status"] == RECORDED:
                 picture["status"] = PASSED
         if not self.whole:
@@ -355,7 +393,7 @@ class _Run:
         failed.
         """
         from fixedpipe.pipeline.golden.candidates import EXCUSED, MISSING, ORPHAN
-        from fixedpipe.pipeline.golden.store import StoreError, read_store
+        from fixedpipe.pipeline.golden.store import StoreError, plain_key, read_store
 
         try:
             keys = read_store(path)
@@ -364,9 +402,10 @@ class _Run:
                 self.problems.append(str(error))
             return
         store = os.path.relpath(path, self.root).replace(os.sep, "/")
-        asked = {p["key"] for p in self.pictures.values() if p["store"] == store}
-        for key in keys.keys() - asked:
-            test = f"{module}::{_test_of(key, module, self.tests)}" if module else ""
+        # A test asks for a picture or one of its variants, and says nothing of what others are for.
+        asked = {plain_key(p["key"]) for p in self.pictures.values() if p["store"] == store}
+        for key in (key for key in keys if plain_key(key) not in asked):
+            test = f"{module}::{_test_of(plain_key(key), module, self.tests)}" if module else ""
             orphan = test not in self.tests or test in self.passed
             name = f"{module or store.removesuffix('.json')}::{key}"
             if orphan:
@@ -378,13 +417,16 @@ class _Run:
 
     def pytest_terminal_summary(self, terminalreporter):
         """What a person does next."""
-        from fixedpipe.pipeline.golden.candidates import CHANGED, NEW, RECORDED
+        from fixedpipe.pipeline.golden.candidates import ALLOWED, CHANGED, NEW, RECORDED
 
         changed, new, recorded = (
             sorted(name for name, p in self.pictures.items() if p["status"] == status)
             for status in (CHANGED, NEW, RECORDED)
         )
-        if not (changed or new or recorded or self.orphans or self.problems or self.notes):
+        told = {n: f"{n}: {p['told']}" for n, p in sorted(self.pictures.items()) if "told" in p}
+        allowed = [told[name] for name in told if self.pictures[name]["status"] == ALLOWED]
+        later = [name for name in told if _LATER in told[name]]
+        if not (changed or new or recorded or told or self.orphans or self.problems or self.notes):
             return
         write = terminalreporter.write_line
         terminalreporter.section("golden pictures")
@@ -392,6 +434,16 @@ class _Run:
             ("differs", "differ", changed),
             ("has no golden picture yet", "have no golden picture yet", new),
             ("recorded", "recorded", recorded),
+            (
+                "passed within what its test allows",
+                "passed within what their tests allow",
+                allowed,
+            ),
+            (
+                "passed when its test was tried again",
+                "passed when their tests were tried again",
+                later,
+            ),
             (
                 "is golden, and no test asks for it",
                 "are golden, and no test asks for them",
@@ -413,6 +465,12 @@ class _Run:
             )
         if self.orphans:
             write("fixedpipe golden orphans lists them; --remove takes them away.")
+
+
+def _repetition(item):
+    """Which of a test's repetitions by pytest-repeat it is, from 0 on; None where it is not repeated."""
+    params = item.callspec.params if hasattr(item, "callspec") else {}
+    return params.get("__pytest_repeat_step_number")
 
 
 def _test_of(key, module, tests):

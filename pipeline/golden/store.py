@@ -29,6 +29,8 @@ FORMAT = 1
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 _MARKERS = ("<<<<<<< ", "=======", ">>>>>>> ", "||||||| ")
 _SAFE = re.compile(r"[^A-Za-z0-9_.+-]+")
+_VARIANT = re.compile(r"[A-Za-z0-9_.+-]{1,40}")
+_OF_VARIANT = re.compile(rf"(.*[^:]):{_VARIANT.pattern}", re.DOTALL)
 _LONGEST = 60  # characters of a file's name that are taken from the picture's
 _DTYPES = ("uint8", "uint16")
 
@@ -75,6 +77,31 @@ def golden_of(pixels: Pixels, passes: tuple[Passed, ...] = (), made: Mapping[str
     """The GoldenPicture of pixels as ``pixels_of`` gives them."""
     height, width, components = pixels.shape
     return GoldenPicture(width, height, components, str(pixels.dtype), digest(pixels), passes, made or {})
+
+
+# --------------------------------------------------------------------------------------------- variants
+
+
+def variant_key(key: str, variant: str | None) -> str:
+    """The name of a picture's variant, as some platform or driver draws it: test_lit::side:mesa-22.3. Without
+    a variant it is the picture's own. Raises ValueError for what is no variant's name.
+    """
+    if variant is None:
+        return key
+    if not isinstance(variant, str) or not _VARIANT.fullmatch(variant):
+        raise ValueError(
+            f"The variant {variant!r} has no name of 1 to 40 letters, digits, dots, pluses, hyphens and "
+            "underscores, of ASCII. Name it so: mesa-22.3."
+        )
+    return f"{key}:{variant}"
+
+
+def plain_key(key: str) -> str:
+    """The name of the picture that a name is, or is a variant of: pictures' names have no colon, and pytest's
+    of parametrised tests end in a bracket.
+    """
+    found = _OF_VARIANT.fullmatch(key)
+    return found[1] if found else key
 
 
 # ---------------------------------------------------------------------------------------------- as text

@@ -31,6 +31,10 @@ _WORDS = {
         "were not drawn, since their tests did not come so far",
     ),
     "orphan": ("is golden, and no test asks for it", "are golden, and no test asks for them"),
+    "allowed": (
+        "differs by no more than its test allows",
+        "differ by no more than their tests allow",
+    ),
     "recorded": ("was recorded in this run", "were recorded in this run"),
     "excused": (
         "is excused: its test was skipped, or failed as it was expected to",

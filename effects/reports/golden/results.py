@@ -7,6 +7,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 from fixedpipe.pipeline.golden.candidates import (
+    ALLOWED,
     CHANGED,
     EXCUSED,
     FOLDER,
@@ -24,8 +25,8 @@ from fixedpipe.pipeline.golden.differences import Difference
 from fixedpipe.pipeline.golden.store import StoreError, read_store
 
 # From what needs a person first to what needs nobody.
-STATUSES = (CHANGED, NEW, MISSING, ORPHAN, RECORDED, EXCUSED, PASSED)
-GOOD = (PASSED, RECORDED, EXCUSED)
+STATUSES = (CHANGED, NEW, MISSING, ORPHAN, ALLOWED, RECORDED, EXCUSED, PASSED)
+GOOD = (PASSED, ALLOWED, RECORDED, EXCUSED)
 _SAID = {
     NEW: "has no golden picture yet",
     MISSING: "its test did not draw it",
@@ -40,7 +41,7 @@ def results(root: Path) -> list[dict[str, Any]]:
     """
     candidates, found = read_candidates(root), []
     for name, picture in read_run(root)["pictures"].items():
-        entry = {"name": name, **picture, "told": _SAID.get(picture["status"], ""), "difference": None}
+        entry = {"name": name, "told": _SAID.get(picture["status"], ""), **picture, "difference": None}
         if picture["status"] == MISSING:
             entry["told"] = _unreadable(root / picture["store"]) or entry["told"]
         candidate = candidates.get(name)
@@ -90,8 +91,10 @@ def results_junit(found: list[dict[str, Any]]) -> bytes:
         )
         for entry in cases:
             case = ElementTree.SubElement(suite, "testcase", classname=store, name=entry["name"])
+            told = "".join(c if c.isprintable() or c == "\n" else "?" for c in entry["told"])
             if entry in failed:
                 failure = ElementTree.SubElement(case, "failure", type=entry["status"])
-                told = "".join(c if c.isprintable() or c == "\n" else "?" for c in entry["told"])
                 failure.text, failure.attrib["message"] = told, told.split("\n")[0]
+            elif told and entry["status"] != EXCUSED:
+                ElementTree.SubElement(case, "system-out").text = told
     return ElementTree.tostring(top, encoding="utf-8", xml_declaration=True)

@@ -578,3 +578,227 @@ def test_accept_refuses_what_chooses_nothing(project):
         status, said = project.golden("accept", *arguments)
         assert (status, sentence in said) == (2, True), said
     assert len(project.candidates()) == 6
+
+
+ALLOWED = """
+def draw(golden):
+    golden(P, at_most=(2, 1), reason="lines are rounded otherwise")
+    golden(P, name="clock", ignore=[(0, 0, 1, 2)], reason="it shows the time")
+    golden(P, name="exact")
+
+def test_it(golden):
+    draw(golden)
+"""
+
+
+def test_what_differs_by_no_more_than_is_allowed_passes_and_is_told(project):
+    project.write(ALLOWED)
+    project.golden("record")
+    before = project.store.read_text()
+    assert "allow" not in project()[1]  # equal pictures are equal, whatever would be allowed
+    changed = ALLOWED.replace("def draw", "Q = P.copy()\nQ[1, 0, 0] += 2\ndef draw")
+    project.write(
+        changed.replace("golden(P,", "golden(Q,").replace('golden(Q, name="exact"', 'golden(P, name="exact"')
+    )
+    for arguments in ((), ("-n", "2")):
+        status, said = project(*arguments)
+        assert status == 0, said
+        assert "2 passed within what their tests allow:" in said
+        assert "test_it: 1 pixel differs by at most 2, at (0, 1): " in said
+        assert "; reason: lines are rounded otherwise" in said
+        assert "test_it::clock: 1 pixel differs where they are ignored; reason: it shows the time" in said
+    status, said = project.golden("check", "--no-run", "--junit", "out.xml", "--json", "out.json")
+    assert (status, said.splitlines()[-1]) == (0, "pictures: 2 allowed, 1 passed")
+    assert "allowed  tests/test_a.py::test_it::clock" in said
+    found = json.loads((project.folder / "out.json").read_text())["pictures"]
+    assert [(p["status"], "reason" in p["told"]) for p in found] == [("allowed", True)] * 2 + [
+        ("passed", False)
+    ]
+    top = ElementTree.parse(project.folder / "out.xml").getroot()
+    assert ["reason" in out.text for out in top.iter("system-out")] == [True] * 2
+    assert [suite.attrib["failures"] for suite in top] == ["0"]
+    assert project.golden("review", "--html", "out.html")[0] == 0
+    assert "2 differ by no more than their tests allow" in (project.folder / "out.html").read_text()
+    assert project.candidates() == []
+
+    project.write(changed.replace("P,", "Q + np.uint8(1),"))
+    status, said = project()
+    assert status == 1
+    assert "test_it: 6 pixels differ by at most 3" in said
+    assert "; 1 may, by at most 2" in said
+    assert "test_it::clock: 4 pixels differ by at most 1" in said
+    assert "2 pixels differ where they are ignored" in said
+    assert "3 differ:" in said
+    assert "passed within" not in said
+    assert project.store.read_text() == before
+
+    # Without the golden picture's file nothing can be allowed.
+    project.write(changed.replace("golden(P,", "golden(Q,"))
+    for path in project.store.with_suffix("").glob("*.png"):
+        path.unlink()
+    status, said = project()
+    assert (status, "which what is allowed is judged by" in said) == (1, True), said
+
+
+def test_what_must_differ_is_allowed_nothing(project):
+    project.write(
+        "@pytest.mark.golden_differs\ndef test_it(golden):\n    golden(P, at_most=(1, 1), reason='x')\n"
+    )
+    status, said = project()
+    assert (status, "allows them nothing" in said) == (1, True), said
+
+
+VARIANTS = """
+OFF = {off}
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_it(golden, n):
+    golden(P + np.uint8(n + (OFF if n == 2 else 0)), name="side")
+
+def test_plain(golden):
+    golden(P)
+"""
+
+
+def test_a_variant_is_kept_beside_the_plain_picture_where_it_differs(project):
+    project.write(VARIANTS.format(off=0))
+    project.golden("record")
+    plain = project.store.read_text()
+    mesa = "--golden-variant=mesa-22.3"
+    assert project(mesa)[0] == 0  # what is equal needs no picture of its own
+    project.write(VARIANTS.format(off=1))
+    name = "tests/test_a.py::test_it[2]::side:mesa-22.3"
+    for _ in range(2):
+        status, said = project(mesa, "--golden-record")
+        assert status == 1
+        assert f"{name}: 6 pixels differ by at most 1" in said
+        assert "compared with test_it[2]::side, since this variant has no golden picture yet" in said
+    assert project.golden("review", "--html", "out.html")[0] == 0
+    assert project.golden("accept", "-k", "it and 2")[1].startswith(f"{name}: 6 pixels differ by at most 1")
+    assert project.candidates() == []
+    kept = read_store(project.store)
+    assert set(kept) - set(NAMES) == {"test_it[1]::side", "test_it[2]::side", "test_it[2]::side:mesa-22.3"}
+    # A line more, and none other.
+    assert [
+        line for line in project.store.read_text().splitlines() if "mesa" not in line
+    ] == plain.splitlines()
+    assert picture_path(project.store, "test_it[2]::side:mesa-22.3").exists()
+    assert project(mesa, "-n", "2")[0] == 0
+
+    # Whole runs of others know nothing of it, and it is no orphan; nor is the plain picture one of its runs.
+    project.write(VARIANTS.format(off=0))
+    for arguments in ((), ("--golden-variant=nvidia",)):
+        status, said = project(*arguments)
+        assert (status, "no test asks" in said) == (0, False), said
+    status, said = project(mesa)
+    assert (status, "now" in said, "compared with" in said) == (1, True, False), said
+    # Where the test is gone, all its pictures are orphans.
+    project.write("def test_plain(golden):\n    golden(P)\n")
+    status, said = project()
+    assert (status, "3 are golden, and no test asks for them" in said) == (1, True), said
+    assert project.golden("orphans", "--remove")[1].endswith("3 orphans\n")
+    assert list(read_store(project.store)) == ["test_plain"]
+
+
+def test_a_variant_by_a_test_s_own_words_and_names_that_are_none(project):
+    project.write(
+        "def test_it(golden):\n    golden(P, variant='b')\n    golden(P + np.uint8(1), variant='a')\n"
+    )
+    assert project("--golden-record", "--golden-variant=c")[0] == 0
+    assert sorted(read_store(project.store)) == ["test_it:a", "test_it:b"]
+    assert project()[0] == 0
+    project.write("def test_it(golden):\n    golden(P, variant='a:b')\n")
+    status, said = project()
+    assert (status, "The variant 'a:b' has no name of" in said) == (1, True), said
+    status, said = project("--golden-variant=")
+    assert (status, "--golden-variant: The variant ''" in said) == (4, True), said
+
+
+# What pytest-rerunfailures and pytest-repeat do, in few lines.
+TRIED_AGAIN = """
+from _pytest.runner import runtestprotocol
+
+def pytest_runtest_protocol(item, nextitem):
+    for last in (False, True):
+        item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+        reports = runtestprotocol(item, nextitem=nextitem, log=False)
+        failed = any(report.failed for report in reports)
+        for report in reports:
+            if report.failed and not last:
+                report.outcome = "rerun"
+            item.ihook.pytest_runtest_logreport(report=report)
+        if not failed:
+            break
+    return True
+
+def pytest_report_teststatus(report):
+    return ("rerun", "R", "RERUN") if report.outcome == "rerun" else None
+"""
+REPEATED = """
+import pytest
+
+@pytest.fixture
+def __pytest_repeat_step_number(request):
+    return request.param
+
+@pytest.hookimpl(trylast=True)
+def pytest_generate_tests(metafunc):
+    name = "__pytest_repeat_step_number"
+    metafunc.fixturenames.append(name)
+    metafunc.parametrize(name, range(2), indirect=True, ids=lambda i: f"{i + 1}-2")
+"""
+FLAKY = """
+drawn = []
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_it(golden, n):
+    drawn.append(n)
+    golden(P + np.uint8({wrong}))
+
+def test_plain(golden):
+    golden(P)
+"""
+
+
+def test_a_test_that_passes_when_it_is_tried_again_is_told(project):
+    project.write(FLAKY.format(wrong="n"))
+    project.golden("record")
+    (project.folder / "conftest.py").write_text(TRIED_AGAIN)
+    assert "again" not in project()[1]
+    project.write(FLAKY.format(wrong="n + (drawn == [1])"))
+    status, said = project()
+    assert status == 0, said
+    assert "1 passed when its test was tried again:\n  tests/test_a.py::test_it[1]\n" in said
+    assert "differs" not in said
+    assert project.candidates() == []
+    status, said = project.golden("check", "--no-run")
+    assert (status, said.splitlines()[-1]) == (0, "pictures: 3 passed")
+    assert "differed at first, and held when its test was tried again" in said
+    # One that is new is recorded at the first try; one that differs always fails.
+    project.store.unlink()
+    status, said = project("--golden-record")
+    assert (status, "3 recorded" in said, "rerun" in said) == (0, True, False), said
+    project.write(FLAKY.format(wrong="n + 5"))
+    status, said = project()
+    assert (status, "2 differ:" in said, "again" in said) == (1, True, False), said
+
+
+def test_repetitions_of_a_test_have_one_picture(project):
+    project.write(FLAKY.format(wrong="n"))
+    project.golden("record")
+    before = project.store.read_text()
+    (project.folder / "conftest.py").write_text(REPEATED)
+    status, said = project()
+    assert (status, said.splitlines()[-1][:8]) == (0, "6 passed"), said
+    for drawn in ("[1]", "[1, 1]"):  # the first alone, and the second
+        project.write(FLAKY.format(wrong=f"n + (drawn == {drawn})"))
+        status, said = project()
+        assert status == 1
+        assert "1 differs:\n  tests/test_a.py::test_it[1]\n" in said
+        assert len(project.candidates()) == 1
+    project.write(FLAKY.format(wrong="n"))
+    assert project()[0] == 0
+    assert project.candidates() == []
+    project.store.unlink()
+    assert project("--golden-record")[0] == 0
+    assert project.store.read_text() == before

@@ -4,10 +4,13 @@ import errno
 import json
 import multiprocessing
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fixedpipe.pipeline.framebuffers.pictures import whole_png
 from fixedpipe.pipeline.golden import candidates, store
@@ -21,8 +24,10 @@ from fixedpipe.pipeline.golden.store import (
     from_text,
     golden_of,
     picture_path,
+    plain_key,
     read_store,
     to_text,
+    variant_key,
 )
 from fixedpipe.pipeline.selftest import quick
 
@@ -228,6 +233,28 @@ def test_what_was_accepted_otherwise_meanwhile_is_not_overwritten(accepted):
     assert kept(root) == before
 
 
+@pytest.mark.parametrize("changed_since", ["test_a", "test_a:mesa", None])
+def test_a_variant_is_accepted_against_the_plain_picture_that_it_was_compared_with(accepted, changed_since):
+    root, changed = accepted
+    variant = replace(changed, name="a:mesa", key="test_a:mesa", against="test_a")
+    write_candidate(root, variant, OTHER)
+    if changed_since:
+        change_store(root / variant.store, {changed_since: golden_of(PICTURE + np.uint8(9))})
+        before = kept(root)
+        with pytest.raises(StoreError, match="was accepted otherwise since the tests ran"):
+            accept(root, variant)
+        assert kept(root) == before
+        return
+    plain = kept(root)[1]
+    assert accept(root, variant).startswith("a:mesa: 6 pixels differ by at most 1")
+    assert read_store(root / variant.store) == {
+        "test_a": golden_of(PICTURE),
+        "test_a:mesa": golden_of(OTHER),
+    }
+    assert kept(root)[1] == plain
+    assert picture_path(root / variant.store, "test_a:mesa").read_bytes() == whole_png(OTHER)
+
+
 def test_what_another_run_accepted_just_so_is_no_error(accepted):
     root, changed = accepted
     change_store(root / changed.store, {"test_a": changed.golden})
@@ -292,3 +319,19 @@ def test_a_store_that_an_editor_gave_a_byte_order_mark_is_read(tmp_path):
     assert read_store(path) == from_text(text, path)
     change_store(path, {"test_b": golden_of(OTHER)})
     assert sorted(read_store(path)) == ["test_a", "test_b"]
+
+
+_TESTS = st.from_regex(r"(TestA::)?test_[a-z]{1,3}(\[[^\n]{1,9}\])?(::[^/\\\\:\n]{1,9})?", fullmatch=True)
+
+
+@given(_TESTS, st.from_regex(r"[A-Za-z0-9_.+-]{1,40}", fullmatch=True))
+def test_a_variant_s_name_is_no_other_picture_s(key, variant):
+    assert plain_key(key) == key
+    assert plain_key(variant_key(key, variant)) == key
+    assert variant_key(key, None) == key
+
+
+@pytest.mark.parametrize("variant", ["", "a" * 41, "a:b", "a/b", "a b", "ü", "a\n", 3])
+def test_what_is_no_variant_s_name(variant):
+    with pytest.raises(ValueError, match="1 to 40 letters"):
+        variant_key("test_lit", variant)

@@ -1,0 +1,101 @@
+"""What a test allows its picture beside equal pixels: a tolerance, or places that are not compared, each with
+a written reason. Renderers on real GPUs need it; the exact comparison stays the default.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from operator import index
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.pipeline.golden.differences import Pixels, difference
+
+_HOW = 'golden(picture, at_most=(max_diff, pixels), ignore=[(x0, y0, x1, y1)], reason="why")'
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """What is allowed of a picture.
+
+    max_diff, pixels   the most that a component may differ by, and the most pixels that may; both 0: none
+    compared           bool [height, width]: the pixels that are compared, the others are ignored
+    reason             why, in the words of who wrote the test, on one line
+    """
+
+    max_diff: int
+    pixels: int
+    compared: NDArray[np.bool_]
+    reason: str
+
+    def judge(self, expected: Pixels, now: Pixels) -> tuple[bool, str]:
+        """Whether pictures of one kind differ by no more than this, and a sentence on how they differ."""
+        ignored = int((np.any(expected != now, axis=2) & ~self.compared).sum())
+        apart = difference(expected, np.where(self.compared[..., None], now, expected))
+        told = [str(apart)] if apart else []
+        if ignored:
+            told.append(f"{ignored} pixel{'s differ' if ignored > 1 else ' differs'} where they are ignored")
+        if apart is None or (apart.largest <= self.max_diff and apart.count <= self.pixels):
+            return True, "; ".join([*told, f"reason: {self.reason}"])
+        if self.pixels:
+            told.append(f"{self.pixels} may, by at most {self.max_diff}")
+        return False, "; ".join(told)
+
+
+def allowance_of(
+    pixels: Pixels,
+    at_most: tuple[int, int] | None,
+    ignore: Sequence[Sequence[int]] | NDArray[np.bool_] | None,
+    reason: str | None,
+) -> Allowance | None:
+    """The Allowance of what a test says of a picture, None where it says nothing.
+
+    ``at_most``: (largest difference of a component, most pixels that differ), both 1 or more. ``ignore``:
+    boxes (x0, y0, x1, y1) in the picture, half open, row 0 is the top one; or a bool array [height, width].
+    Raises ValueError for anything else, and where no reason is given.
+    """
+    if at_most is None and ignore is None:
+        if reason is not None:
+            raise ValueError(f"golden(…, reason={reason!r}) allows nothing. Give what it is for: {_HOW}.")
+        return None
+    if not isinstance(reason, str) or not reason.strip():
+        raise ValueError(f"golden(…, reason={reason!r}): what is not compared exactly has a reason: {_HOW}.")
+    limits = (0, 0) if at_most is None else tuple(at_most) if isinstance(at_most, tuple | list) else ()
+    if at_most is not None and (len(limits) != 2 or not all(type(n) is int and n > 0 for n in limits)):
+        raise ValueError(
+            f"golden(…, at_most={at_most!r}): give the largest difference of a component and the most pixels "
+            "that may differ, two whole numbers from 1 on."
+        )
+    compared = ~_ignored(ignore, *pixels.shape[:2])
+    if not compared.any():
+        raise ValueError("golden(…, ignore=…) ignores every pixel; nothing would be compared.")
+    return Allowance(*limits, compared, " ".join(reason.split()))
+
+
+def _ignored(ignore: Any, height: int, width: int) -> NDArray[np.bool_]:
+    """bool [height, width]: where a picture is ignored."""
+    found = np.zeros((height, width), bool)
+    if ignore is None:
+        return found
+    if isinstance(ignore, np.ndarray) and ignore.dtype == bool:
+        if ignore.shape != found.shape:
+            raise ValueError(
+                f"golden(…, ignore=…) is an array of shape {ignore.shape}; this picture's has {found.shape}: "
+                "a row for each of the picture's, the top one first."
+            )
+        return ignore
+    if not isinstance(ignore, tuple | list):
+        raise ValueError(f"golden(…, ignore={ignore!r}): give a list of boxes, or a bool array.")
+    for box in ignore:
+        try:
+            x0, y0, x1, y1 = (index(n) for n in box)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"golden(…, ignore=[{box!r}]): a box is (x0, y0, x1, y1), in pixels.") from error
+        if not (0 <= x0 < x1 <= width and 0 <= y0 < y1 <= height):
+            raise ValueError(
+                f"golden(…, ignore=[{box!r}]): this box is empty or not in the picture, which has {width}x"
+                f"{height} pixels. A box is (x0, y0, x1, y1), half open, and row 0 is the top one."
+            )
+        found[y0:y1, x0:x1] = True
+    return found
