@@ -218,3 +218,13 @@ def write_file(path, content):
     except OSError as error:
         raise Refusal(f"{path} cannot be written: {error.strerror}.") from None
     click.echo(f"wrote {path}", err=True)
+
+
+def write_rows(rows, json_file, csv_file):
+    """Write rows as the files that were asked for: ``--json`` and ``--csv``. Raises Refusal."""
+    from fixedpipe.effects.reports.rows import csv_text, json_text
+
+    if json_file:
+        write_file(json_file, json_text(rows))
+    if csv_file:
+        write_file(csv_file, csv_text(rows))

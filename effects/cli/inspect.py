@@ -2,7 +2,7 @@
 
 import click
 
-from fixedpipe.effects.cli.frames import frame_asked, what_if_of, what_if_options, write_file
+from fixedpipe.effects.cli.frames import frame_asked, what_if_of, what_if_options, write_file, write_rows
 from fixedpipe.effects.cli.options import refuse_ignored, set_option
 
 
@@ -23,8 +23,11 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
 @click.option("--command", "number", type=click.IntRange(min=0), metavar="K", help="This command alone.")
 @click.option("--surface", metavar="NAME", help="A pbuffer instead of the window.")
-@click.option("--json", "json_file", metavar="FILE", help="Write the history as JSON.")
-@click.option("--html", "html_file", metavar="FILE", help="Write it as a page: one file, without scripts.")
+@click.option("--json", "json_file", metavar="FILE", help="Write the history, or the numbers, as JSON.")
+@click.option("--csv", "csv_file", metavar="FILE", help="Write the numbers of a table or of maps as CSV.")
+@click.option(
+    "--html", "html_file", metavar="FILE", help="Write the history as a page: one file, no scripts."
+)
 @what_if_options
 @set_option
 def inspect(what, pixel, registers, kind, attribution, out, number, **of):
@@ -62,8 +65,11 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
         )
     context = click.get_current_context()
     if pixel is None:
-        names = ("surface", "json_file", "html_file")
-        refuse_ignored(context, names, f"{(*asked, 'a change')[0]} is of the window, and a table or picture")
+        refuse_ignored(
+            context, ("surface", "html_file"), f"{(*asked, 'a change')[0]} is a table of the window"
+        )
+    else:
+        refuse_ignored(context, ("csv_file",), "a pixel's history is no table; give --json")
     of_stages = what_if is not None and bool(what_if["replaced"] or what_if["unclamped"])
     if of_stages and asked:
         raise Refusal(f"A stage that is computed otherwise is told of its error alone; leave {asked[0]} out.")
@@ -73,6 +79,7 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
         refuse_ignored(context, ("number",), "the error is the whole picture's")
     if kind is None:
         refuse_ignored(context, ("out",), "it is a map's picture; give --map KIND")
+    files = of["json_file"], of["csv_file"]
     where = _pixel(pixel) if pixel is not None else None
     frame = frame_asked(what, of["profile"], of["size"], of["settings"])
     announce_compiling("portable")  # which records what the ideal is guided by
@@ -82,13 +89,13 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     if where is not None:
         _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"])
     elif registers:
-        _tell_registers(frame, number)
+        write_rows(_tell_registers(frame, number), *files)
     elif kind:
-        _tell_maps(frame, kind, number, out)
+        write_rows(_tell_maps(frame, kind, number, out), *files)
     elif attribution:
-        _tell_attribution(frame, of["stages"], number)
+        write_rows(_tell_attribution(frame, of["stages"], number), *files)
     else:
-        _tell_change(frame, before, number)
+        write_rows(_tell_change(frame, before, number), *files)
 
 
 def _tell_pixel(of, where, number, surface, json_file, html_file):
@@ -121,19 +128,22 @@ def _tell_pixel(of, where, number, surface, json_file, html_file):
 
 def _tell_registers(of, number):
     from fixedpipe.effects.refusal import refusals
+    from fixedpipe.effects.reports.rows import register_rows
     from fixedpipe.pipeline.inspection.registers import register_uses
 
     with refusals():
         uses = register_uses(of.commands, of.machine, *of.size)
+    uses = _of_command(uses, number)
     click.echo(of.title)
-    for use in _of_command(uses, number):
-        if use.label is not None:
+    for last, use in zip((None, *uses), uses, strict=False):
+        if last is None or last.command != use.command:
             click.echo(f"\ncommand {use.command}: {use.label}\n{_REGISTERS}")
         headroom = "" if use.headroom is None else use.headroom
         click.echo(
             f"{use.stage:22}{use.register:20}{use.least:8.3f}{use.greatest:9.3f}{use.mean:8.3f}"
             f"{_share(use.clamped_low)}{_share(use.clamped_high)}{use.codes:8} of {use.of:<5}{headroom:>5}"
         )
+    return register_rows(uses)
 
 
 _REGISTERS = " " * 45 + "least greatest    mean clamped low        high   codes     bits left"
@@ -164,14 +174,18 @@ def _errors(what, error, last=""):
 
 
 def _tell_change(of, before, number):
+    from fixedpipe.effects.reports.rows import error_rows
+
     after = frame_error_of(of, number)
     click.echo(f"{of.title}\nMachine minus ideal, root mean square, 1/255 of full intensity\n\n{_ERRORS}")
     click.echo(_errors("as it is", before))
     click.echo(_errors("changed", after))
+    return error_rows(before, [("changed", after)])
 
 
 def _tell_attribution(of, stages, number):
     from fixedpipe.effects.refusal import refusals
+    from fixedpipe.effects.reports.rows import error_rows, share_gone
     from fixedpipe.pipeline.inspection.what_if import attribution, stage_attribution
 
     with refusals():
@@ -184,12 +198,13 @@ def _tell_attribution(of, stages, number):
     )
     click.echo(_errors("as it is", own))
     for what, error in found:
-        goes = 1.0 - error.shown / own.shown if own.shown else 0.0
-        click.echo(_errors(what, error, f"{goes:9.1%}"))
+        click.echo(_errors(what, error, f"{share_gone(error, own):9.1%}"))
+    return error_rows(own, found)
 
 
 def _tell_maps(of, kind, number, out):
     from fixedpipe.effects.refusal import Refusal, refusals
+    from fixedpipe.effects.reports.rows import map_rows
     from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
 
     with refusals():
@@ -208,6 +223,7 @@ def _tell_maps(of, kind, number, out):
         if picture is None:
             raise Refusal("A map's picture needs matplotlib; install fixedpipe[plots], or leave --out out.")
         write_file(out, picture)
+    return map_rows(maps)
 
 
 def _pixel(text):
@@ -238,14 +254,10 @@ def _only(found, number, frame):
 
 
 def _of_command(uses, number):
-    """Those of a command, or all; each but the first of a command without its label."""
-    from dataclasses import replace
-
+    """Those of a command, or all. Raises Refusal where there are none."""
     from fixedpipe.effects.refusal import Refusal
 
-    uses, last = [use for use in uses if number in (None, use.command)], None
+    uses = [use for use in uses if number in (None, use.command)]
     if not uses:
         raise Refusal(f"No fragment was made by {'any command' if number is None else f'command {number}'}.")
-    for use in uses:
-        yield use if use.command != last else replace(use, label=None)
-        last = use.command
+    return uses

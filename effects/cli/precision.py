@@ -2,6 +2,7 @@
 
 import click
 
+from fixedpipe.effects.cli.frames import write_rows
 from fixedpipe.effects.cli.options import changes_of, machine_of, set_option
 
 
@@ -28,8 +29,10 @@ from fixedpipe.effects.cli.options import changes_of, machine_of, set_option
     help="What has these widths: combiner, texture, framebuffer, filter_fraction, subpixel; all: the first "
     "four.",
 )
+@click.option("--json", "json_file", metavar="FILE", help="Write the numbers as JSON.")
+@click.option("--csv", "csv_file", metavar="FILE", help="Write the numbers as CSV.")
 @set_option
-def precision(figure_id, profile, size, bits, parts, settings):
+def precision(figure_id, profile, size, bits, parts, json_file, csv_file, settings):
     """Render figure ID on the same machine with numbers of several widths, with and without its clamps.
 
     Printed are root mean squares of (machine - ideal) in units of 1/255, of the same fragments: "shown" as
@@ -42,6 +45,7 @@ def precision(figure_id, profile, size, bits, parts, settings):
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.reports.rows import precision_rows
 
     if figure_id.endswith(".py"):
         raise Refusal(
@@ -70,6 +74,7 @@ def precision(figure_id, profile, size, bits, parts, settings):
     click.echo(f"\nAt its own widths, without one clamp:\n{'':22}{'shown':>9}{'computed':>11}")
     for clamp, found in single:
         click.echo(f"{clamp.name:>22}{_numbers(found)}")
+    write_rows(precision_rows(rows, single), json_file, csv_file)
 
 
 def _numbers(measured):

@@ -18,7 +18,8 @@ from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
     "--out", metavar="DIR", default="out", show_default=True, help="Folder of plots and JSON files."
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
-def study(study_ids, profile, check, out, json_file):
+@click.option("--csv", "csv_file", metavar="FILE", help="Write the table of a study as CSV as well.")
+def study(study_ids, profile, check, out, json_file, csv_file):
     """Measure the studies with the given IDs, or all, on the emulated machines. Without an ID
     their names are printed; --check without an ID measures all.
 
@@ -26,15 +27,16 @@ def study(study_ids, profile, check, out, json_file):
     matplotlib: pip install 'fixedpipe[plots]'.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.refusal import choose
+    from fixedpipe.effects.refusal import Refusal, choose
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
+    from fixedpipe.effects.reports.rows import csv_text
     from fixedpipe.effects.studies import STUDIES
     from fixedpipe.effects.technique import INDEX
 
     if not study_ids and not check:
         refuse_ignored(
             click.get_current_context(),
-            ("profile", "out", "json_file"),
+            ("profile", "out", "json_file", "csv_file"),
             "without an ID studies are named, not measured; give IDs, or all",
         )
         for s in STUDIES.values():
@@ -44,9 +46,11 @@ def study(study_ids, profile, check, out, json_file):
     chosen = [choose("study", i, STUDIES) for i in dict.fromkeys(study_ids) if i != "all"]
     if "all" in study_ids or not study_ids:
         chosen = list(STUDIES.values())
+    if csv_file and len(chosen) > 1:
+        raise Refusal(f"A CSV file has one table, and these are {len(chosen)}; give one ID, or --json.")
     machines = [_machine(s, profile, check) for s in chosen]
     folder = writable_folder(out)
-    json_path = writable_file(json_file) if json_file else None
+    json_path, csv_path = (name and writable_file(name) for name in (json_file, csv_file))
     announce_compiling()
 
     records, missed, without_plot = [], 0, False
@@ -63,6 +67,8 @@ def study(study_ids, profile, check, out, json_file):
         records.append(record)
     if json_path:
         write_whole(json_path, json_bytes(records))
+    if csv_path:
+        write_whole(csv_path, csv_text(records[0]["rows"]).encode())
     if without_plot:
         click.echo(
             f"The tables are in {folder}, without plots: these need matplotlib, which is not installed. "

@@ -1,7 +1,5 @@
 """The record of one study: its table, the content of its JSON file, and its plot."""
 
-import json
-
 
 def measured(s, key, check):
     """The study's table and the content of its JSON file."""
@@ -32,7 +30,9 @@ def measured(s, key, check):
 
 def json_bytes(content):
     """A record, or a list of them, as the bytes of a JSON file."""
-    return (json.dumps(content, indent=2, allow_nan=False) + "\n").encode()
+    from fixedpipe.effects.reports.rows import json_text
+
+    return json_text(content).encode()
 
 
 def plotted(s, table):

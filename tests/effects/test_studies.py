@@ -1,6 +1,7 @@
 """Studies: every table is measured, printed in 80 columns and plotted, and finds the numbers expected."""
 
 import builtins
+import csv
 import json
 import re
 from pathlib import Path
@@ -197,11 +198,13 @@ def test_an_unknown_study_is_refused_beside_all():
 def test_a_study_prints_its_table_and_writes_its_plot_and_record(tmp_path):
     pytest.importorskip("matplotlib")
     results = tmp_path / "all.json"
-    result = run("P9", "--check", "--out", tmp_path, "--json", results)
+    result = run("P9", "--check", "--out", tmp_path, "--json", results, "--csv", tmp_path / "all.csv")
     assert result.exit_code == 0, result.output
     assert max(map(len, result.stdout.split("ok ")[0].splitlines())) <= WIDTH
     record = json.loads((tmp_path / "P9.json").read_text())
     assert json.loads(results.read_text()) == [record]
+    table = list(csv.DictReader((tmp_path / "all.csv").read_text().splitlines()))
+    assert table == [{name: str(value) for name, value in row.items()} for row in record["rows"]]
     assert record["profile"] == "GEFORCE_256"
     assert record["rows"][0]["RMS of all"] > 0.0
     assert all(c["passed"] for c in record["checks"])
@@ -243,10 +246,14 @@ def test_an_unknown_study_is_refused_with_the_likely_one():
         (("P9", "--profile", "OCTANE"), "P9 cannot be measured on OCTANE; give one of GEFORCE_256"),
         (("P9", "--profile", "VOODOO"), "GEFORCE_256"),
         (("P9", "--profile", "IDEAL"), "IDEAL is no machine"),
+        (
+            ("P9", "P10", "--csv", "a.csv"),
+            "A CSV file has one table, and these are 2; give one ID, or --json.",
+        ),
         (("P9", "--profile", "GEFORCE_3", "--check"), "expected numbers of P9 are for GEFORCE_256"),
     ],
 )
-def test_a_machine_that_does_not_fit_is_refused(arguments, said, tmp_path):
+def test_what_does_not_fit_a_study_is_refused(arguments, said, tmp_path):
     assert said in refusal_of(*arguments, "--out", tmp_path / "new")
     assert not (tmp_path / "new").exists()
 

@@ -1,5 +1,6 @@
 """The command line: what it writes, and that what cannot be done ends with one sentence and exit status 2."""
 
+import csv
 import json
 import os
 import re
@@ -1006,6 +1007,22 @@ def test_precision_prints_a_row_for_each_width_and_clamp():
     assert len(rows["4"]) == len(rows["8"]) == 4
     assert float(rows["4"][0]) > 4 * float(rows["8"][0])
     assert len(rows["BLENDING"]) == 2
+
+
+def test_precision_writes_the_numbers_that_it_prints(tmp_path):
+    files = [tmp_path / name for name in ("rows.json", "rows.csv")]
+    result = run("precision", "F004-4", "--size", 8, "--bits", "4,8", "--json", files[0], "--csv", files[1])
+    assert result.exit_code == 0, result.output
+    printed = {line.split()[0]: line.split()[1:] for line in result.output.splitlines() if line.strip()}
+    rows = json.loads(files[0].read_text())
+    of_four = [row for row in rows if row["bits"] == 4]
+    assert [row["without"] for row in of_four] == [None, "its own"]
+    numbers = [f"{row[name]:.3f}" for row in of_four for name in ("shown", "computed")]
+    assert numbers == printed["4"]
+    (clamp,) = [row for row in rows if row["without"] == "MAPPING"]
+    assert clamp["bits"] is None and f"{clamp['computed']:.3f}" == printed["MAPPING"][1]
+    table = list(csv.DictReader(files[1].read_text().splitlines()))
+    assert [{k: "" if v is None else str(v) for k, v in row.items()} for row in rows] == table
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """``fixedpipe inspect``: a figure's or a script's pixel in words, as JSON and as a page; what it refuses."""
 
+import csv
 import json
 
 import pytest
@@ -108,6 +109,37 @@ def test_what_a_stage_does_to_the_error_is_told():
     assert status == 0 and numbers(text, "as it is") == own
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--registers", "--command", "5"),
+        ("--map", "overdraw"),
+        ("--attribution", "--stages", "--command", "5"),
+        ("--bits", "combiner=12"),
+    ],
+)
+def test_what_is_printed_is_written_as_json_and_as_csv(tmp_path, options):
+    files = [tmp_path / name for name in ("rows.json", "rows.csv")]
+    status, text = said("F004-4", "--size", "32", *options, "--json", str(files[0]), "--csv", str(files[1]))
+    assert status == 0
+    assert said("F004-4", "--size", "32", *options)[1] in text
+    rows = json.loads(files[0].read_text())
+    table = list(csv.DictReader(files[1].read_text().splitlines()))
+    assert len(rows) > 1
+    assert [{k: "" if v is None else str(v) for k, v in row.items()} for row in rows] == table
+
+
+def test_rows_have_the_numbers_that_are_printed(tmp_path):
+    file = tmp_path / "rows.json"
+    _, text = said("F004-4", "--size", "32", "--attribution", "--json", str(file))
+    for row in json.loads(file.read_text()):
+        columns = [row[k] for k in ("shown", "red", "green", "blue", "largest", "computed")]
+        columns += [100 * row["goes"]] * (row["what"] != "as it is")
+        assert numbers(text, f"{row['what']:28}") == [
+            float(f"{value:.{3 if k < 6 else 1}f}") for k, value in enumerate(columns)
+        ]
+
+
 def test_maps_of_texels_have_the_textures_sizes(tmp_path):
     picture = tmp_path / "texels.png"
     status, text = said("F004-4", "--size", "32", "--map", "texels", "--command", "5", "--out", str(picture))
@@ -191,7 +223,11 @@ def test_what_is_wrong_with_a_script_is_said(tmp_path, source, sentence):
         (("F004-4", "--pixel", "3,3", "--registers"), "given: --pixel, --registers."),
         (("F004-4", "--map", "nono"), "There is no map 'nono'; there are: clamps,"),
         (("F004-4", "--registers", "--out", "x.png"), "--out would be ignored"),
-        (("F004-4", "--registers", "--json", "x.json"), "--json would be ignored"),
+        (("F004-4", "--registers", "--html", "x.html"), "--html would be ignored"),
+        (
+            ("F004-4", "--pixel", "3,3", "--csv", "x.csv"),
+            "--csv would be ignored: a pixel's history is no table",
+        ),
         (("F004-4", "--size", "32", "--registers", "--command", "1"), "No fragment was made by command 1."),
         (("F004-4", "--pixel", "3"), "--pixel is '3'; give two whole numbers, as 120,48."),
         (("F004-4", "--size", "32", "--pixel", "64,3"), "Pixel (64, 3) lies outside"),
