@@ -182,10 +182,16 @@ def _hundredths(number):
 _IDS, _SIZE, _WIDTHS = ("F004-2", "F004-3", "F004-4"), 96, (4, 6, 8, 10, 12, 16)
 
 
+def _of_frame(figure_id):
+    """What ``precision.table`` and ``precision.clamps`` take of a figure on the GeForce 256."""
+    figure = FIGURES[figure_id]
+    return lambda machine: figure.commands(machine, _SIZE), GEFORCE_256, *figure.dimensions(_SIZE)
+
+
 @cache
 def _by_width(figure_id):
     """Rows of ``precision.table`` on the GeForce 256."""
-    return precision.table(FIGURES[figure_id], GEFORCE_256, _SIZE, _WIDTHS)
+    return precision.table(*_of_frame(figure_id), _WIDTHS)
 
 
 def _costs():
@@ -230,13 +236,11 @@ def _precision_widths():
 
 def _precision_clamps():
     """The error as it is computed without each clamp that changes it."""
-    found = [dict(precision.clamps(FIGURES[i], GEFORCE_256, _SIZE)) for i in _IDS]
-    whole = [precision.measure(FIGURES[i], GEFORCE_256, _SIZE) for i in _IDS]
-    rows = [("none", [measured.computed for measured in whole])]
-    for clamp in found[0]:
-        without = [of_figure[clamp].computed for of_figure in found]
-        if without != rows[0][1]:
-            rows.append((clamp.name, without))
+    rows = []
+    for of_one_clamp in zip(*(precision.clamps(*_of_frame(i)) for i in _IDS), strict=True):
+        clamp, without = of_one_clamp[0][0], [error.computed for _, error in of_one_clamp]
+        if clamp is None or without != rows[0][1]:
+            rows.append(("none" if clamp is None else clamp.name, without))
     return table(("clamp left out", *_IDS), [(name, *map(_hundredths, row)) for name, row in rows])
 
 

@@ -1,4 +1,4 @@
-"""Was it the clamp or the bits? A figure on the same machine with other widths, and with its clamps off.
+"""Was it the clamp or the bits? A frame on the same machine with other widths, and with its clamps off.
 
 Each picture is compared with the ideal evaluation of the same fragments, so that only arithmetic differs.
 """
@@ -33,20 +33,25 @@ def at_width(profile, bits, parts=PARTS):
     return profile.with_precision(**dict.fromkeys(parts, bits))
 
 
-def table(figure, profile, size, widths=WIDTHS, parts=PARTS, method=None, changes=MappingProxyType({})):
-    """(bits, Error with every clamp, Error without those that only machines have) for each width."""
+def table(commands_of, profile, width, height, widths=WIDTHS, parts=PARTS):
+    """(bits, Error with every clamp, Error without those that only machines have) for each width.
+
+    ``commands_of``: a function of a machine that gives the frame's commands for it. Raises ValueError where
+    the machine cannot hold the frame.
+    """
     rows = []
     for bits in widths:
         machine = at_width(profile, bits, parts)
         free = machine.without_clamps(*MACHINE_CLAMPS)
-        rows.append((bits, *(measure(figure, m, size, method, changes) for m in (machine, free))))
+        rows.append((bits, *(frame_error(commands_of(m), m, width, height) for m in (machine, free))))
     return rows
 
 
-def clamps(figure, profile, size, method=None, changes=MappingProxyType({})):
-    """(Clamp, Error) of the machine at its own widths without each of its clamps, one at a time."""
-    return [
-        (c, measure(figure, profile.without_clamps(c), size, method, changes))
-        for c in Clamp
-        if c in profile.arithmetic.clamps
-    ]
+def clamps(commands_of, profile, width, height):
+    """(None, the Error of the machine as it is), then (Clamp, Error) without each of its clamps, one at a
+    time. Takes and raises what ``table`` does.
+    """
+    left_out = [None, *(clamp for clamp in Clamp if clamp in profile.arithmetic.clamps)]
+    machines = [profile if clamp is None else profile.without_clamps(clamp) for clamp in left_out]
+    errors = [frame_error(commands_of(machine), machine, width, height) for machine in machines]
+    return list(zip(left_out, errors, strict=True))

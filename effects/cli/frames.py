@@ -67,7 +67,7 @@ def frame_asked(what, profile, size, settings):
     """The FrameAsked of figure ID or of SCRIPT.py. ``profile``: a machine's name, or None; ``size``, or None,
     and ``settings``: a figure's. Raises Refusal.
     """
-    return (_script if what.endswith(".py") else _figure)(what, profile, size, settings)
+    return (script_frame if what.endswith(".py") else _figure)(what, profile, size, settings)
 
 
 def _figure(figure_id, profile, size, settings):
@@ -95,7 +95,8 @@ def _line_of(path, error):
     return f", line {lines[-1]}," if lines else ""
 
 
-def _script(path, profile, size, settings):
+def script_frame(path, profile, size, settings, profile_of=machine_of):
+    """The FrameAsked of SCRIPT.py; ``profile_of``: the Profile of a name. Raises Refusal."""
     import runpy
 
     from fixedpipe.effects.refusal import Refusal
@@ -113,7 +114,7 @@ def _script(path, profile, size, settings):
         names = ", ".join(missing or ("profile",))
         raise Refusal(f"{path} does not define {names}; it needs commands, profile, width and height.")
     machine = profile or made["profile"]
-    machine = machine_of(machine) if isinstance(machine, str) else machine
+    machine = profile_of(machine) if isinstance(machine, str) else machine
     try:
         commands = tuple(made["commands"])
     except TypeError:
@@ -124,7 +125,12 @@ def _script(path, profile, size, settings):
 def what_if_options(command):
     """The options of a subcommand that change a frame, each of which may be given several times."""
     options = (
-        click.option("--bits", multiple=True, metavar="PART=N", help="Another width: 4 to 16 bits."),
+        click.option(
+            "--bits",
+            multiple=True,
+            metavar="PART=N",
+            help="Another width: 4 to 16 bits; combiners have a sign beside.",
+        ),
         click.option(
             "--without",
             multiple=True,
@@ -155,6 +161,15 @@ def what_if_of(bits, without, replace, constant, texture):
         "constants": [_assigned("--constant", text, "1=0.5,0.5,0.5,1", int, _color) for text in constant],
         "textures": [_assigned("--texture", text, "normals=bumps.png", str, _picture) for text in texture],
     }
+
+
+def sign_beside(machine):
+    """What is said of combiners' widths, lest a sign be counted among a machine's bits."""
+    own = machine.arithmetic.combiner_bits
+    return (
+        f"combiner: bits beside the sign. combiner={own}, registers of {own + 1} bits with the sign, is the "
+        f"{machine.name} itself."
+    )
 
 
 def _assigned(option, text, example, name, value):

@@ -2,7 +2,14 @@
 
 import click
 
-from fixedpipe.effects.cli.frames import frame_asked, what_if_of, what_if_options, write_file, write_rows
+from fixedpipe.effects.cli.frames import (
+    frame_asked,
+    sign_beside,
+    what_if_of,
+    what_if_options,
+    write_file,
+    write_rows,
+)
 from fixedpipe.effects.cli.options import refuse_ignored, set_option
 
 
@@ -85,6 +92,8 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     announce_compiling("portable")  # which records what the ideal is guided by
     before = None if asked else frame_error_of(frame)
     if what_if is not None:
+        if any(part == "combiner" for part, _ in what_if["bits"]):
+            click.echo(sign_beside(frame.machine), err=True)
         frame.change(what_if)
     if where is not None:
         _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"])
@@ -165,6 +174,7 @@ def frame_error_of(of, number=None):
         return frame_error(*given)
 
 
+_UNIT = "Machine minus ideal, root mean square, 1/255 of full intensity"
 _ERRORS = f"{'':28}{'shown':>9}{'red':>9}{'green':>9}{'blue':>9}{'largest':>9}{'computed':>10}"
 
 
@@ -177,7 +187,7 @@ def _tell_change(of, before, number):
     from fixedpipe.effects.reports.rows import error_rows
 
     after = frame_error_of(of, number)
-    click.echo(f"{of.title}\nMachine minus ideal, root mean square, 1/255 of full intensity\n\n{_ERRORS}")
+    click.echo(f"{of.title}\n{_UNIT}\n\n{_ERRORS}")
     click.echo(_errors("as it is", before))
     click.echo(_errors("changed", after))
     return error_rows(before, [("changed", after)])
@@ -193,19 +203,28 @@ def _tell_attribution(of, stages, number):
             own, found = stage_attribution(of.commands, of.machine, *of.size, number=number)
         else:
             own, found = attribution(of.commands_of, of.machine, *of.size)
-    click.echo(
-        f"{of.title}\nMachine minus ideal, root mean square, 1/255 of full intensity\n\n{_ERRORS}     goes"
-    )
+    click.echo(f"{of.title}\n{_UNIT}\n{_most(own, found)}\n\n{_ERRORS}     goes")
     click.echo(_errors("as it is", own))
     for what, error in found:
         click.echo(_errors(what, error, f"{share_gone(error, own):9.1%}"))
     return error_rows(own, found)
 
 
+def _most(own, found):
+    """With which one thing most of the error goes, in a sentence."""
+    from fixedpipe.effects.reports.rows import share_gone
+
+    alone = ((what, share_gone(error, own)) for what, error in found if not what.startswith("all "))
+    what, share = max(alone, key=lambda one: one[1])
+    if share <= 0.0:
+        return "No one thing, as exact as it can be, makes the error smaller."
+    return f"Most of it goes with {what} alone: {share:.1%}."
+
+
 def _tell_maps(of, kind, number, out):
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.effects.reports.rows import map_rows
-    from fixedpipe.pipeline.inspection.maps import KINDS, frame_maps
+    from fixedpipe.pipeline.inspection.maps import KINDS, SHARES, frame_maps
 
     with refusals():
         maps = frame_maps(of.commands, of.machine, *of.size, kind, ideal=of.ideal)
@@ -214,7 +233,10 @@ def _tell_maps(of, kind, number, out):
     if not maps:
         raise Refusal(f"No fragment was made by {'any command' if number is None else f'command {number}'}.")
     for each in maps:
-        numbers = ", ".join(f"{name} {value:.4g}" for name, value in each.numbers().items())
+        numbers = ", ".join(
+            f"{name} {100 * value:.4g} %" if name in SHARES else f"{name} {value:.4g}"
+            for name, value in each.numbers().items()
+        )
         click.echo(f"command {each.command}: {each.label}\n    {numbers}")
     if out is not None:
         from fixedpipe.effects.reports.map_picture import maps_png

@@ -1,16 +1,21 @@
-"""``fixedpipe passes``: a figure's commands in words, and on request what each left in the framebuffer."""
+"""``fixedpipe passes``: a frame's commands in words, and on request what each left in the framebuffer."""
+
+from dataclasses import dataclass
 
 import click
 
+from fixedpipe.effects.cli.frames import script_frame
 from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 
 # Of a trace that was not asked for as --all. Assumed: what one looks through, and what a disk has room for.
 _MOST_FILES, _MOST_BYTES = 1000, 4000 << 20
 
 
-@click.command(short_help="Print a figure's passes in words.")
-@click.argument("figure_id", metavar="ID")
-@click.option("--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own.")
+@click.command(short_help="Print a frame's passes in words.")
+@click.argument("what", metavar="ID|SCRIPT.py")
+@click.option(
+    "--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own, or the script's."
+)
 @click.option(
     "--trace", metavar="DIR", help="Write colour, alpha, depth and stencil after each command as PNG."
 )
@@ -31,41 +36,32 @@ _MOST_FILES, _MOST_BYTES = 1000, 4000 << 20
 )
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a traced panel, pixels.")
 @set_option
-def passes(figure_id, profile, trace, numbers, every, ideal, whole, size, settings):
-    """Print the pass sequence of figure ID: every command, and every state that differs from the default.
+def passes(what, profile, trace, numbers, every, ideal, whole, size, settings):
+    """Print the pass sequence of figure ID, or of the frame that SCRIPT.py makes: every command, and every
+    state that differs from the default.
 
     Where the same few commands come for polygon after polygon, they are printed once, and how often. A trace
     has a page, index.html; commands that draw nothing have no picture, and equal pictures are written once.
+    A script defines `commands`, `profile` (a Profile or its name), `width` and `height`.
     """
-    from fixedpipe.effects.cli.refusal import check_size
-    from fixedpipe.effects.figures import FIGURES
-    from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_folder
     from fixedpipe.effects.technique import INDEX
     from fixedpipe.pipeline.description.describe import describe
-    from fixedpipe.pipeline.profiles import PROFILES
 
     if trace is None:
         names = "numbers", "every", "ideal"
         refuse_ignored(click.get_current_context(), names, "nothing is traced without --trace DIR; give one")
-    figure = choose("figure", figure_id, FIGURES)
-    key = profile or figure.machines[0]
-    machine = choose("profile", key, PROFILES)
-    check_size(figure.id, figure.dimensions(size), machine)
-    with refusals():
-        method = figure.method_for(machine)
-        changes = changes_of(settings, figure, (method,))
-        commands = figure.commands(machine, size, method, **changes)
+    of_script = what.endswith(".py")
+    of = (_script if of_script else _figure)(what, profile, size, settings)
     if trace is not None:
-        chosen = _chosen(numbers, every, len(commands))
-        beside = _of_the_ideal(figure, machine, method, commands, size, changes) if ideal else None
-        announcement, drawing = _planned(figure, machine, commands, chosen, size, ideal, whole)
+        chosen = _chosen(numbers, every, len(of.commands))
+        beside = _of_the_ideal(of) if ideal else None
+        announcement, drawing = _planned(of, chosen, ideal, whole)
         folder = writable_folder(trace)
-    click.echo(f"{figure.id}: {figure.title} ({', '.join(figure.techniques)})")
-    changed = f", with {figure.said(method, changes)}" if changes else ""
-    click.echo(f"on {machine.name}: {method.name}{changed}\n")
-    click.echo(describe(commands, folded=not whole))
-    click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
+    click.echo(f"{of.heading}\non {of.machine.name}{of.by}\n")
+    click.echo(describe(of.commands, folded=not whole))
+    if not of_script:
+        click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
     if trace is not None:
         from fixedpipe.effects.cli.compiling import announce_compiling
         from fixedpipe.effects.cli.progress import progress
@@ -74,11 +70,63 @@ def passes(figure_id, profile, trace, numbers, every, ideal, whole, size, settin
         from fixedpipe.effects.reports.trace import Traced, write_trace
 
         click.echo(announcement, err=True)
-        title = f"{figure.id} on {machine.name}: {method.name}{changed}"
-        traced = Traced(title, machine, commands, figure.dimensions(size), beside)
+        title = f"{of.name} on {of.machine.name}{of.by}"
+        traced = Traced(title, of.machine, of.commands, of.size, beside)
         with progress(drawing * (1 + ideal)) as step:
             written = write_trace(traced, folder, chosen, step)
         click.echo(f"\n{written} pictures in {folder}; open {folder / 'index.html'}")
+
+
+@dataclass(frozen=True)
+class _Passes:
+    """A frame whose passes are told: its name, the line above them, the machine and what is said behind it,
+    (width, height), ``commands_of``, a function of a machine, and its ``commands`` on this one.
+    """
+
+    name: str
+    heading: str
+    machine: object
+    by: str
+    size: tuple
+    commands_of: object
+    commands: tuple
+
+
+def _script(path, profile, size, settings):
+    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.pipeline.profiles import PROFILES
+    from fixedpipe.pipeline.validation.validate import validate
+
+    of = script_frame(path, profile, size, settings, lambda key: choose("profile", key, PROFILES))
+    with refusals():
+        validate(of.commands, of.machine, *of.size)
+    return _Passes(path, path, of.machine, "", of.size, of.commands_of, of.commands)
+
+
+def _figure(figure_id, profile, size, settings):
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    figure = choose("figure", figure_id, FIGURES)
+    machine = choose("profile", profile or figure.machines[0], PROFILES)
+    dimensions = figure.dimensions(size)
+    check_size(figure.id, dimensions, machine)
+    with refusals():
+        method = figure.method_for(machine)
+        changes = changes_of(settings, figure, (method,))
+        commands = figure.commands(machine, size, method, **changes)
+    changed = f", with {figure.said(method, changes)}" if changes else ""
+    return _Passes(
+        figure.id,
+        f"{figure.id}: {figure.title} ({', '.join(figure.techniques)})",
+        machine,
+        f": {method.name}{changed}",
+        dimensions,
+        lambda of: figure.commands(of, size, method, **changes),
+        commands,
+    )
 
 
 def _chosen(text, every, commands):
@@ -98,43 +146,43 @@ def _chosen(text, every, commands):
     return range(begin, min(end, commands - 1) + 1, every)
 
 
-def _of_the_ideal(figure, machine, method, commands, size, changes):
+def _of_the_ideal(of):
     """The commands that the ideal evaluates beside the machine's. Raises Refusal where it cannot."""
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.pipeline.profiles import IDEAL
     from fixedpipe.pipeline.validation.validate import validate
 
-    if machine.arithmetic.exact:
+    if of.machine.arithmetic.exact:
         raise Refusal(
             "--ideal shows a machine beside the ideal; give a machine as --profile, or leave it out."
         )
     with refusals():
-        ideal = figure.commands(IDEAL, size, method, **changes)
-        validate(ideal, IDEAL, *figure.dimensions(size))
-    if [type(c) for c in ideal] != [type(c) for c in commands]:
+        ideal = of.commands_of(IDEAL)
+        validate(ideal, IDEAL, *of.size)
+    if [type(c) for c in ideal] != [type(c) for c in of.commands]:
         raise Refusal(
-            f"{figure.id} has other commands by the ideal than on the {machine.name}; leave --ideal out."
+            f"{of.name} has other commands by the ideal than on the {of.machine.name}; leave --ideal out."
         )
     return ideal
 
 
-def _planned(figure, machine, commands, chosen, size, ideal, whole):
+def _planned(of, chosen, ideal, whole):
     """What will be written, in a sentence, and how many commands draw. Raises Refusal for too much."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.reports.trace import plan
     from fixedpipe.pipeline.sentences import count
 
-    found = plan(commands, chosen, figure.dimensions(size), ideal)
+    found = plan(of.commands, chosen, of.size, ideal)
     if not found.drawing:
         raise Refusal(f"None of the {count(found.commands, 'command')} chosen draws; choose others.")
     what = (
-        f"{figure.id} on the {machine.name} has {count(len(commands), 'command')}; of {found.commands} "
+        f"{of.name} on the {of.machine.name} has {count(len(of.commands), 'command')}; of {found.commands} "
         f"chosen {found.drawing} draw, which is at most {found.files} files and "
         f"{-(-found.bytes // 1_000_000)} MB before compression"
     )
     if not whole and (found.files > _MOST_FILES or found.bytes > _MOST_BYTES):
         raise Refusal(
-            f"{what}. Choose some with --commands 10:60 or --every {max(2, len(commands) // 100)}, make them "
-            "smaller with --size, or write them with --all."
+            f"{what}. Choose some with --commands 10:60 or --every {max(2, len(of.commands) // 100)}, make "
+            "them smaller with --size, or write them with --all."
         )
     return f"{what}.", found.drawing

@@ -1,21 +1,21 @@
-"""``fixedpipe precision``: a figure's error by the width of the numbers and by each clamp."""
+"""``fixedpipe precision``: a frame with numbers of several widths, with its clamps and without them."""
 
 import click
 
-from fixedpipe.effects.cli.frames import write_rows
-from fixedpipe.effects.cli.options import changes_of, machine_of, set_option
+from fixedpipe.effects.cli.frames import frame_asked, sign_beside, write_rows
+from fixedpipe.effects.cli.options import set_option
+
+_SIZE = 96  # pixels an edge of a figure's panel, where nothing else is asked for
 
 
-@click.command(short_help="Was it the clamp or the bits? A figure's error by each.")
-@click.argument("figure_id", metavar="ID", default="F004-4")
-@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own.")
+@click.command(short_help="Was it the clamp or the bits? A frame's error by each.")
+@click.argument("what", metavar="ID|SCRIPT.py", default="F004-4")
+@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own, or the script's.")
 @click.option(
     "--size",
     type=click.IntRange(min=1),
     metavar="N",
-    default=96,
-    show_default=True,
-    help="Pixels an edge of a panel.",
+    help=f"Pixels an edge of a figure's panel; otherwise {_SIZE}.",
 )
 @click.option(
     "--bits", metavar="N,N,...", default="4,6,8,10,12,16", show_default=True, help="Widths, 4 to 16."
@@ -26,55 +26,68 @@ from fixedpipe.effects.cli.options import changes_of, machine_of, set_option
     metavar="PART,...",
     default="all",
     show_default=True,
-    help="What has these widths: combiner, texture, framebuffer, filter_fraction, subpixel; all: the first "
-    "four.",
+    help="What has these widths: combiner (beside the sign), texture, framebuffer, filter_fraction, "
+    "subpixel; all: the first four.",
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write the numbers as JSON.")
 @click.option("--csv", "csv_file", metavar="FILE", help="Write the numbers as CSV.")
 @set_option
-def precision(figure_id, profile, size, bits, parts, json_file, csv_file, settings):
-    """Render figure ID on the same machine with numbers of several widths, with and without its clamps.
+def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
+    """Render figure ID, or the frame that SCRIPT.py makes, on the same machine with numbers of several
+    widths, with and without its clamps.
 
     Printed are root mean squares of (machine - ideal) in units of 1/255, of the same fragments: "shown" as
     the picture is seen, both clamped to [0, 1]; "computed" of the colours as they were computed. "Its own"
     clamps are those that the ideal evaluation has not: what they cost shows where the two pairs of columns
     part, and what the bits cost where a row differs from the next.
+
+    A script defines `commands`, `profile` (a Profile or its name), `width` and `height`. Its commands are the
+    same at every width: an image that it gives in bytes stays in bytes.
     """
     from fixedpipe.effects.acceptance import precision as measured
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import check_size
-    from fixedpipe.effects.figures import FIGURES
-    from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.refusal import refusals
     from fixedpipe.effects.reports.rows import precision_rows
 
-    if figure_id.endswith(".py"):
-        raise Refusal(
-            f"{figure_id} is a script, and precision takes figures by their ids. fixedpipe inspect "
-            f"{figure_id} --bits combiner=N draws a script's frame with other widths."
-        )
-    figure = choose("figure", figure_id, FIGURES)
-    key = profile or figure.machines[0]
-    machine = machine_of(key)
-    check_size(figure.id, figure.dimensions(size), machine)
-    widths, of = _widths(bits), _parts(parts, measured.PARTS)
+    widths, parts = _widths(bits), _parts(parts, measured.PARTS)
+    of = frame_asked(what, profile, size or (None if what.endswith(".py") else _SIZE), settings)
     announce_compiling("portable")  # which records what the ideal is guided by
     with refusals():
-        method = figure.method(key)
-        changes = changes_of(settings, figure, (method,))
-        rows = measured.table(figure, machine, size, widths, of, method, changes)
-        single = measured.clamps(figure, machine, size, method, changes)
-    changed = f", with {figure.said(method, changes)}" if changes else ""
-    click.echo(f"{figure.id}: {figure.title}, on {machine.name}, panels of {size} pixels{changed}")
-    click.echo("Root mean square of (machine - ideal), 1/255 of full intensity\n")
-    click.echo(f"Bits of {', '.join(part.removesuffix('_bits').replace('_', ' ') for part in of)}:")
+        rows = measured.table(of.commands_of, of.machine, *of.size, widths, parts)
+        single = measured.clamps(of.commands_of, of.machine, *of.size)
+    click.echo(f"{of.title}\n{of.size[0]}x{of.size[1]} pixels; {_UNIT}\n")
+    click.echo(f"Bits of {', '.join(part.removesuffix('_bits').replace('_', ' ') for part in parts)}:")
     click.echo(f"{'':22}{'with clamps':>20}{'without its own':>23}")
     click.echo(f"{'':22}{'shown':>9}{'computed':>11}{'shown':>12}{'computed':>11}")
     for width, clamped, free in rows:
         click.echo(f"{width:>22}{_numbers(clamped)}   {_numbers(free)}")
+    click.echo(f"\n{_COLUMNS}")
+    if "combiner_bits" in parts:
+        click.echo(sign_beside(of.machine))
     click.echo(f"\nAt its own widths, without one clamp:\n{'':22}{'shown':>9}{'computed':>11}")
+    (_, own), *_ = single
     for clamp, found in single:
-        click.echo(f"{clamp.name:>22}{_numbers(found)}")
+        name, does = ("none left out", "") if clamp is None else (clamp.name, CLAMPS[clamp.name])
+        says = f"{does}{'; changes nothing' * (found == own)}" if does else ""
+        click.echo(f"{name:>22}{_numbers(found)}   {says}".rstrip())
     write_rows(precision_rows(rows, single), json_file, csv_file)
+
+
+_UNIT = "root mean square of (machine - ideal), 1/255 of full intensity"
+_COLUMNS = """\
+shown: of the pictures as they are seen, both clamped to [0, 1].
+computed: of the colours as they were computed; the ideal's are not clamped.
+without its own: the machine without the clamps that the ideal has not."""
+# What each Clamp clamps, by its name.
+CLAMPS = {
+    "VERTEX_COLOR": "colours of vertices",
+    "MAPPING": "inputs of combiners",
+    "GENERAL_COMBINER": "outputs of general combiners",
+    "TEXTURE_ENVIRONMENT": "results of texture environments",
+    "COLOR_SUM": "the sum with the secondary colour",
+    "FINAL_COMBINER": "fragments' colours in the end",
+    "BLENDING": "what blending writes",
+}
 
 
 def _numbers(measured):

@@ -28,6 +28,7 @@ KINDS = {
     "depth": "what the depth buffer holds, 1.0 = the farthest",
     "stencil": "what the stencil buffer holds",
 }
+SHARES = ("reached", "above zero")  # of the numbers of a map: from 0 to 1
 # What is left when a command has run; the others are told while it runs.
 _BESIDE_IDEAL = {"error", "bits"}
 _LEFT = {*_BESIDE_IDEAL, "depth", "stencil"}
@@ -49,12 +50,13 @@ class Map:
         zero, and of the values the least, the median, the 95th percentile and the greatest.
         """
         known = self.values[~np.isnan(self.values)]
+        reached, above = SHARES
         if not len(known):
-            return {"reached": 0.0}
+            return {reached: 0.0}
         middle, high = np.percentile(known, (50, 95), method="nearest").tolist()
         return {
-            "reached": len(known) / self.values.size,
-            "above zero": float((known > 0).mean()),
+            reached: len(known) / self.values.size,
+            above: float((known > 0).mean()),
             "least": float(known.min()),
             "median": middle,
             "95 %": high,

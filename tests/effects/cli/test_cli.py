@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 import re
 import shlex
@@ -19,6 +20,7 @@ from PIL import Image
 import fixedpipe.effects.figures
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.cli import _COMMANDS, main
+from fixedpipe.effects.cli.precision import CLAMPS
 from fixedpipe.effects.figures import FIGURES, Method
 from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.effects.refusal import Refusal
@@ -28,6 +30,7 @@ from fixedpipe.effects.reports.gallery import gallery
 from fixedpipe.effects.technique import INDEX
 from fixedpipe.effects.user_pictures import bumped_mesh, inputs
 from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES, machines_with
+from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
@@ -622,10 +625,6 @@ def test_profiles_of_a_machine_are_whole_lines_where_no_terminal_shows_them():
     assert line.endswith("512 (Assumed: 512; a MAX_CUBE_MAP_TEXTURE_SIZE query would settle it)")
 
 
-def test_precision_of_a_script_names_the_command_that_takes_one():
-    assert "fixedpipe inspect power.py --bits combiner=N" in refusal_of("precision", "power.py")
-
-
 def test_profiles_says_what_each_driver_changes_and_how_it_is_known():
     shown = " ".join(run("profiles", "GEFORCE_256", "GEFORCE_3").output.split())
     assert 'Driver "Release 5", June 2000:' in shown
@@ -1006,7 +1005,42 @@ def test_precision_prints_a_row_for_each_width_and_clamp():
     rows = {line.split()[0]: line.split()[1:] for line in result.output.splitlines() if line.strip()}
     assert len(rows["4"]) == len(rows["8"]) == 4
     assert float(rows["4"][0]) > 4 * float(rows["8"][0])
-    assert len(rows["BLENDING"]) == 2
+    assert rows["VERTEX_COLOR"][2:] == ["colours", "of", "vertices;", "changes", "nothing"]
+    assert rows["MAPPING"][2:] == ["inputs", "of", "combiners"]
+    assert rows["none"][2:] == rows["VERTEX_COLOR"][:2] != rows["MAPPING"][:2]
+    assert "combiner=8, registers of 9 bits with the sign, is the GeForce 256 itself" in result.output
+
+
+def test_precision_says_what_each_clamp_clamps():
+    assert [clamp.name for clamp in Clamp] == list(CLAMPS)
+
+
+HALVES = """
+import numpy as np
+from fixedpipe.pipeline import Draw, Mesh, PassState
+corners = np.array([[-1.0, -1.0, 0.0], [3.0, -1.0, 0.0], [-1.0, 3.0, 0.0]])
+mesh = Mesh(corners, colors=np.tile([0.5, 0.25, 0.125, 1.0], (3, 1)))
+commands = (Draw(label="all of it", mesh=mesh, state=PassState()),)
+profile, width, height = "GEFORCE_256", 8, 4
+"""
+
+
+@pytest.fixture
+def halves(tmp_path):
+    """A script whose frame is 8x4 pixels of one colour: (0.5, 0.25, 0.125)."""
+    script = tmp_path / "halves.py"
+    script.write_text(HALVES)
+    return script
+
+
+def test_precision_is_of_a_script_s_frame_too(halves):
+    result = run("precision", halves, "--bits", "8")
+    assert result.exit_code == 0, result.output
+    assert f"{halves}\n8x4 pixels" in result.output
+    rows = {line.split()[0]: line.split()[1:] for line in result.output.splitlines() if line.strip()}
+    # 0.5, 0.25 and 0.125 of 255 are 127.5, 63.75 and 31.875: off by 1/2, 1/4 and 1/8 where they are rounded.
+    assert rows["8"][0] == f"{math.sqrt((1 / 4 + 1 / 16 + 1 / 64) / 3):.3f}"
+    assert "a script says its own width" in refusal_of("precision", halves, "--size", 8)
 
 
 def test_precision_writes_the_numbers_that_it_prints(tmp_path):

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 
 import pytest
 from click.testing import CliRunner
@@ -61,6 +62,7 @@ def test_a_figure_s_maps_are_told(tmp_path):
     assert status == 0
     assert "how many components of general combiners a clamp changed" in text
     assert "command 11: specular pass" in text and "greatest 12" in text
+    assert re.search(r"reached \d\d\.\d+ %, above zero \d\d\.\d+ %, least 0,", text)
     with Image.open(picture) as image:
         assert image.format == "PNG"
 
@@ -81,12 +83,14 @@ def test_what_a_figure_s_error_is_made_of_is_told():
     own, combiner = numbers(text, "as it is"), numbers(text, "bits: combiner")
     assert combiner[-1] == pytest.approx(100 * (1 - combiner[0] / own[0]), abs=0.1)
     assert numbers(text, "all bits and the half")[-1] > 99
+    assert f"Most of it goes with bits: combiner alone: {combiner[-1]:.1f}%." in text
 
 
 def test_a_change_alone_tells_the_error_before_and_after(tmp_path):
     status, text = said("F004-4", "--size", "32", "--bits", "combiner=12", "--bits", "texture=12")
     assert status == 0
     assert numbers(text, "changed")[0] < numbers(text, "as it is")[0] / 2
+    assert "combiner=8, registers of 9 bits with the sign, is the GeForce 256 itself." in text
     status, text = said("F004-4", "--size", "32", "--constant", "0=1,0,0,1", "--without", "blending")
     assert status == 0 and numbers(text, "changed") != numbers(text, "as it is")
     name = next(c.texture for c in FIGURES["F004-4"].commands(GEFORCE_256, 32) if type(c) is TexImage)

@@ -14,7 +14,7 @@ from fixedpipe.effects.reports.trace import DRAWING
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
-from tests.effects.cli.test_cli import refusal_of, run
+from tests.effects.cli.test_cli import HALVES, refusal_of, run
 
 BUFFERS = ("color", "alpha", "depth", "stencil")
 FIGURE = FIGURES["F004-4"]
@@ -200,3 +200,18 @@ def test_what_the_host_draws_is_traced_too(tmp_path):
     result = run("passes", "K15", "--profile", "GEFORCE_256", "--trace", tmp_path, "--size", SIZE)
     assert result.exit_code == 0, result.output
     assert any("DrawPixels" in name for name in pictures(tmp_path))
+
+
+def test_a_script_s_passes_are_told_and_traced(tmp_path):
+    script, folder = tmp_path / "halves.py", tmp_path / "trace"
+    script.write_text(HALVES)
+    result = run("passes", script, "--trace", folder, "--ideal")
+    assert result.exit_code == 0, result.output
+    assert f"{script}\non GeForce 256\n" in result.output and "all of it" in result.output
+    assert numbers(folder) == [0]
+    with Image.open(folder / cells(folder, 0)[0]) as picture:
+        assert picture.size == (8, 4)
+    assert f"{script}\non ideal" in run("passes", script, "--profile", "IDEAL").output
+    assert "a script says its own width" in refusal_of("passes", script, "--size", 8)
+    script.write_text("commands, width, height, profile = (1,), 8, 8, 'NV2A'")
+    assert "is no command" in refusal_of("passes", script)

@@ -137,7 +137,7 @@ def test_passes_and_precision_are_of_the_variant():
         run("precision", "K14", "--size", "16", "--bits", "6", *more).output
         for more in ((), ("--set", "diffuse=0,0,0"))
     ]
-    assert "panels of 16 pixels, with diffuse=0,0,0" in tables[1]
+    assert "register combiners, with diffuse=0,0,0\n16x16 pixels" in tables[1]
     numbers = [[line for line in table.splitlines() if line.strip().startswith("6 ")] for table in tables]
     assert numbers[0] != numbers[1]
 
