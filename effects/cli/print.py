@@ -1,17 +1,20 @@
-"""``fixedpipe print``: a figure for a page or a slide, with its labels, its caption and its source."""
+"""``fixedpipe print``: a figure, or a script's frame, for a page or a slide, with labels and its source."""
 
 from pathlib import Path
 
 import click
 
+from fixedpipe.effects.cli.frames import script_frame
 from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option, threads_option
 
 _STYLES = "paper: 170 mm wide, white, the caption below; slide, light-slide: 16:9, the title on top"
 
 
 @click.command(short_help="Compose a figure for a page or a slide: PNG, PDF or SVG.")
-@click.argument("figure_id", metavar="ID")
-@click.option("--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own.")
+@click.argument("what", metavar="ID|SCRIPT.py")
+@click.option(
+    "--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own, or the script's."
+)
 @click.option("--style", metavar="STYLE", default="paper", show_default=True, help=f"{_STYLES}.")
 @click.option("--width", type=float, metavar="MM", help="Of the sheet, mm; otherwise the style's.")
 @click.option(
@@ -24,41 +27,38 @@ _STYLES = "paper: 170 mm wide, white, the caption below; slide, light-slide: 16:
     "the figure has them.",
 )
 @click.option(
-    "--out", metavar="FILE", help=".png, .pdf or .svg; otherwise a PNG file named by figure and machine."
+    "--out",
+    metavar="FILE",
+    help=".png, .pdf or .svg; otherwise a PNG file named by figure, or script, and machine.",
 )
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of the figure's panels, pixels.")
 @set_option
 @threads_option
-def print(figure_id, profile, style, width, dpi, pictures, out, size, settings, threads):
-    """Compose machine, ideal, reference and difference of figure ID on one sheet, with labels and its source.
+def print(what, profile, style, width, dpi, pictures, out, size, settings, threads):
+    """Compose machine, ideal, reference and difference of figure ID on one sheet, with labels and its source;
+    or machine, ideal and difference of the frame that SCRIPT.py makes.
 
     Pixels stay pixels: in a PNG file each is a square of whole pixels, in PDF and SVG files the figure's own.
     The caption, the command and the paper's BibTeX entry are in the file's own fields, and beside it in a
-    file that ends in .bib. Needs matplotlib: pip install 'fixedpipe[plots]'.
+    file that ends in .bib. A script defines `commands`, `profile` (a Profile or its name), `width` and
+    `height`, and has no paper. Needs matplotlib: pip install 'fixedpipe[plots]'.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.refusal import check_size
-    from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.presentation.pictures import names_of
     from fixedpipe.effects.presentation.sheet import asked_of, sheet
     from fixedpipe.effects.presentation.sheet_files import KINDS, file_of
     from fixedpipe.effects.presentation.typesetting import drawing_library
-    from fixedpipe.effects.refusal import Refusal, choose, refusals
-    from fixedpipe.effects.reports.figure_record import variant_name
+    from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.effects.reports.files import writable_file, write_whole
-    from fixedpipe.pipeline.profiles import PROFILES
 
-    figure = choose("figure", figure_id, FIGURES)
-    key = profile or figure.machines[0]
-    machine = choose("profile", key, PROFILES)
     asked_of(style, width, dpi)
-    with refusals():
-        method = figure.method(key)
-    changes = changes_of(settings, figure, (method,))
+    of_script = what.endswith(".py")
+    figure, machine, method, changes, stem = (_script if of_script else _figure)(
+        what, profile, size, settings
+    )
     named = None if pictures is None else tuple(word.strip() for word in pictures.split(","))
     names_of(figure, machine, named)
-    check_size(figure.id, figure.dimensions(size), machine)
-    name = Path(out or f"{variant_name(figure, changes)}-{key}-{style}.png")
+    name = Path(out or f"{stem}-{style}.png")
     kind = name.suffix.lower().removeprefix(".")
     if kind not in KINDS:
         raise Refusal(f"{name} is no sheet's name; end it with .{', .'.join(KINDS)}.")
@@ -72,9 +72,59 @@ def print(figure_id, profile, style, width, dpi, pictures, out, size, settings, 
     path, beside = writable_file(name), writable_file(name.with_suffix(".bib"))
     announce_compiling()
     with refusals():
-        drawn = figure.render(machine, size, threads=threads, **changes)
+        drawn = figure.render(machine, size, method=method, threads=threads, **changes)
         composed = sheet(drawn, kind, style=style, width=width, dpi=dpi, pictures=named)
     write_whole(path, file_of(composed, kind))
     write_whole(beside, composed.bib.encode())
     click.echo(f"{path}: {composed.said}")
-    click.echo(f"{beside}: its caption, its command and the paper's BibTeX entry")
+    entry = (
+        "its caption and its command"
+        if of_script
+        else "its caption, its command and the paper's BibTeX entry"
+    )
+    click.echo(f"{beside}: {entry}")
+
+
+def _figure(figure_id, profile, size, settings):
+    """A Figure, the machine, its Method, what is changed, and how a file of it is called."""
+    from fixedpipe.effects.cli.refusal import check_size
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.effects.reports.figure_record import variant_name
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    figure = choose("figure", figure_id, FIGURES)
+    key = profile or figure.machines[0]
+    machine = choose("profile", key, PROFILES)
+    with refusals():
+        method = figure.method(key)
+    changes = changes_of(settings, figure, (method,))
+    check_size(figure.id, figure.dimensions(size), machine)
+    return figure, machine, method, changes, f"{variant_name(figure, changes)}-{key}"
+
+
+def _script(path, profile, size, settings):
+    """As ``_figure``, of the frame that a script makes: a Figure of no paper."""
+    from fixedpipe.effects.figures import Figure, Method
+    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.pipeline.profiles import PROFILES
+    from fixedpipe.pipeline.validation.validate import validate
+
+    of = script_frame(path, profile, size, settings, lambda key: choose("profile", key, PROFILES))
+    method = Method("the script's commands", lambda profile, size: of.commands, ())
+    with refusals():
+        validate(of.commands, of.machine, *of.size)
+        figure = Figure(
+            id=path,
+            title="A script's frame",
+            caption=f"The frame that {Path(path).name} makes.",
+            must_see="",
+            source="",
+            techniques=(),
+            size=of.size[1],
+            aspect=of.size,
+            methods=(method,),
+            acceptance=lambda figure, renderer: (),
+        )
+    key = next((key for key, known in PROFILES.items() if known == of.machine), "own-machine")
+    return figure, of.machine, method, {}, f"{Path(path).stem}-{key}"

@@ -84,7 +84,7 @@ class Figure:
     title        what it is, in a few words
     caption      what is shown
     must_see     what must be visible for the figure to be right
-    source       key in docs/bibliography.bib
+    source       key in docs/bibliography.bib; "" of what is after no paper
     techniques   the catalogue's ids of the techniques used
     panels       what each of its panels shows, from left to right, in a label's few words; whatever
                  presents the figure draws the labels, the machine does not

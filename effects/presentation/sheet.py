@@ -60,7 +60,8 @@ class Sheet:
     panels, lines   what is on it
     dpi, scale      of a PNG file: pixels an inch, and an edge of the square that shows one of the figure's
                     pixels; None of one that keeps pixels as they are
-    title, caption, source, bibtex, command   for the file's own fields, and for the file beside it
+    title, caption, source, bibtex, command   for the file's own fields, and for the file beside it; source
+                    and bibtex are empty where there is no paper
     """
 
     width: float
@@ -91,7 +92,7 @@ class Sheet:
     def bib(self):
         """The text of the file beside it: caption and command as comments, and the paper's entry."""
         said = (self.title, *self.caption.splitlines(), f"Drawn by: {self.command}")
-        return "".join(f"% {line}\n" for line in said) + f"\n{self.bibtex}"
+        return "".join(f"% {line}\n" for line in said) + (f"\n{self.bibtex}" if self.bibtex else "")
 
 
 def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=None):
@@ -173,7 +174,7 @@ class _Composition:
             "heading": Font(face, label, bold=True),
             "note": Font(face, note),
         }
-        self.paper = citation(figure.source)
+        self.paper = citation(figure.source) if figure.source else None
         self.title = f"{figure.id}. {figure.title}"
 
     # ------------------------------------------------------------------------------------------- words
@@ -184,7 +185,9 @@ class _Composition:
         """
         style = self.style
         said = [(picture.note, "label", style.ink) for picture in self.said]
-        source = [(self.made, "note", style.quiet), (f"After {self.paper.words}.", "note", style.quiet)]
+        source = [(self.made, "note", style.quiet)]
+        if self.paper:
+            source.append((f"After {self.paper.words}.", "note", style.quiet))
         if style.caption:
             return [], said, [(self.title, "title", style.ink), (self.caption, "text", style.ink), *source]
         return [(self.drawn.figure.title, "title", style.ink)], said, source
@@ -326,8 +329,8 @@ class _Composition:
             scale=scale,
             title=self.title,
             caption="\n".join((self.caption, self.made, *(p.note for p in self.pictures if p.note))),
-            source=self.paper.words,
-            bibtex=self.paper.bibtex,
+            source=self.paper.words if self.paper else "",
+            bibtex=self.paper.bibtex if self.paper else "",
             command=self._command(style_name, asked_dpi),
         )
 
@@ -387,8 +390,11 @@ class _Composition:
         """What draws the sheet again; the machine by its name where it is none of PROFILES."""
         drawn = self.drawn
         keys = [key for key, profile in PROFILES.items() if profile == drawn.profile]
-        words = ["fixedpipe", "print", drawn.figure.id, "--profile", keys[0] if keys else drawn.profile.name]
-        words += ["--size", str(drawn.size), "--style", style_name, "--width", f"{self.width:g}"]
+        words = ["fixedpipe", "print", drawn.figure.id]
+        if self.paper or keys:  # a script says its own machine
+            words += ["--profile", keys[0] if keys else drawn.profile.name]
+        words += ["--size", str(drawn.size)] if self.paper else []
+        words += ["--style", style_name, "--width", f"{self.width:g}"]
         words += [] if dpi is None else ["--dpi", f"{dpi:g}"]
         names = tuple(picture.name for picture in self.shown)
         words += ["--pictures", ",".join(names)] if names != names_of(drawn.figure, drawn.profile) else []

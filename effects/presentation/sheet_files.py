@@ -80,7 +80,7 @@ def _pdf(matplotlib, sheet):
     metadata = {
         "Title": sheet.title,
         "Subject": sheet.caption,
-        "Keywords": f"{sheet.source}; {sheet.bibtex}",
+        "Keywords": "; ".join(filter(None, (sheet.source, sheet.bibtex))),
         "Creator": sheet.command,
         "Producer": None,
         "CreationDate": None,
@@ -96,7 +96,7 @@ def _svg(matplotlib, sheet):
     metadata = {
         "Title": sheet.title,
         "Description": sheet.caption,
-        "Source": f"{sheet.source}\n{sheet.bibtex}",
+        "Source": "\n".join(filter(None, (sheet.source, sheet.bibtex))),
         "Creator": sheet.command,
         "Date": None,
     }

@@ -9,6 +9,7 @@ from PIL import Image
 from fixedpipe.effects.bibliography import citation
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
+from tests.effects.cli.test_cli import HALVES
 
 pytest.importorskip("matplotlib")
 
@@ -48,6 +49,37 @@ def test_the_name_says_which_file_it_is(tmp_path, kind):
     assert "every panel with its own pixels" in result.stdout
     assert out.read_bytes().startswith(b"%PDF" if kind == "pdf" else b"<?xml")
     assert "--set light=1,1,1" in (tmp_path / "sheet.bib").read_text()
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf", "svg"])
+def test_a_script_s_frame_is_printed_without_a_paper(tmp_path, monkeypatch, kind):
+    monkeypatch.chdir(tmp_path)
+    script = tmp_path / "halves.py"
+    script.write_text(HALVES)
+    result = run("halves.py", "--width", 90, "--out", f"sheet.{kind}")
+    assert result.exit_code == 0, result.output
+    beside = (tmp_path / "sheet.bib").read_text()
+    assert beside == (
+        "% halves.py. A script's frame\n% The frame that halves.py makes.\n"
+        "% halves.py on the GeForce 256 (the script's commands), bit for bit; ideal: the same fragments in "
+        "float64. Panels of 4 pixels.\n"
+        "% Drawn by: fixedpipe print halves.py --profile GEFORCE_256 --style paper --width 90\n"
+    )
+    assert result.stdout.endswith("sheet.bib: its caption and its command\n")
+    if kind == "png":
+        with Image.open(tmp_path / "sheet.png") as page:
+            assert (128, 64, 32) in {color for _, color in page.getcolors(1 << 24)}
+
+
+def test_a_script_s_sheet_is_named_by_it_and_what_is_a_figure_s_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "halves.py").write_text(HALVES)
+    assert run("halves.py", "--profile", "IDEAL", "--style", "slide").exit_code == 0
+    assert (tmp_path / "halves-IDEAL-slide.png").is_file()
+    assert "a script says its own width" in refusal_of("halves.py", "--size", "8")
+    assert "has no picture 'reference'" in refusal_of("halves.py", "--pictures", "reference")
+    (tmp_path / "none.py").write_text("commands, width, height, profile = (), 0, 8, 'NV2A'")
+    assert "0" in refusal_of("none.py")
 
 
 @pytest.mark.parametrize(
