@@ -9,12 +9,14 @@ from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage,
 from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, marks_of
 
 
-def history_text(history: PixelHistory) -> Group:
-    """The whole history: what rich's Console prints."""
-    return Group(*_lines(history))
+def history_text(history: PixelHistory, brief: bool = False) -> Group:
+    """The history: what rich's Console prints. ``brief``: of every fragment only the stage that adds most to
+    the error, and then the first that clamps.
+    """
+    return Group(*_lines(history, brief))
 
 
-def _lines(history: PixelHistory) -> Iterator[Text]:
+def _lines(history: PixelHistory, brief: bool) -> Iterator[Text]:
     size, surface = f"{history.width}x{history.height}", ""
     if history.surface is not None:
         surface = f" of pbuffer {history.surface}"
@@ -27,7 +29,7 @@ def _lines(history: PixelHistory) -> Iterator[Text]:
         yield Text()
         yield from _heading(touched, history.surface)
         for number, fragment in enumerate(touched.fragments):
-            yield from _fragment(number, len(touched.fragments), fragment)
+            yield from _fragment(number, len(touched.fragments), fragment, brief)
 
 
 def _heading(touched: Touched, surface: str | None) -> Iterator[Text]:
@@ -44,10 +46,13 @@ def fragment_text(fragment: Fragment, shown: Sequence[Stage]) -> Group:
     return Group(*_stages(fragment, shown))
 
 
-def _fragment(number: int, count: int, fragment: Fragment) -> Iterator[Text]:
+def _fragment(number: int, count: int, fragment: Fragment, brief: bool) -> Iterator[Text]:
     name = f"fragment {number + 1} of {count}" if count > 1 else "fragment"
     yield Text(f"  {name}: {fragment.fate}", style="bold")
-    yield from _stages(fragment, fragment.stages)
+    places = dict.fromkeys((fragment.worst, fragment.first_clamped)) if brief else range(len(fragment.stages))
+    shown = [fragment.stages[place] for place in places if place is not None]
+    if shown:
+        yield from _stages(fragment, shown)
 
 
 def _stages(fragment: Fragment, shown: Sequence[Stage]) -> Iterator[Text]:

@@ -16,6 +16,14 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 @click.command(short_help="Every number of a pixel, every register of a frame, maps of what happened where.")
 @click.argument("what", metavar="ID|SCRIPT.py")
 @click.option("--pixel", metavar="X,Y", help="From the top left, as in the picture; y downwards.")
+@click.option("--brief", is_flag=True, help="Of a pixel: the stages that add most and clamp first alone.")
+@click.option(
+    "--row",
+    type=click.IntRange(min=0),
+    metavar="Y",
+    help="Machine and ideal along a row, from the top as in the picture.",
+)
+@click.option("--plot", metavar="FILE.png", help="Of a row: draw the two as lines; needs matplotlib.")
 @click.option("--registers", is_flag=True, help="What every register held after every stage, over the frame.")
 @click.option(
     "--map",
@@ -37,14 +45,15 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 )
 @what_if_options
 @set_option
-def inspect(what, pixel, registers, kind, attribution, out, number, **of):
+def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
     """Look into figure ID, or into the frame that SCRIPT.py makes.
 
     --pixel: every command that touched a pixel, every fragment there and every stage of each: what the
     machine read and made, as codes and as values, the guided ideal's values, and how much of the error each
     stage adds, by cause. --registers: of every register after every stage the least, greatest and mean value,
-    the shares that were clamped, how many codes it used, how many bits it leaves unused. --map: a picture of
-    what happened where. --attribution: the error of the whole picture, and what is left of it when one thing
+    the shares that were clamped, how many codes it used, how many bits it leaves unused. --row: what the
+    machine has along a row of the picture beside the guided ideal: banding. --map: a picture of what happened
+    where. --attribution: the error of the whole picture, and what is left of it when one thing
     of the machine is as exact as it can be; with --stages, one stage of all passes, or of --command K.
 
     --bits, --without, --constant and --texture look into the frame with something changed; alone, they say
@@ -60,14 +69,15 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
     asked = [
         name
         for name, given in (
-            ("--pixel", pixel), ("--registers", registers), ("--map", kind), ("--attribution", attribution)
+            ("--pixel", pixel), ("--row", row), ("--registers", registers or None), ("--map", kind),
+            ("--attribution", attribution or None),
         )
-        if given
+        if given is not None
     ]  # fmt: skip
     what_if = what_if_of(*(of[name] for name in ("bits", "without", "replace", "constant", "texture")))
     if len(asked) > 1 or not (asked or what_if):
         raise Refusal(
-            "Give one of --pixel, --registers, --map and --attribution, or a change alone; given: "
+            "Give one of --pixel, --row, --registers, --map and --attribution, or a change alone; given: "
             f"{', '.join(asked) or 'none'}."
         )
     context = click.get_current_context()
@@ -77,12 +87,16 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
         )
     else:
         refuse_ignored(context, ("csv_file",), "a pixel's history is no table; give --json")
+    if pixel is None or of["json_file"] or of["html_file"]:
+        refuse_ignored(context, ("brief",), "it is of a pixel's history in the terminal")
+    if row is None:
+        refuse_ignored(context, ("plot",), "it is of a row; give --row Y")
     of_stages = what_if is not None and bool(what_if["replaced"] or what_if["unclamped"])
     if of_stages and asked:
         raise Refusal(f"A stage that is computed otherwise is told of its error alone; leave {asked[0]} out.")
     if of["stages"] and not attribution:
         raise Refusal("--stages is of --attribution; give both.")
-    if (attribution or not asked) and not (of["stages"] or of_stages):
+    if (attribution or row is not None or not asked) and not (of["stages"] or of_stages):
         refuse_ignored(context, ("number",), "the error is the whole picture's")
     if kind is None:
         refuse_ignored(context, ("out",), "it is a map's picture; give --map KIND")
@@ -96,10 +110,12 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
             click.echo(sign_beside(frame.machine), err=True)
         frame.change(what_if)
     if where is not None:
-        _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"])
+        _tell_pixel(frame, where, number, of["surface"], of["json_file"], of["html_file"], of["brief"])
+    elif row is not None:
+        write_rows(_tell_row(frame, row, of["plot"]), *files)
     elif registers:
         write_rows(_tell_registers(frame, number), *files)
-    elif kind:
+    elif kind is not None:
         write_rows(_tell_maps(frame, kind, number, out), *files)
     elif attribution:
         write_rows(_tell_attribution(frame, of["stages"], number), *files)
@@ -107,7 +123,7 @@ def inspect(what, pixel, registers, kind, attribution, out, number, **of):
         write_rows(_tell_change(frame, before, number), *files)
 
 
-def _tell_pixel(of, where, number, surface, json_file, html_file):
+def _tell_pixel(of, where, number, surface, json_file, html_file, brief):
     import json
 
     from rich.console import Console
@@ -130,9 +146,40 @@ def _tell_pixel(of, where, number, surface, json_file, html_file):
     if not (json_file or html_file):
         console = Console(highlight=False)
         console.print(of.title, style="bold", markup=False)
-        console.print(history_text(found), soft_wrap=True)
+        console.print(history_text(found, brief), soft_wrap=True)
     if not found.touched:
         raise Refusal("No command touched this pixel; it holds what an empty framebuffer holds.")
+
+
+def _tell_row(of, row, plot):
+    from fixedpipe.effects.refusal import Refusal, refusals
+    from fixedpipe.effects.reports.rows import pixel_rows
+    from fixedpipe.pipeline.inspection.what_if import frame_colors
+
+    if row >= of.size[1]:
+        raise Refusal(f"There is no row {row}; the rows of {of.size[1]} pixels are 0 to {of.size[1] - 1}.")
+    with refusals():
+        machine, ideal = (colors[row] for colors in frame_colors(of.commands, of.machine, *of.size))
+    title = f"{of.title}, row {row}"
+    click.echo(f"{title}\n{_ROW}")
+    for name, drawn, meant in zip(("red", "green", "blue"), 255 * machine.T, 255 * ideal.T, strict=True):
+        numbers = "".join(f"{value:10.3f}" for v in (drawn, meant) for value in (v.min(), v.max()))
+        click.echo(f"{name:8}{numbers}{abs(drawn - meant).max():10.3f}{len(set(drawn)):12}")
+    if plot is not None:
+        from fixedpipe.effects.reports.row_picture import row_png
+
+        picture = row_png(machine, ideal, title)
+        if picture is None:
+            raise Refusal("--plot needs matplotlib; install fixedpipe[plots], or leave it out.")
+        write_file(plot, picture)
+    return pixel_rows(machine, ideal)
+
+
+_ROW = f"""\
+1/255 of full intensity, the ideal not clamped; each pixel with --csv or --json
+
+{"":8}{"machine":>20}{"ideal":>20}{"largest":>10}{"machine's":>12}
+{"":8}{"least":>10}{"greatest":>10}{"least":>10}{"greatest":>10}{"apart":>10}{"values":>12}"""
 
 
 def _tell_registers(of, number):

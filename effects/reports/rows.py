@@ -10,6 +10,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.inspection.maps import Map
 from fixedpipe.pipeline.inspection.registers import RegisterUse
@@ -45,6 +48,21 @@ def error_rows(own: Error, found: Iterable[tuple[str, Error]]) -> Rows:
     return [
         {"what": what, **_printed(error), "goes": share_gone(error, own)}
         for what, error in (("as it is", own), *found)
+    ]
+
+
+def pixel_rows(machine: NDArray[np.float64], ideal: NDArray[np.float64]) -> Rows:
+    """A row for each pixel of a picture's row: x, and red, green and blue of the machine and of the ideal, in
+    1/255 of full intensity. ``machine``, ``ideal``: float64 [w, 3], 1.0 = full intensity.
+    """
+    names = ("red", "green", "blue")
+    return [
+        {
+            "x": x,
+            **{name: 255 * value for name, value in zip(names, drawn.tolist(), strict=True)},
+            **{f"ideal {name}": 255 * value for name, value in zip(names, meant.tolist(), strict=True)},
+        }
+        for x, (drawn, meant) in enumerate(zip(machine, ideal, strict=True))
     ]
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fixedpipe.pipeline.columns.otherwise import Otherwise
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -55,7 +55,7 @@ def _root_mean_square(difference):
     return float(np.sqrt(np.mean(difference * difference)))
 
 
-def frame_error(
+def frame_colors(
     commands: Any,
     profile: Profile,
     width: int,
@@ -64,11 +64,13 @@ def frame_error(
     ideal: Any = None,
     otherwise: Callable[[Draw], Otherwise | None] | None = None,
     witness: Callable[..., None] = nobody,
-) -> Error:
-    """Run ``commands`` on a machine, and the ideal guided by it: their Error.
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Run ``commands`` on a machine, and the ideal guided by it: red, green and blue of both.
 
-    ``ideal``: what the ideal evaluates; None: the same commands. ``otherwise``, ``witness``: as of a Machine.
-    Raises as ``execute`` and ``execute_ideal``, and ValueError for a machine too wide for ``otherwise``.
+    Returns (machine's, ideal's), float64 [h, w, 3], top row first, 1.0 = full intensity; the ideal's are not
+    clamped. ``ideal``: what the ideal evaluates; None: the same commands. ``otherwise``, ``witness``: as of a
+    Machine. Raises as ``execute`` and ``execute_ideal``, and ValueError for a machine too wide for
+    ``otherwise``.
     """
     if otherwise is None:
         result = execute(commands, profile, width, height, record=True)
@@ -76,7 +78,12 @@ def frame_error(
         asked = {"engine": "columns", "otherwise": otherwise, "witness": witness}
         result = Machine(profile, width, height, **asked).run(commands, record=True)  # type: ignore[arg-type]
     exact = execute_ideal(commands if ideal is None else ideal, width, height, guide=result).color[..., :3]
-    color = result.framebuffer.color[..., :3] / (2.0**result.framebuffer.color_bits - 1.0)
+    return result.framebuffer.color[..., :3] / (2.0**result.framebuffer.color_bits - 1.0), exact
+
+
+def frame_error(commands: Any, profile: Profile, width: int, height: int, **given: Any) -> Error:
+    """Run ``commands`` on a machine, and the ideal guided by it: their Error. As ``frame_colors``."""
+    color, exact = frame_colors(commands, profile, width, height, **given)
     seen = np.clip(color, 0.0, 1.0) - np.clip(exact, 0.0, 1.0)
     channels = tuple(_root_mean_square(seen[..., k]) for k in range(3))
     largest = float(np.abs(seen).max())

@@ -3,7 +3,9 @@
 import csv
 import json
 import re
+import sys
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from PIL import Image
@@ -12,6 +14,7 @@ from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
 from fixedpipe.pipeline.inspection.recording import record
 from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
@@ -119,6 +122,7 @@ def test_what_a_stage_does_to_the_error_is_told():
         ("--registers", "--command", "5"),
         ("--map", "overdraw"),
         ("--attribution", "--stages", "--command", "5"),
+        ("--row", "0"),
         ("--bits", "combiner=12"),
     ],
 )
@@ -142,6 +146,57 @@ def test_rows_have_the_numbers_that_are_printed(tmp_path):
         assert numbers(text, f"{row['what']:28}") == [
             float(f"{value:.{3 if k < 6 else 1}f}") for k, value in enumerate(columns)
         ]
+
+
+def test_a_row_has_the_machine_s_colors_beside_the_ideal_s(tmp_path):
+    file, figure = tmp_path / "row.json", FIGURES["F004-4"]
+    status, text = said("F004-4", "--size", "32", "--row", "16", "--json", str(file))
+    assert status == 0
+    given = figure.commands(GEFORCE_256, 32), GEFORCE_256, *figure.dimensions(32)
+    result = execute(*given, record=True)
+    ideal = execute_ideal(given[0], *given[2:], guide=result).color[16, :, :3]
+    rows = json.loads(file.read_text())
+    assert [row["x"] for row in rows] == list(range(64))
+    names = ("red", "green", "blue")
+    assert [[row[name] for name in names] for row in rows] == result.framebuffer.color[16, :, :3].tolist()
+    meant = np.array([[row[f"ideal {name}"] for name in names] for row in rows])
+    np.testing.assert_array_equal(meant, 255 * ideal)
+    reds = result.framebuffer.color[16, :, 0]
+    expected = [reds.min(), reds.max(), 255 * ideal[:, 0].min(), 255 * ideal[:, 0].max()]
+    expected += [np.abs(reds - 255 * ideal[:, 0]).max(), len(set(reds.tolist()))]
+    assert numbers(text, "red") == [float(f"{value:.3f}") for value in expected]
+
+
+def test_a_row_is_drawn_as_lines_and_equal_components_once(tmp_path):
+    pytest.importorskip("matplotlib")
+    script = tmp_path / "frame.py"
+    script.write_text(SCRIPT)  # white all over
+    heights = []
+    for what in ((str(script),), ("F004-4", "--size", "8")):
+        status, _ = said(*what, "--row", "3", "--plot", str(tmp_path / "row.png"))
+        assert status == 0
+        with Image.open(tmp_path / "row.png") as picture:
+            heights.append(picture.height)
+    assert heights == [round(110 * 3.5), round(110 * 8.5)]
+
+
+def test_a_plot_without_matplotlib_is_refused_in_a_sentence(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    status, text = said("F004-4", "--size", "8", "--row", "3", "--plot", str(tmp_path / "row.png"))
+    assert status == 2 and "--plot needs matplotlib; install fixedpipe[plots]" in text
+
+
+def test_a_brief_history_has_the_stage_that_adds_most_and_the_first_clamp(tmp_path):
+    file = tmp_path / "pixel.json"
+    of = "F004-4", "--size", "64", "--pixel", "40,34"
+    whole, brief = said(*of)[1], said(*of, "--brief")[1]
+    assert said(*of, "--json", str(file))[0] == 0
+    fragments = [f for touched in json.loads(file.read_text())["touched"] for f in touched["fragments"]]
+    marked = [{f["worst"], f["first_clamped"]} - {None} for f in fragments]
+    for mark in ("adds most to the error", "the first clamp"):
+        assert brief.count(mark) == whole.count(mark) > 0
+    stages = [line for line in brief.splitlines() if re.match(r" {4}\w", line)]
+    assert len(stages) == sum(map(len, marked)) and all("<- " in line for line in stages)
 
 
 def test_maps_of_texels_have_the_textures_sizes(tmp_path):
@@ -182,8 +237,11 @@ def test_a_pixel_of_a_changed_frame_is_told(tmp_path):
         (("--stages",), "Give one of"),
         (("--stages", "--registers"), "--stages is of --attribution; give both."),
         (("--attribution", "--stages", "--command", "99"), "There is no command 99"),
-        (("--attribution", "--registers"), "Give one of --pixel, --registers, --map and --attribution"),
-        ((), "Give one of --pixel, --registers, --map and --attribution"),
+        (
+            ("--attribution", "--registers"),
+            "Give one of --pixel, --row, --registers, --map and --attribution",
+        ),
+        ((), "Give one of --pixel, --row, --registers, --map and --attribution"),
     ],
 )
 def test_a_change_that_is_none_is_said(options, sentence):
