@@ -181,7 +181,7 @@ PACKAGES = {
         "effects": "refusal passes",
     },
     "effects/reports": {
-        "pipeline": "commands profiles framebuffers native execution ideal golden",
+        "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
         "effects": "refusal technique bibliography acceptance figures arithmetic conformance",
     },
     "effects/presentation": {

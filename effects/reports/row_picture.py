@@ -4,8 +4,6 @@ import io
 
 import numpy as np
 
-from fixedpipe.effects.studies.study import BLACK, ORANGE
-
 _NAMES = ("red", "green", "blue")
 
 
@@ -34,8 +32,8 @@ def row_png(machine, ideal, title):
         every = figure.subplots(len(shown), squeeze=False, sharex=True)[:, 0]
         x = np.arange(len(machine))
         for axes, (k, names) in zip(every, shown.values(), strict=True):
-            axes.step(x, 255 * machine[:, k], where="mid", color=ORANGE, label="machine")
-            axes.plot(x, 255 * ideal[:, k], color=BLACK, linewidth=0.8, label="ideal")
+            axes.step(x, 255 * machine[:, k], where="mid", color="tab:orange", label="machine")
+            axes.plot(x, 255 * ideal[:, k], color="black", linewidth=0.8, label="ideal")
             axes.set_ylabel(f"{', '.join(names)}, 1/255", fontsize=8)
             axes.grid(alpha=0.3)
             axes.tick_params(labelsize=7)
