@@ -78,16 +78,18 @@ def _ignored(ignore: Any, height: int, width: int) -> NDArray[np.bool_]:
     found = np.zeros((height, width), bool)
     if ignore is None:
         return found
-    if isinstance(ignore, np.ndarray) and ignore.dtype == bool:
-        if ignore.shape != found.shape:
+    if isinstance(ignore, np.ndarray):
+        if ignore.dtype != bool or ignore.shape != found.shape:
             raise ValueError(
-                f"golden(…, ignore=…) is an array of shape {ignore.shape}; this picture's has {found.shape}: "
-                "a row for each of the picture's, the top one first."
+                f"golden(…, ignore=…) is an array of {ignore.dtype} and of shape {ignore.shape}; give bool "
+                f"and {found.shape}: a row for each of the picture's, the top one first."
             )
         return ignore
-    if not isinstance(ignore, tuple | list):
-        raise ValueError(f"golden(…, ignore={ignore!r}): give a list of boxes, or a bool array.")
-    for box in ignore:
+    try:
+        boxes = list(ignore)
+    except TypeError:
+        raise ValueError(f"golden(…, ignore={ignore!r}): give a list of boxes, or a bool array.") from None
+    for box in boxes:
         try:
             x0, y0, x1, y1 = (index(n) for n in box)
         except (TypeError, ValueError) as error:

@@ -9,6 +9,7 @@ from fixedpipe.pipeline.enums import TextureTarget, WrapMode
 from fixedpipe.pipeline.framebuffers.transfer import looked_up
 from fixedpipe.pipeline.ideal.borders import with_border
 from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates
+from fixedpipe.pipeline.ideal.signs import NOISE, as_signed, signed_flags
 from fixedpipe.pipeline.ideal.weights import fixed
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import (
@@ -439,7 +440,7 @@ def _signed_reader(sampler, bits):
         return None
     reader = np.zeros(_READER)
     reader[_KIND], reader[_ONE] = _SIGNED, 2.0**bits - 1.0
-    reader[_LEAST], reader[_RANGE] = 2.0 ** (bits - 1) - _NOISE, 2.0**bits
+    reader[_LEAST], reader[_RANGE] = 2.0 ** (bits - 1) - NOISE, 2.0**bits
     reader[_FLAGS:] = flags
     return reader
 
@@ -552,7 +553,7 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
     if reference is None:
         base = BASE_FORMAT[texture.internal_format]
         border = register_components(np.array(sampler.border_color, np.float64)[list(KEPT[base])], base, 1.0)
-        border = border if read is None else _as_signed(border, sampler, texture.bits)
+        border = border if read is None else as_signed(border, sampler, texture.bits)
     else:
         read = _comparison(sampler)
     given = coordinates, sampler, border, read, reference, one_dimensional
@@ -580,24 +581,3 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
         if needed >> number + 1 & 1:
             sampling.add(levels[number], sampler.min_filter.is_linear, out, (lower, share), number, last)
     return out
-
-
-# Numbers: what float64 may lose of a whole number n by n / 255 * 255.
-_NOISE = 1e-9
-
-
-def signed_flags(sampler):
-    """Which components, RGBA, a sampler takes as two's complement."""
-    flags = sampler.signed_components
-    return flags.red, flags.green, flags.blue, flags.alpha
-
-
-def signed(numbers, bits):
-    """Numbers of ``bits`` bits, float64, as two's complement."""
-    return np.where(numbers >= 2.0 ** (bits - 1) - _NOISE, numbers - 2.0**bits, numbers)
-
-
-def _as_signed(components, sampler, bits):
-    """Components [4] of a sampler's, those that are signed as numbers of both signs."""
-    one = 2.0**bits - 1.0
-    return np.where(signed_flags(sampler), signed(components * one, bits) / one, components)

@@ -11,7 +11,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import CullMode, DotProductMapping
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
-from fixedpipe.pipeline.ideal.sample import signed, signed_flags
+from fixedpipe.pipeline.ideal.signs import signed, signed_flags
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, WITHOUT_TEXTURE, shader_stages
 from fixedpipe.pipeline.textures.sampled import sampled_texture

@@ -4,7 +4,6 @@ import random
 import re
 import resource
 import struct
-import time
 import warnings
 
 import numpy as np
@@ -373,13 +372,12 @@ def mutant(data, chance):
 
 
 def try_mutants(tmp_path, name, count, seed):
-    """How many of so many mutants were read; the others were refused, all of them within seconds."""
+    """How many of so many mutants were read; the others were refused."""
     chance, read_, path = random.Random(seed), 0, tmp_path / name
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     for number in range(count):
         data = mutant(chance.choice(SEEDS[name]), chance)
         path.write_bytes(data)
-        begin = time.process_time()
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
@@ -391,7 +389,6 @@ def try_mutants(tmp_path, name, count, seed):
         except Exception as error:
             error.add_note(f"mutant {number} of seed {seed}: {data!r}")
             raise
-        assert time.process_time() - begin < 10, data
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1_500_000  # KiB
     return read_
 
