@@ -1,12 +1,28 @@
 """Refusals: each is one sentence that says why something cannot be done, and what to do instead."""
 
 import difflib
+import traceback
 from collections.abc import Iterable
 from contextlib import contextmanager
 
 
 class Refusal(ValueError):  # noqa: N818 (it names what happens)
     """What was asked for cannot be done; the message is one sentence that says why and what to do."""
+
+
+def line_of(path: str, error: BaseException) -> str:
+    """A script's line that raised an error, or its cause, with what stands before it in a sentence; empty
+    where no line of it did.
+    """
+    lines: list[int] = []
+    cause: BaseException | None = error
+    while cause is not None:
+        walked = traceback.walk_tb(cause.__traceback__)
+        lines += [line for frame, line in walked if frame.f_code.co_filename == path]
+        if isinstance(cause, SyntaxError) and cause.filename == path and cause.lineno:
+            lines.append(cause.lineno)
+        cause = cause.__cause__
+    return f", line {lines[-1]}," if lines else ""
 
 
 @contextmanager

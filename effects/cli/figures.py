@@ -16,7 +16,7 @@ PAPER = "paper"
 
 
 @click.command(short_help="Render figures, check them, make a gallery.")
-@click.argument("figure_ids", metavar="[ID …]", nargs=-1)
+@click.argument("figure_ids", metavar="[ID|FILE.py …]", nargs=-1)
 @click.option("--list", "list_only", is_flag=True, help="Name the figures and end.")
 @click.option("--check", is_flag=True, help="Run the acceptance checks; exit status 1 if one fails.")
 @click.option("--out", metavar="DIR", default="out", show_default=True, help="Folder of the gallery.")
@@ -41,6 +41,8 @@ def figures(
     figure_ids, list_only, check, out, png, profiles, size, again, jobs, settings, threads, json_file
 ):
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
+
+    FILE.py is a file of your own that holds a FIGURE, with its checks. It is always drawn again.
 
     Writes a gallery, index.html, with a JSON file for each figure and its pictures. A figure that the folder
     has, whose sources, machines, size and packages are what they were, is not drawn again; what the folder
@@ -69,7 +71,7 @@ def figures(
             click.echo(f"{'':8s} on {', '.join(figure.machines)}")
         click.echo(f"{INDEX} says what the ids in brackets are.", err=True)
         return
-    chosen = [choose("figure", i, FIGURES) for i in dict.fromkeys(figure_ids)] or list(FIGURES.values())
+    chosen, files_of_users = _chosen(figure_ids)
     for name in profiles:
         if name != PAPER and choose("profile", name, PROFILES).arithmetic.exact and check:
             raise Refusal(f"--check compares machines with {name}; leave it out, or give a machine.")
@@ -97,7 +99,7 @@ def figures(
             said = own if known.default is not None else f"{figure.id} has no {name} of its own"
             click.echo(f"{said}. {known.does}", err=True)
     from fixedpipe.effects.reports.figure_failures import failures_of, in_words
-    from fixedpipe.effects.reports.figure_files import files_of, set_aside, tidy, unchanged
+    from fixedpipe.effects.reports.figure_files import files_of, own_ids, set_aside, tidy, unchanged
     from fixedpipe.effects.reports.figure_inputs import inputs_of
     from fixedpipe.effects.reports.figure_pool import Order, draw_all, draw_here
     from fixedpipe.effects.reports.figure_record import steps
@@ -105,19 +107,20 @@ def figures(
 
     if former := set_aside(folder, FIGURES):
         click.echo(f"{count(former, 'record')} of an earlier version now end in .former.", err=True)
-    before = itertools.chain.from_iterable(files_of(folder, FIGURES))
+    ids = tuple(dict.fromkeys((*FIGURES, *files_of_users, *own_ids(folder))))  # of the gallery
+    before = itertools.chain.from_iterable(files_of(folder, ids))
     before, records, orders = list(before), {}, {}
     for figure in chosen:
-        # Another value may be a file of the user's, whose content no digest here covers.
-        made_from = None
-        if not settings:
+        # Another value, or the figure, may be a file of the user's, whose content no digest here covers.
+        made_from, file = None, files_of_users.get(figure.id)
+        if not (settings or file):
             what = figure.id, machines[figure.id], size, check
             made_from = inputs_of(FIGURES.module_of(figure.id), what)
-        kept = None if again or settings or named else unchanged(folder, figure.id, made_from)
+        kept = None if again or settings or named or file else unchanged(folder, figure.id, made_from)
         if kept:
             records[figure.id] = kept
         else:
-            order = figure.id, machines[figure.id], size, threads, check, folder, named, made_from
+            order = figure.id, machines[figure.id], size, threads, check, folder, named, made_from, file
             orders[figure.id] = Order(*order)
     if records:
         click.echo(f"{count(len(records), 'figure')} did not change and stay; --again draws all.", err=True)
@@ -138,17 +141,17 @@ def figures(
             drawn = draw_here(inside, step, changes)
         for order, record in drawn:
             records[order.id] = record
-            _write_page(folder, FIGURES)
+            _write_page(folder, ids)
     missing = [figure.id for figure in chosen if figure.id not in records]
     records = [records[figure.id] for figure in chosen if figure.id in records]
     failures = [f"{record['id']}: {sentence}" for record in records for sentence in in_words(record)]
     failures += [f"{i}: not begun, because the disc is full" for i in missing]
-    failures += _write_page(folder, FIGURES)
+    failures += _write_page(folder, ids)
     # Of all figures hundreds pass; the gallery has them.
     passed, failed = _print_checks(records, only_failed=not figure_ids)
     if check:
         click.echo(f"{count(passed, 'acceptance check')} passed.")
-    number, size = tidy(folder, FIGURES, before)
+    number, size = tidy(folder, ids, before)
     kept = f"{count(number, 'figure')} in {folder}, {size / 1e6:.1f} MB"
     click.echo(f"{kept}; open {folder / 'index.html'}")
     if failed:
@@ -163,8 +166,28 @@ def figures(
         sys.exit(1)
 
 
+def _chosen(words):
+    """The figures that are asked for, by id or by file, all of the package where none is; second, the files
+    of those of users, by id.
+    """
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.refusal import Refusal, choose
+    from fixedpipe.effects.reports.own_figures import KIND, own_figure
+
+    chosen, files = {}, {}
+    for word in words or FIGURES:
+        is_file = word.endswith(KIND)
+        figure = own_figure(word) if is_file else choose("figure", word, FIGURES)
+        if is_file and files.setdefault(figure.id, word) != word:
+            raise Refusal(f"{files[figure.id]} and {word} both hold {figure.id}. Give one another id.")
+        chosen[figure.id] = figure
+    return list(chosen.values()), files
+
+
 def _write_page(folder, figures):
-    """Write the gallery's page of ``figures``; returns what stood in the way, none or one sentence."""
+    """Write the gallery's page of ``figures``, ids in its order; returns what stood in the way, none or one
+    sentence.
+    """
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.reports.figure_files import write_page
 

@@ -1,7 +1,5 @@
 """A frame that a subcommand looks into: a figure's, or the one that a script makes."""
 
-import traceback
-
 import click
 
 from fixedpipe.effects.cli.options import changes_of, machine_of
@@ -87,19 +85,11 @@ def _figure(figure_id, profile, size, settings):
         return FrameAsked(title, machine, dimensions, lambda of: figure.commands(of, size, method, **changes))
 
 
-def _line_of(path, error):
-    """A script's line that raised an error, with what stands before it in a sentence; or nothing."""
-    lines = [
-        line for frame, line in traceback.walk_tb(error.__traceback__) if frame.f_code.co_filename == path
-    ]
-    return f", line {lines[-1]}," if lines else ""
-
-
 def script_frame(path, profile, size, settings, profile_of=machine_of):
     """The FrameAsked of SCRIPT.py; ``profile_of``: the Profile of a name. Raises Refusal."""
     import runpy
 
-    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.refusal import Refusal, line_of
 
     if size is not None or settings:
         raise Refusal("--size and --set are a figure's; a script says its own width, height and values.")
@@ -108,7 +98,7 @@ def script_frame(path, profile, size, settings, profile_of=machine_of):
     except OSError as error:
         raise Refusal(f"{path} cannot be read: {error.strerror}.") from None
     except (Exception, SystemExit) as error:
-        raise Refusal(f"{path}{_line_of(path, error)} raised {type(error).__name__}: {error}") from error
+        raise Refusal(f"{path}{line_of(path, error)} raised {type(error).__name__}: {error}") from error
     missing = [name for name in ("commands", "width", "height") if name not in made]
     if missing or not (profile or "profile" in made):
         names = ", ".join(missing or ("profile",))

@@ -3,19 +3,22 @@
 import errno
 import traceback
 
-from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.refusal import Refusal, line_of
 from fixedpipe.pipeline.profiles import PROFILES
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
-def failure(error, machine=None, task="drawn"):
+def failure(error, machine=None, task="drawn", file=None):
     """What a record says of an exception: ``profile`` and ``name`` of the machine (None: of all of the
     figure's machines), the ``task`` that was not done, "drawn" or "checked", ``what`` in a sentence,
-    ``trace`` in Python's words (None: the sentence says all), and whether the disc is full.
+    ``trace`` in Python's words (None: the sentence says all), and whether the disc is full. ``file``: the
+    user's that holds the figure, whose line the sentence then names; None for the package's.
     """
     is_said = isinstance(error, Refusal)
     what = str(error) if is_said else f"{type(error).__name__}: {error}".rstrip(": ")
+    if file is not None and (line := line_of(file, error)):
+        what = f"{file}{line.rstrip(',')}: {what}" if is_said else f"{file}{line} raised {what}"
     return {
         "profile": machine,
         "name": None if machine is None else PROFILES[machine].name,

@@ -17,6 +17,7 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_record
 from fixedpipe.effects.reports.figure_failures import failure, failures_of
 from fixedpipe.effects.reports.figure_files import write_figure, write_record
+from fixedpipe.effects.reports.own_figures import own_figure
 from fixedpipe.pipeline.native import readiness
 from fixedpipe.pipeline.native.compiling import watch_compiling
 from fixedpipe.pipeline.native.threads import limit_threads
@@ -29,7 +30,7 @@ class Order:
     """One figure to be drawn: its ``id``, ``machines``, ``size`` (None: its own), ``threads`` (None: one for
     each processor that no other process has), whether it is checked (``with_checks``), the ``folder`` of its
     files, and ``named``, a folder of its pictures under readable names, or None; ``inputs``: the digest of
-    what it is made from.
+    what it is made from; ``file``: the user's that holds the figure, None for the package's.
     """
 
     id: str
@@ -40,13 +41,18 @@ class Order:
     folder: Path
     named: Path | None
     inputs: str | None
+    file: str | None = None
+
+    @property
+    def figure(self):
+        """The Figure, of the package or of a user's file; raises Refusal where that cannot be read."""
+        return figures.FIGURES[self.id] if self.file is None else own_figure(self.file)
 
     def draw(self, step, changes=None):
         """Draw it and write its files; returns its record. What goes wrong is among the record's failures."""
-        figure = figures.FIGURES[self.id]
-        how = self.machines, self.size, self.threads, self.with_checks, step, changes
+        how = self.machines, self.size, self.threads, self.with_checks, step, changes, self.file
         try:
-            rendered = figure_record.render(figure, *how)
+            rendered = figure_record.render(self.figure, *how)
             step(f"{rendered.record['id']}: writing")
             return write_figure(self.folder, rendered, self.inputs, self.named, self.threads)
         except Exception as error:
@@ -54,9 +60,9 @@ class Order:
 
     def failed(self, error, changes=None):
         """The record of a figure of which nothing was drawn because of ``error``, written where it can be."""
-        figure = figures.FIGURES[self.id]
+        figure = self.figure
         how = self.machines, self.size or figure.size, changes or {}, self.with_checks
-        record = figure_record.record_of(figure, *how, [], [failure(error)])
+        record = figure_record.record_of(figure, *how, [], [failure(error, file=self.file)], self.file)
         with suppress(Refusal):
             write_record(self.folder, record)
         return record

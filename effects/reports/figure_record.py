@@ -10,7 +10,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bibliography import citation
-from fixedpipe.effects.figures import Figure, Method, Renderer
+from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer
 from fixedpipe.effects.refusal import refusals
 from fixedpipe.effects.reports.figure_failures import failure
 from fixedpipe.effects.reports.figure_passes import Passes
@@ -96,7 +96,7 @@ def steps(figure, machines, with_checks):
     return on_machines + len(methods) * (figure.reference is not None) + 1
 
 
-def render(figure, machines, size, threads, with_checks, step, changes=None):
+def render(figure, machines, size, threads, with_checks, step, changes=None, file=None):
     """Render a figure.
 
     Parameters
@@ -115,6 +115,9 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
         Other values of parameters, by name: a variant, whose files and record have a name of their own and
         say what was changed. Its acceptance is nobody's: checks hold for the figure's own values.
 
+    file : str, optional
+        The user's file that holds the figure; None for the package's.
+
     What cannot be drawn or checked on one machine, for whatever reason, is among the record's ``failures``;
     the others are drawn all the same.
     """
@@ -126,7 +129,7 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
         try:
             record = drawing.on(machine)
         except Exception as error:
-            failures.append(failure(error, machine))
+            failures.append(failure(error, machine, file=file))
             continue
         if with_checks:
             step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
@@ -135,17 +138,17 @@ def render(figure, machines, size, threads, with_checks, step, changes=None):
             try:
                 checks = figure.checks(Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
             except Exception as error:
-                failures.append(failure(error, machine, "checked"))
+                failures.append(failure(error, machine, "checked", file))
                 checks = ()
             record["checks"] = [
                 c.record() for c in checks if c.on is Answer.MACHINE or method.name not in checked
             ]
         drawn.append(record)
-    record = record_of(figure, machines, size, changes, with_checks, drawn, failures)
+    record = record_of(figure, machines, size, changes, with_checks, drawn, failures, file)
     return Rendered(record, drawing.pictures, drawing.named)
 
 
-def record_of(figure, machines, size, changes, with_checks, drawn, failures):
+def record_of(figure, machines, size, changes, with_checks, drawn, failures, file=None):
     """The record of a figure: ``drawn``, a record for each machine that drew it, and ``failures``
     (``figure_failures.failure``), one for each that did not. The others: as of ``render``, ``size`` a number.
     """
@@ -160,7 +163,7 @@ def record_of(figure, machines, size, changes, with_checks, drawn, failures):
         "citation": _citation(figure),
         "page": _page(figure),
         "techniques": list(figure.techniques),
-        "command": _command(figure, machines, size, changes, with_checks),
+        "command": _command(figure, machines, size, changes, with_checks, file),
         "parameters": plain_values(figure, figure.values),
         "size": size,
         "width": width,
@@ -172,6 +175,8 @@ def record_of(figure, machines, size, changes, with_checks, drawn, failures):
         "machines": drawn,
         "failures": failures,
     }
+    if file is not None:
+        record["file"] = file
     if changes:
         # What must be seen is of the figure's own values.
         del record["must_see"]
@@ -188,16 +193,16 @@ def _citation(figure):
 
 
 def _page(figure):
-    """Where the project's documents have the figure; None for an effect of no paper."""
-    if figure.id[0] == OWN:
+    """Where the project's documents have the figure; None for an effect of no paper, and a user's figure."""
+    if figure.id not in FIGURES or figure.id[0] == OWN:
         return None
     number = figure.id[1:4] if "-" in figure.id else PAPERS[figure.id[0]][0]
     return f"docs/papers/catalogue/{number}.md#{figure.id.lower()}"
 
 
-def _command(figure, machines, size, changes, with_checks):
+def _command(figure, machines, size, changes, with_checks, file):
     """What draws these pictures again."""
-    words = ["fixedpipe", "figures", figure.id, *["--check"] * with_checks]
+    words = ["fixedpipe", "figures", file or figure.id, *["--check"] * with_checks]
     if tuple(machines) != figure.machines:
         words += [word for machine in machines for word in ("--profile", machine)]
     if size != figure.size:
