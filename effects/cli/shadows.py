@@ -21,6 +21,9 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
     show_default=True,
     help="Where the lamp is.",
 )
+@click.option(
+    "--view", metavar="X,Y,Z", default="0.6,3.48,7.6", show_default=True, help="Direction to the eye."
+)
 @click.option("--out", metavar="FILE.png", required=True, help="The picture.")
 @click.option(
     "--size", type=click.IntRange(min=8), metavar="N", default=512, show_default=True, help="Pixels an edge."
@@ -36,12 +39,13 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
     help="Texels an edge of the shadow map, a power of two. Without it up to four for a pixel.",
 )
 @threads_option
-def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
+def shadows(mesh, algorithm, light, view, out, size, profile, up, map_size, threads):
     """Throw the shadow of MESH, an OBJ or PLY file, on a floor, and say how it compares with rays.
 
-    The mesh stands in the middle of the floor y = 0, 2.4 units large; the light's +x is right, +y up, +z
-    towards you. depth-map is the shadow map with a depth texture; alpha-multitexture and alpha-single keep
-    depths in alpha; z-pass and z-fail are shadow volumes, and need a mesh that is closed.
+    The mesh stands on the floor y = 0, 2.4 units large; the light's +x is right, +y up, +z towards you. The
+    floor is as wide and the eye as far away as the shadow needs. depth-map is the shadow map with a depth
+    texture; alpha-multitexture and alpha-single keep depths in alpha; z-pass and z-fail are shadow volumes,
+    and need a mesh that is closed.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import check_size
@@ -62,14 +66,14 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
         if map_size and not way.map:
             raise Refusal(f"{algorithm} has no map; leave --map-size out, or give an algorithm with one.")
         position = three_numbers(light, "The lamp's place", "-3,6,4", zero=True)
+        toward = three_numbers(view, "The direction to the eye")
         edge = mesh_shadows.checked_map_edge(size, machine, map_size)
         read = read_mesh(mesh, tell=told.append)
         mesh_shadows.check_closed(algorithm, read, mesh)
         surface = mesh_shadows.stood_on_floor(read, up)
-        scene = mesh_shadows.scene_of(surface, mesh)
-        lamp = mesh_shadows.lamp_at(scene, position)
+        stage = mesh_shadows.stage(surface, position, mesh, toward)
         announce_compiling()
-        found = mesh_shadows.drawn(algorithm, scene, lamp, machine, size, edge, threads)
+        found = mesh_shadows.drawn(algorithm, stage, machine, size, edge, threads)
     if algorithm == "z-pass" and found.viewer_in_shadow:
         click.echo(
             "The viewer is in the mesh's shadow, where z-pass counts wrong; give --algorithm z-fail.",
@@ -78,5 +82,7 @@ def shadows(mesh, algorithm, light, out, size, profile, up, map_size, threads):
     write_whole(path, png(found.picture.image))
     for line in told:
         click.echo(line)
+    if not stage.whole:
+        click.echo("The shadow ends on no floor that is drawn; a higher lamp, --light, keeps it there.")
     click.echo(f"{path}: {way.title}, {found.picture.summary}")
     click.echo(f"shadows against rays: {found.agreement}")

@@ -4,6 +4,7 @@ Each algorithm is the passes of its own module: ``shadow_maps`` (Z10), ``alpha_c
 ``shadow_volumes`` (Z23, Z24).
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -11,10 +12,17 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.agreement import Agreement, compare, lit_mask, truth_of
 from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.vectors import cross, dot
+from fixedpipe.effects.geometry.matrices import look_at, rotation
+from fixedpipe.effects.geometry.vectors import cross, dot, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view
 from fixedpipe.effects.passes.arguments import one_of
-from fixedpipe.effects.scenes.objects_and_lamps import FLOOR_HALF_WIDTH, Object, Scene, floor, lamp_around
+from fixedpipe.effects.scenes.objects_and_lamps import (
+    FLOOR_HALF_WIDTH,
+    Lamp,
+    Object,
+    Scene,
+    lamp_around,
+)
 from fixedpipe.effects.shadows import alpha_coded_shadows, shadow_maps, shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.user_pictures import drawing
@@ -28,7 +36,7 @@ AXES = ("x", "y", "z")
 # The mesh's largest extent on the floor, world units. Assumed: it fills the camera's picture.
 _EXTENT = 2.4
 # The least height for a length of one. Inferred: 0.0024 units, twelve steps of 16 bits of depth at the
-# distance of the camera, whose planes are 3.9 and 12.9 units away.
+# distance of the camera, 6.1 units, whose planes are then 2.2 and 9.9 units away.
 _FLATTEST = 0.001
 # How far away a lamp may be, world units. Inferred: a frustum has hundredths of degrees
 # (``lamp_around``), and at this distance the scene fills a tenth of one.
@@ -38,7 +46,15 @@ _OFFSET_FACTOR = 2.0
 # Distance of a map's shadow that may be missing: measured, what the offset hides (F003-10).
 _OFFSET_HIDES = 0.05
 _BITS = 8
-_CELLS = 20
+# Squares of the floor in a unit of the world; lights are computed at their corners.
+_CELLS = 20 / (2.0 * FLOOR_HALF_WIDTH)
+# How far the widest floor reaches. Assumed: on a wider one the mesh is small, and a map's texels are large.
+_WIDEST = 4.0 * FLOOR_HALF_WIDTH
+# The direction to the eye: from the front, from above.
+TOWARD = (0.6, 3.48, 7.6)
+_FIELD_OF_VIEW = 31.0
+# How much of the picture's and of the floor's half width the mesh and its shadow take at most.
+_FILLS = 0.92
 FLOOR_COLOR, MESH_COLOR = (0.62, 0.60, 0.56), (0.74, 0.40, 0.20)
 MAP = "shadow map"
 
@@ -94,22 +110,79 @@ def check_closed(algorithm, surface, name):
             raise ValueError(f"{error} Or give an algorithm with a map: {maps}.") from error
 
 
-def scene_of(surface, name="mesh"):
-    """A Scene of the surface, placed by ``stood_on_floor``, and the floor. Rays light a mesh on both sides,
-    and so do the machines: nobody knows which side of a sheet, or of a part that is inside out, is meant.
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A mesh on its floor under a lamp, and who looks.
+
+    ``scene``, ``lamp``: as of ``shadow_maps``. ``eye`` looks at ``center``; within ``radius`` of that all
+    of the scene lies. ``whole``: whether all of the shadow is on the floor and in the picture.
     """
-    return Scene(
-        (
-            Object("floor", floor(FLOOR_HALF_WIDTH, _CELLS), FLOOR_COLOR, closed=False),
-            Object(name, surface, MESH_COLOR, 0.4, closed=is_closed(surface), two_sided=True),
+
+    scene: Scene
+    lamp: Lamp
+    eye: tuple[float, float, float]
+    center: tuple[float, float, float]
+    radius: float
+    whole: bool
+
+    def view(self, size):
+        """The View, a square of ``size`` pixels."""
+        return perspective_view(
+            Panel(0, 0, size, size), self.eye, self.center, _FIELD_OF_VIEW, radius=self.radius
         )
-    )
 
 
-def lamp_at(scene, position):
-    """A lamp at ``position`` whose frustum encloses the scene. Raises ValueError for a place that lights
-    nothing, or is too far for a frustum.
+def stage(surface, position, name="mesh", toward=TOWARD):
+    """The Stage of a surface that ``stood_on_floor`` placed.
+
+    position  where the lamp is
+    toward    direction to the eye, which is so far away that the mesh and its shadow are in the picture
+
+    The floor is so large that the shadow is on it, up to 10.4 units from the middle. Rays light a mesh on
+    both sides, and so do the machines: nobody knows which side of a sheet, or of a part that is inside out,
+    is meant. Raises ValueError for a lamp that lights nothing, or is too far for a frustum, and for an eye
+    that is not above the floor, or straight above.
     """
+    _check_lamp(position)
+    toward = unit_vector(toward, "The direction to the eye")
+    if not 0.0 < toward[1] < 1.0 - 1e-6:
+        raise ValueError("The direction to the eye is straight up, or not above the floor; give another.")
+    shadow = _shadow_on_floor(surface.positions, position)
+    shown = surface.positions if shadow is None else np.concatenate([surface.positions, shadow])
+    eye, center = _camera(shown, toward)
+    body = Object(name, surface, MESH_COLOR, 0.4, closed=is_closed(surface), two_sided=True)
+    least = FLOOR_HALF_WIDTH * np.array([[-1.0, 0.0, -1.0], [1.0, 0.0, 1.0]])
+    held = least if shadow is None else shadow
+    wide = [least, held / _FILLS, _lower_corners(eye, center) / _FILLS]
+    # In the map is what throws the shadow; the lamp encloses the floor below it alone, so texels are small.
+    lamp = lamp_around(Scene((_ground(held), body)), position)
+    ground = _ground(np.concatenate(wide))
+    depths = -(ground.surface.positions @ np.array(lamp.modelview[2][:3]) + lamp.modelview[2][3])
+    if depths.min() > 0.0:
+        # A place beyond the far plane would have no depth in a map.
+        lamp = replace(lamp, far=max(lamp.far, _rounded_up(float(depths.max()))))
+    else:  # a map has nothing to say of what is behind the lamp
+        ground = _ground(held)
+    scene = Scene((replace(ground, throws=False), body))
+    corners = np.concatenate([scene.objects[0].surface.positions, scene.corners()])
+    radius = _rounded_up(float(np.sqrt(((corners - center) ** 2).sum(axis=1)).max()))
+    return Stage(scene, lamp, eye, center, radius, whole=shadow is not None)
+
+
+def _ground(places):
+    """The floor below places [n, 3], no wider than the widest."""
+    low, high = (
+        [_rounded_up(float(c)) for c in end]
+        for end in np.clip([places.min(axis=0), places.max(axis=0)], -_WIDEST, _WIDEST)
+    )
+    across, along = (high[axis] - low[axis] for axis in (0, 2))
+    cells = (math.ceil(across * _CELLS), math.ceil(along * _CELLS))
+    square = surfaces.plane(*cells, across / 2.0, along / 2.0).rotated(rotation("x", -90.0))
+    middle = ((low[0] + high[0]) / 2.0, 0.0, (low[2] + high[2]) / 2.0)
+    return Object("floor", square.moved(*middle), FLOOR_COLOR, closed=False)
+
+
+def _check_lamp(position):
     if not position[1] > 0.0:
         raise ValueError(f"The lamp at {tuple(position)} is not above the floor, y = 0; give a y above it.")
     if max(map(abs, position)) > _FARTHEST:
@@ -117,12 +190,44 @@ def lamp_at(scene, position):
             f"The lamp at {tuple(position)} is farther than {_FARTHEST:g} units; give a nearer place in the "
             "same direction, from where rays are as good as parallel."
         )
-    return lamp_around(scene, position)
 
 
-def camera(panel):
-    """The camera: from the front, from above."""
-    return perspective_view(panel, (0.6, 4.3, 7.6), (0.0, 0.82, 0.0), field_of_view=31.0, radius=4.5)
+def _rounded_up(length):
+    """To a hundredth of a unit, so that it has the same bits everywhere."""
+    return math.ceil(100.0 * length) / 100.0
+
+
+def _shadow_on_floor(positions, lamp):
+    """Where rays from the lamp through positions [n, 3] meet the floor, [n, 3]; None where one does not, or
+    not on the widest floor.
+    """
+    below = lamp[1] - positions[:, 1:2]
+    if float(below.min()) <= 0.0:
+        return None
+    found = positions + (positions - lamp) * (positions[:, 1:2] / below)
+    return found if float(np.abs(found).max()) <= _FILLS * _WIDEST else None
+
+
+def _camera(points, toward):
+    """(eye, what it looks at): the middle of points [n, 3], from where they all are in the picture."""
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    center = tuple(round(float(c), 2) for c in middle)
+    right, up = np.array(look_at(tuple(middle + toward), tuple(middle)))[:2, :3]
+    away = points - center
+    across = np.maximum(np.abs(dot(away, right)), np.abs(dot(away, up)))
+    distance = float((dot(away, toward) + across / (_FILLS * _half_tangent())).max())
+    return tuple(_rounded_up(float(c)) for c in np.array(center) + toward * distance), center
+
+
+def _half_tangent():
+    return math.tan(math.radians(_FIELD_OF_VIEW) / 2.0)
+
+
+def _lower_corners(eye, center):
+    """Where the picture's two lower corners are on the floor, [2, 3]."""
+    right, up, back = np.array(look_at(eye, center))[:3, :3]
+    rays = _half_tangent() * (np.array([[-1.0], [1.0]]) * right - up) - back
+    return np.array(eye) - rays * (eye[1] / rays[:, 1:2])
 
 
 def _depth_map(scene, view, lamp, profile, edge, background, shading):
@@ -220,13 +325,12 @@ ALGORITHMS = {
 }
 
 
-def commands(algorithm, scene, lamp, profile, size, *, edge, background, shading=SceneShading.LIT):
+def commands(algorithm, stage, profile, size, *, edge, background, shading=SceneShading.LIT):
     """The frame: a square of ``size`` pixels. ``algorithm``: a key of ALGORITHMS; ``edge``: its map's, in
     texels. Shadow volumes are those of what is closed (``check_closed``).
     """
     way = ALGORITHMS[one_of(tuple(ALGORITHMS), algorithm, "The algorithm")]
-    view = camera(Panel(0, 0, size, size))
-    return way.draw(scene, view, lamp, profile, edge, background, shading)
+    return way.draw(stage.scene, stage.view(size), stage.lamp, profile, edge, background, shading)
 
 
 def hidden_distance(algorithm, lamp):
@@ -239,10 +343,9 @@ def hidden_distance(algorithm, lamp):
 
 def can_draw(algorithm, profile):
     """Whether a machine can draw the algorithm's passes: they are validated for a small picture of a box."""
-    box, size = scene_of(stood_on_floor(surfaces.box())), 16
-    lamp = lamp_at(box, (-3.0, 6.0, 4.0))
+    box, size = stage(stood_on_floor(surfaces.box()), (-3.0, 6.0, 4.0)), 16
     try:
-        frame = commands(algorithm, box, lamp, profile, size, edge=size, background=(0.0, 0.0, 0.0))
+        frame = commands(algorithm, box, profile, size, edge=size, background=(0.0, 0.0, 0.0))
         validate(frame, profile, size, size)
     except ValueError:
         return False
@@ -286,14 +389,12 @@ class Drawn:
     viewer_in_shadow: bool
 
 
-def drawn(algorithm, scene, lamp, profile, size, edge, threads=None):
+def drawn(algorithm, stage, profile, size, edge, threads=None):
     """The picture, and its mask compared with rays: ``Drawn``. ``edge``: of the map, in texels."""
-    view = camera(Panel(0, 0, size, size))
+    scene, lamp, view = stage.scene, stage.lamp, stage.view(size)
     picture, masked = (
         drawing.drawn(
-            commands(
-                algorithm, scene, lamp, profile, size, edge=edge, background=BACKGROUND, shading=shading
-            ),
+            commands(algorithm, stage, profile, size, edge=edge, background=BACKGROUND, shading=shading),
             profile,
             size,
             size,
