@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from fixedpipe.effects.cli.options import limit_option, profile_option, three_numbers
+from fixedpipe.effects.cli.options import fill_option, limit_option, profile_option, three_numbers
 
 FORMATS = ("merl", "npz")
 
@@ -75,6 +75,7 @@ FORMATS = ("merl", "npz")
 @profile_option
 @click.option("--resume", metavar="FOLDER", help="Keep what is done in a folder, and go on from there.")
 @limit_option
+@fill_option
 @click.option(
     "--jobs",
     type=click.IntRange(min=1),

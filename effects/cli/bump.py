@@ -2,7 +2,15 @@
 
 import click
 
-from fixedpipe.effects.cli.options import limit_option, profile_option, threads_option, three_numbers
+from fixedpipe.effects.cli.options import (
+    eye_of,
+    fill_option,
+    limit_option,
+    profile_option,
+    threads_option,
+    three_numbers,
+    view_option,
+)
 
 
 @click.command(short_help="Bump-map a mesh with a photograph.")
@@ -13,7 +21,7 @@ from fixedpipe.effects.cli.options import limit_option, profile_option, threads_
     metavar="NAME",
     default="sphere",
     show_default=True,
-    help="plane, sphere, torus, or an OBJ or PLY file.",
+    help="plane, sphere, torus, teapot, or an OBJ or PLY file.",
 )
 @click.option(
     "--material",
@@ -24,6 +32,7 @@ from fixedpipe.effects.cli.options import limit_option, profile_option, threads_
     help="gold, steel, brushed, stone or plastic.",
 )
 @click.option("--light", metavar="X,Y,Z", default="-1,1,1", show_default=True, help="Direction to the light.")
+@view_option
 @click.option("--out", metavar="FILE.png", required=True, help="The picture.")
 @click.option(
     "--size", type=click.IntRange(min=1), metavar="N", default=512, show_default=True, help="Pixels an edge."
@@ -48,12 +57,14 @@ from fixedpipe.effects.cli.options import limit_option, profile_option, threads_
     help="What bumps smaller than a pixel leave: none, mip or roughness.",
 )
 @limit_option
+@fill_option
 @threads_option
 def bump(
     photo,
     mesh_name,
     material_name,
     light,
+    view,
     out,
     size,
     profile,
@@ -85,7 +96,15 @@ def bump(
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.refusal import choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
-    from fixedpipe.effects.user_pictures.bumped_mesh import Antialiasing, commands, material, mesh, way_of
+    from fixedpipe.effects.user_pictures.bumped_mesh import (
+        EYE,
+        Antialiasing,
+        commands,
+        map_edges,
+        material,
+        mesh,
+        way_of,
+    )
     from fixedpipe.effects.user_pictures.drawing import drawn
     from fixedpipe.effects.user_pictures.inputs import MESH_KINDS, read_mesh, read_picture
     from fixedpipe.pipeline.framebuffers.pictures import png
@@ -96,6 +115,7 @@ def bump(
     path = writable_picture(out, (photo, mesh_name))
     check_size("The picture", (size, size), machine)
     direction = three_numbers(light, "The light's direction")
+    eye = eye_of(view, EYE)
     changed = {"relief": height_scale, "alpha_x": alpha_x, "alpha_y": alpha_y}
     told: list[str] = []
     with refusals():
@@ -105,8 +125,9 @@ def bump(
         surface = read_mesh(mesh_name, smooth=True, tell=told.append) if is_file else mesh(mesh_name)
         if is_file and not (report := examine_surface(surface)).clean:
             click.echo(f"{mesh_name}: {report.text()}", err=True)
+        picture = read_picture(photo)
         frame = commands(
-            read_picture(photo),
+            picture,
             surface,
             parameters,
             direction,
@@ -115,7 +136,12 @@ def bump(
             size,
             map_size=map_size,
             antialias=how,
+            eye=eye,
         )
+        shape, edges = picture.shape[:2], map_edges(picture.shape[:2], machine, map_size)
+        if shape != edges:
+            sizes = (f"{columns} x {rows}" for rows, columns in (shape, edges))
+            told.append("{}: {} heights, fitted to a map of {} texels".format(photo, *sizes))
         announce_compiling()
         drawing = drawn(frame, machine, size, size, threads)
     write_whole(path, png(drawing.image))

@@ -3,12 +3,14 @@
 import click
 
 from fixedpipe.effects.cli.options import (
+    eye_of,
     limit_option,
     profile_option,
     refuse_beside,
     refuse_ignored,
     threads_option,
     three_numbers,
+    view_option,
 )
 
 
@@ -70,6 +72,7 @@ from fixedpipe.effects.cli.options import (
     show_default=True,
     help="As how many lights the environment shines; each is rounded to bytes.",
 )
+@view_option
 @profile_option
 @click.option("--out", metavar="FILE.png", help="The picture.")
 @click.option(
@@ -84,8 +87,8 @@ from fixedpipe.effects.cli.options import (
 @limit_option
 @threads_option
 def material(
-    reflectance, listing, settings, mesh_name, terms, color, lights, environment, layout, count, profile, out,
-    size, exposure, threads,
+    reflectance, listing, settings, mesh_name, terms, color, lights, environment, layout, count, view,
+    profile, out, size, exposure, threads,
 ):  # fmt: skip
     """Draw a mesh with any reflectance, on any machine, by products of textures.
 
@@ -133,6 +136,7 @@ def material(
     check_size("The picture", (size, size), machine)
     tint = three_numbers(color, "The colour", "1,0.8,0.4")
     towards = [three_numbers(each, "The light's direction") for each in lights or ("-1,1,1",)]
+    eye = eye_of(view, shown_material.EYE)
     told: list[str] = []
     with refusals():
         shown_material.check_machine(machine)
@@ -145,13 +149,17 @@ def material(
             lighting = shown_material.environment(environment, count, exposure, layout)
         if machine.arithmetic.exact:
             announce_compiling()
-            drawing = shown_material.meant(brdf, surface, lighting, size, size, color=tint, threads=threads)
+            drawing = shown_material.meant(
+                brdf, surface, lighting, size, size, color=tint, eye=eye, threads=threads
+            )
             drawn_by = drawing.summary
         else:
             shown_material.check_picture(lighting, machine, size, size, tint)
             announce_compiling()
             found = shown_material.factored(brdf, terms)
-            frame = shown_material.commands(found, surface, lighting, machine, size, size, color=tint)
+            frame = shown_material.commands(
+                found, surface, lighting, machine, size, size, color=tint, eye=eye
+            )
             drawing = drawn(frame, machine, size, size, threads)
             passes = shown_material.passes_of(frame)
             drawn_by = (

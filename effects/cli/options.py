@@ -22,6 +22,26 @@ threads_option = click.option(
 )
 
 
+view_option = click.option(
+    "--view",
+    metavar="X,Y,Z",
+    help="Direction to the eye; without it from the front, a little from above.",
+)
+
+
+def eye_of(view, usual):
+    """The eye's place for --view, as far from the middle as the ``usual`` one, which it is without. Raises
+    Refusal.
+    """
+    if view is None:
+        return usual
+    x, y, z = three_numbers(view, "The direction to the eye")
+    length = math.hypot(x, y, z)
+    if math.hypot(x, z) < 1e-3 * length:
+        raise Refusal(f"The eye looks along y, which is up; give another --view than {view}, as 0.1,1,0.")
+    return tuple(c * (math.hypot(*usual) / length) for c in (x, y, z))
+
+
 def _limited(context, _, millions):
     if millions is not None:
         from fixedpipe.effects.user_pictures.reading import limit
@@ -40,8 +60,24 @@ limit_option = click.option(
 )
 
 
+def _filled(context, _, wanted):
+    if wanted:
+        from fixedpipe.effects.user_pictures.reading import filling
+
+        context.with_resource(filling())
+
+
+fill_option = click.option(
+    "--fill",
+    is_flag=True,
+    expose_value=False,
+    callback=_filled,
+    help="Fill heights that a file lacks, NaN or its number for it, by the mean of those around.",
+)
+
+
 def set_option(command):
-    """--set of a figure's parameters, and --limit, as some of them are files."""
+    """--set of a figure's parameters, and --limit and --fill, as some of them are files."""
     return click.option(
         "--set",
         "settings",
@@ -49,7 +85,7 @@ def set_option(command):
         multiple=True,
         help="Another value of a figure's parameter, as alpha_x=0.15 or light=1,1,1; fixedpipe parameters "
         "ID names them.",
-    )(limit_option(command))
+    )(limit_option(fill_option(command)))
 
 
 def changes_of(settings, figure, methods):

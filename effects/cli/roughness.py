@@ -2,7 +2,7 @@
 
 import click
 
-from fixedpipe.effects.cli.options import limit_option
+from fixedpipe.effects.cli.options import fill_option, limit_option
 
 
 @click.command(short_help="Make a bump map's pyramids of bumps and of roughness.")
@@ -21,6 +21,7 @@ from fixedpipe.effects.cli.options import limit_option
     help="Lowest to highest, in edges of the field.",
 )
 @limit_option
+@fill_option
 @click.option("--once", is_flag=True, help="The map does not repeat; its edges stay as they are.")
 def roughness(heights, out, shown, size, height_scale, once):
     """Filter the bumps of HEIGHTS, a PNG, TIFF, JPEG or NPY file or a sample, and keep what filtering loses.

@@ -2,7 +2,13 @@
 
 import click
 
-from fixedpipe.effects.cli.options import limit_option, profile_option, threads_option, three_numbers
+from fixedpipe.effects.cli.options import (
+    fill_option,
+    limit_option,
+    profile_option,
+    threads_option,
+    three_numbers,
+)
 
 
 @click.command(short_help="Scatter light between the bumps of a height field.")
@@ -62,6 +68,7 @@ from fixedpipe.effects.cli.options import limit_option, profile_option, threads_
     help="Where paths are summed: framebuffer, accumulation-buffer or host.",
 )
 @limit_option
+@fill_option
 @threads_option
 def scatter(
     heights,

@@ -35,6 +35,7 @@ from fixedpipe.effects.reflectance import (
     material_textures,
     plain_multitexturing,
 )
+from fixedpipe.effects.scenes.teapot import teapot
 from fixedpipe.effects.texture_filtering import mipmapped_materials
 from fixedpipe.pipeline.enums import TextureFilter
 from fixedpipe.pipeline.profiles import PROFILES
@@ -96,8 +97,10 @@ MATERIALS = {
 }
 
 # How often the height field repeats along s and t: so that a repeat is about as wide as high on the mesh.
-_REPEATS = {"plane": (1, 1), "sphere": (2, 1), "torus": (2, 1)}
+_REPEATS = {"plane": (1, 1), "sphere": (2, 1), "torus": (2, 1), "teapot": (1, 1)}
 MESHES = tuple(_REPEATS)
+# Where the viewer is; the mesh reaches one from the origin.
+EYE = (0.0, 1.0, 3.6)
 
 
 def mesh(name):
@@ -107,15 +110,19 @@ def mesh(name):
     Raises ValueError for an unknown name.
     """
     if name not in _REPEATS:
-        raise ValueError(f"There is no mesh {name!r}; give one of {', '.join(MESHES)}, or an OBJ file.")
+        raise ValueError(
+            f"There is no mesh {name!r}; give one of {', '.join(MESHES)}, or an OBJ or a PLY file."
+        )
     if name == "plane":
         surface = surfaces.plane(32, 32)
     elif name == "sphere":
         surface = surfaces.sphere(96, 48)
+    elif name == "teapot":
+        surface = teapot(8)
     else:
         surface = surfaces.torus(96, 48).rotated(rotation("x", 40.0))
     surface = surface.with_repeats(*_REPEATS[name])
-    if name == "plane":
+    if name in ("plane", "teapot"):
         return surface
     return replace(surface, texture_coordinates=surface.texture_coordinates + np.array([0.5, 0.0]))
 
@@ -129,6 +136,20 @@ def material(name):
 
 def _power_of_two(edge, largest):
     return min(1 << max(edge - 1, 0).bit_length(), largest)
+
+
+def map_edges(shape, profile, map_size=None):
+    """Rows and columns of the map that heights of a shape [rows, columns] become, as of ``material_map``."""
+    if map_size is None:
+        largest = min(512, profile.textures.max_texture_size)
+        return tuple(max(4, _power_of_two(edge, largest)) for edge in shape)
+    if map_size < 4 or map_size & (map_size - 1) or map_size > profile.textures.max_texture_size:
+        raise ValueError(
+            f"The map's size is {map_size}; give a power of two from 4 to "
+            f"{profile.textures.max_texture_size} "
+            f"({profile.name} allows no larger texture)."
+        )
+    return map_size, map_size
 
 
 def material_map(image, parameters, profile, map_size=None, *, repeated=True):
@@ -151,17 +172,7 @@ def material_map(image, parameters, profile, map_size=None, *, repeated=True):
     heights = height_fields.from_image(image)
     if repeated:
         heights = height_fields.tileable(heights)
-    if map_size is None:
-        largest = min(512, profile.textures.max_texture_size)
-        rows, columns = (max(4, _power_of_two(edge, largest)) for edge in heights.shape)
-    elif map_size < 4 or map_size & (map_size - 1) or map_size > profile.textures.max_texture_size:
-        raise ValueError(
-            f"The map's size is {map_size}; give a power of two from 4 to "
-            f"{profile.textures.max_texture_size} "
-            f"({profile.name} allows no larger texture)."
-        )
-    else:
-        rows = columns = map_size
+    rows, columns = map_edges(heights.shape, profile, map_size)
     heights = height_fields.smooth(height_fields.resample(heights, columns, rows), periodic=repeated)
     slope_s, slope_t = height_fields.slopes(heights * parameters.relief, periodic=repeated)
     return material_textures.from_slopes(
@@ -334,7 +345,7 @@ def commands(
     *,
     background=BACKGROUND,
     map_size=None,
-    eye=(0.0, 1.0, 3.6),
+    eye=EYE,
     antialias=Antialiasing.NONE,
 ):
     """Everything from the height field's picture to the passes, by the way of the machine (``way_of``).
@@ -380,7 +391,7 @@ def commands(
 
 def _commands(
     way, image, surface, parameters, light, profile, width, height, *,
-    background=BACKGROUND, map_size=None, eye=(0.0, 1.0, 3.6), antialias=Antialiasing.NONE,
+    background=BACKGROUND, map_size=None, eye=EYE, antialias=Antialiasing.NONE,
 ):  # fmt: skip
     parameters = material(parameters) if isinstance(parameters, str) else parameters
     panel = Panel(0, 0, width, height)

@@ -13,7 +13,7 @@ import numpy as np
 
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.user_pictures import picture_files
-from fixedpipe.effects.user_pictures.reading import understood
+from fixedpipe.effects.user_pictures.reading import understood, without_missing
 
 # How files of meshes are named.
 MESH_KINDS = (".obj", ".ply")
@@ -66,6 +66,9 @@ def read_picture(name):
         raise Refusal(f"{name} cannot be read: {error.strerror}.") from error
     if picture.dtype.kind not in "biuf":
         raise Refusal(f"{name} holds values of type {picture.dtype}; give an array of numbers.")
+    if picture.dtype.kind == "f" and picture.ndim > 1:
+        picture, filled = without_missing(name, picture, np.isnan(picture), "NaN")
+        notes = (*notes, *filled)
     understood(name, picture, notes)
     return picture
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.user_pictures import arrays
-from fixedpipe.effects.user_pictures.reading import PIXELS, check_count, silent, whole
+from fixedpipe.effects.user_pictures.reading import PIXELS, check_count, silent, whole, without_missing
 
 ALLOWED = "Give a PNG, TIFF, JPEG or NPY file, a grid (.asc, .hgt, .pgm), or sample:gravel."
 # Modes of Pillow's whose components are not red, green, blue or grey.
@@ -35,7 +35,7 @@ def read(path):
     if ending == ".npy":
         return _array(path), ()
     if ending == ".hgt":
-        return _hgt(path), ()
+        return _hgt(path)
     with path.open("rb") as file:
         begin = file.read(16)
     for first, found in _READERS:
@@ -203,7 +203,8 @@ def _tiff(path):
         check_count(f"A tile of {path}", [tags.get(tag, 1) for tag in _TILE], "pixels", PIXELS)
         values, notes = _tiff_values(path, tags)
         if values.dtype.kind in "biuf":
-            refuse_missing(path, values, _number(tags.get(_NODATA)))
+            values, more = measured(path, values, _number(tags.get(_NODATA)))
+            notes = (*notes, *more)
         return values, notes
 
 
@@ -305,12 +306,12 @@ def _number(text):
 _ROUNDED = 2.0**-19
 
 
-def refuse_missing(path, values, nothing):
-    """Raises Refusal where some of the values are ``nothing``, which stands for what was not measured; None:
-    no number does.
+def measured(path, values, nothing):
+    """(values, notes) of ``without_missing``, where ``nothing`` stands for what was not measured; None: no
+    number does.
     """
     if nothing is None:
-        return
+        return values, ()
     if np.isnan(nothing):
         missing = np.isnan(values)
     elif values.dtype.kind == "f":
@@ -318,14 +319,11 @@ def refuse_missing(path, values, nothing):
         near = abs(nothing) * (_ROUNDED if values.dtype.itemsize <= 4 else 0.0)
         low, high = (min(max(end, -most), most) for end in (nothing - near, nothing + near))
         missing = (values >= low) & (values <= high)
+    elif nothing == int(nothing):
+        missing = values == int(nothing)
     else:
-        missing = values == int(nothing) if nothing == int(nothing) else np.zeros(1, bool)
-    count = int(missing.sum())
-    if count:
-        raise Refusal(
-            f"{path} has {count} values of {nothing:g}, which stand for what was not measured; fill them "
-            "before."
-        )
+        return values, ()
+    return without_missing(path, values, missing, f"{nothing:g}")
 
 
 # --------------------------------------------------------------------------------------- grids of heights
@@ -350,8 +348,7 @@ def _asc(path):
             values = text_values(file, np.float64, size[0] * size[1], path)
     values = values.reshape(size[1], size[0])
     # Source: Esri's format, where the default is -9999.
-    refuse_missing(path, values, said.get("nodata_value", -9999.0))
-    return values, ()
+    return measured(path, values, said.get("nodata_value", -9999.0))
 
 
 def text_values(file, dtype, count, name):
@@ -368,15 +365,14 @@ def text_values(file, dtype, count, name):
 
 
 def _hgt(path):
-    """Heights of the SRTM: whole metres, two bytes each, the larger first, the first row in the north."""
+    """(values, notes) of the SRTM's heights: whole metres, two bytes each, the larger first, north first."""
     size = path.stat().st_size
     edges = {2 * rows * columns: (rows, columns) for rows, columns in _HGT}
     if size not in edges:
         known = ", ".join(f"{rows} x {columns}" for rows, columns in _HGT)
         raise Refusal(f"{path} has {size} bytes, and .hgt files have {known} heights of two bytes. {ALLOWED}")
     values = np.fromfile(path, ">i2").reshape(edges[size])
-    refuse_missing(path, values, -32768.0)
-    return values.astype(np.int16)
+    return measured(path, values.astype(np.int16), -32768.0)
 
 
 # Rows and columns: three, one and half an arc second, and those with fewer columns from 50 degrees on.

@@ -21,6 +21,7 @@ VOXELS = 135_000_000
 SAMPLES = 17_000_000
 
 _own_limit: ContextVar[int | None] = ContextVar("own_limit", default=None)
+_fills: ContextVar[bool] = ContextVar("fills", default=False)
 _LOG = logging.getLogger("fixedpipe.reading")
 
 
@@ -32,6 +33,65 @@ def limit(count):
         yield
     finally:
         _own_limit.reset(before)
+
+
+@contextmanager
+def filling():
+    """What a picture's file has no value for is filled meanwhile (``without_missing``), not refused."""
+    before = _fills.set(True)
+    try:
+        yield
+    finally:
+        _fills.reset(before)
+
+
+def without_missing(name, values, missing, called):
+    """(values, notes): of a file, [rows, columns(, components)], with what is ``missing``, bool of their
+    shape, filled while ``filling``: by means of what is known in squares of 2, 4, 8 ... pixels, the smallest
+    that have any, interpolated between their middles. ``called``: what stands for a missing value, as text.
+
+    Raises Refusal where some are missing otherwise, or all are.
+    """
+    lacking = int(missing.sum())
+    if not lacking:
+        return values, ()
+    if not _fills.get():
+        raise Refusal(
+            f"{name} has {lacking} value{'s' * (lacking > 1)} of {called}, which stand for what was not "
+            "measured; fill them before, or give --fill."
+        )
+    if lacking == missing.size:
+        raise Refusal(f"{name} has no value but {called}, so there is none to fill with. Give another file.")
+    sums, counts = [np.where(missing, 0.0, values)], [(~missing).astype(np.float64)]
+    while not counts[-1].all():
+        sums.append(_by_squares(sums[-1]))
+        counts.append(_by_squares(counts[-1]))
+    means = sums.pop() / counts.pop()
+    while sums:
+        rows, columns = sums[-1].shape[:2]
+        wider = _between(_between(means, 0)[:rows], 1)[:, :columns]
+        total, known = sums.pop(), counts.pop()
+        means = np.divide(total, known, out=wider, where=known > 0.0)
+    found = means if values.dtype.kind == "f" else np.rint(means)
+    filled = np.where(missing, found, values).astype(values.dtype)
+    return filled, (f"{lacking} of {missing.size} values filled by the mean of those around",)
+
+
+def _by_squares(values):
+    """Sums over squares of two by two, [rows, columns, ...]; zero beyond the edges."""
+    rows, columns = values.shape[:2]
+    whole = np.zeros((rows + rows % 2, columns + columns % 2, *values.shape[2:]))
+    whole[:rows, :columns] = values
+    return (whole[::2, ::2] + whole[1::2, ::2]) + (whole[::2, 1::2] + whole[1::2, 1::2])
+
+
+def _between(means, axis):
+    """Twice as many along an axis, a quarter and three quarters of the way between neighbours; float64."""
+    means = np.moveaxis(means, axis, 0)
+    out = np.empty((2 * len(means), *means.shape[1:]))
+    out[::2] = 0.75 * means + 0.25 * np.concatenate([means[:1], means[:-1]])
+    out[1::2] = 0.75 * means + 0.25 * np.concatenate([means[1:], means[-1:]])
+    return np.moveaxis(out, 0, axis)
 
 
 def check_count(name, counts, what, usual):

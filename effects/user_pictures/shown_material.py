@@ -32,7 +32,7 @@ from fixedpipe.effects.reflectance.separable_factors import MOST_TERMS, Separabl
 from fixedpipe.effects.refusal import Refusal, nearest
 from fixedpipe.effects.scenes.teapot import teapot
 from fixedpipe.effects.user_pictures import factored_brdf, probes
-from fixedpipe.effects.user_pictures.bumped_mesh import fitted
+from fixedpipe.effects.user_pictures.bumped_mesh import EYE, fitted
 from fixedpipe.effects.user_pictures.drawing import Drawing
 from fixedpipe.effects.user_pictures.factored_brdf import Factored, Way
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
@@ -44,8 +44,7 @@ ROOM = "room"
 # distances of up to 64 lights.
 _LIGHT_TEXELS = 32
 MOST_LIGHTS = 64
-# Where the viewer is; the mesh reaches one from the origin.
-EYE, FIELD_OF_VIEW = (0.0, 1.0, 3.6), 36.0
+FIELD_OF_VIEW = 36.0
 
 
 # ---------------------------------------------------------------------------------------- what is given

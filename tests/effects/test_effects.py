@@ -742,7 +742,9 @@ def test_a_bumpy_mesh_fills_its_picture_and_is_lit_from_the_side_of_the_light(me
         pictures.append(result.framebuffer.color[..., :3].mean(axis=-1))
     left, right = pictures
     covered = (left > 0) | (right > 0)
-    assert covered.mean() > 0.25
+    # A mesh that reaches one, seen from 3.7 with half an angle of 18 degrees, takes 0.83 of one edge.
+    assert max(covered.any(axis=0).mean(), covered.any(axis=1).mean()) > 0.75
+    assert covered.mean() > (0.125 if mesh == "teapot" else 0.25)  # the teapot is twice as wide as high
     rows, columns = np.nonzero(covered)
     assert min(rows.min(), columns.min()) <= size // 8
     assert max(rows.max(), columns.max()) >= size - 1 - size // 8

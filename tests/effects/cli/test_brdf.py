@@ -112,7 +112,7 @@ def test_what_cannot_be_is_one_sentence_and_writes_nothing(heights, tmp_path, mo
     ("values", "said"),
     [
         (np.zeros((4, 4)), "at least two different heights"),
-        (np.array([[0.0, np.nan], [1.0, 0.0]]), "NaN or infinity"),
+        (np.array([[0.0, np.nan], [1.0, 0.0]]), "has 1 value of NaN"),
         (np.array([[1.0]]), "different heights"),
         (np.zeros((0, 4)), "empty"),
     ],

@@ -923,7 +923,7 @@ def test_an_obj_file_of_no_text_is_refused(photo, tmp_path):
         (("--light", "0,0,0"), "not all zero"),
         (("--light", "1,nan,2"), "give three numbers"),
         (("--light", "up"), "give three numbers"),
-        (("--mesh", "teapot"), "plane, sphere, torus"),
+        (("--mesh", "cone"), "plane, sphere, torus"),
         (("--mesh", "missing.obj"), "missing.obj cannot be read"),
         (("--material", "cheese"), "gold"),
         (("--alpha-x", "0.1"), "alpha_x is 0.1"),

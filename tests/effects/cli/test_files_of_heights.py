@@ -13,6 +13,7 @@ from PIL import Image, ImageOps
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.user_pictures import maps, picture_files
 from fixedpipe.effects.user_pictures.inputs import read_picture
+from fixedpipe.effects.user_pictures.reading import filling, without_missing
 from tests.effects.cli.test_cli import refusal_of, run
 from tests.support.user_files import of_png, tiff
 
@@ -191,8 +192,8 @@ def test_grids_that_are_none_or_have_gaps_are_refused(tmp_path):
     voids = np.full((1201, 1201), 100, ">i2")
     voids[7, 7:10] = -32768
     for name, data, words in (
-        ("gap.asc", asc(signed), "has 1 values of -9999"),
-        ("usual.asc", asc(signed, "ncols {c}\nnrows {r}\n"), "has 1 values of -9999"),
+        ("gap.asc", asc(signed), "has 1 value of -9999"),
+        ("usual.asc", asc(signed, "ncols {c}\nnrows {r}\n"), "has 1 value of -9999"),
         ("few.asc", asc(HEIGHTS)[:-9], "the 192 values that it names"),
         ("many.asc", asc(HEIGHTS) + b"1 2\n", "has more than the 192 values that it names"),
         ("words.asc", asc(HEIGHTS) + b"end\n", "values that are no numbers"),
@@ -267,3 +268,85 @@ def test_without_the_library_of_deep_pictures_its_extra_is_named(tmp_path, monke
 def test_orientations_come_from_one_table():
     for number, seen in SEEN.items():
         np.testing.assert_array_equal(picture_files.turned(HEIGHTS, number), seen(HEIGHTS))
+
+
+# ----------------------------------------------------------------------------------- heights that are missing
+
+
+def holed(dtype, nothing):
+    """A plane with a hole of 3 x 5 and one pixel, and the same whole."""
+    rows, columns = np.mgrid[:13, :18]
+    whole = (100 + 10 * rows + 4 * columns).astype(dtype)
+    missing = np.zeros(whole.shape, bool)
+    missing[4:7, 6:11] = missing[0, 17] = True
+    return np.where(missing, nothing, whole).astype(dtype), whole, missing
+
+
+@pytest.mark.parametrize("dtype", ["f4", "f8"])
+def test_missing_heights_are_refused_and_with_fill_take_what_is_around_them(tmp_path, dtype):
+    values, whole, missing = holed(dtype, np.nan)
+    path = tmp_path / "holed.npy"
+    np.save(path, values)
+    with pytest.raises(Refusal, match=r"has 16 values of NaN, .* fill them before, or give --fill\."):
+        read_picture(str(path))
+    with filling():
+        filled = read_picture(str(path))
+    assert filled.dtype == whole.dtype
+    np.testing.assert_array_equal(filled[~missing], whole[~missing])
+    # What fills the hole is between means of squares of 4 pixels, of which the next reaches 6 pixels away.
+    assert np.abs(filled - whole)[missing].max() <= 6 * (10 + 4)
+    with pytest.raises(Refusal):  # no longer
+        read_picture(str(path))
+
+
+def test_a_number_that_stands_for_what_is_missing_is_filled_too(tmp_path):
+    values, whole, missing = holed("i4", -9999)
+    path = tmp_path / "holed.asc"
+    lines = [
+        "ncols 18",
+        "nrows 13",
+        "nodata_value -9999",
+        *(" ".join(map(str, row)) for row in values.tolist()),
+    ]
+    path.write_text("\n".join(lines) + "\n")
+    with filling():
+        filled = read_picture(str(path))
+    np.testing.assert_array_equal(filled[~missing], whole[~missing])
+    assert ((filled > whole.min()) & (filled < whole.max()))[missing].all()
+
+
+def test_one_missing_height_is_the_mean_of_those_around_by_hand():
+    """Of a square of two by two, the three others; and a file of nothing has nothing to fill with."""
+    values = np.array([[3.0, 6.0], [np.nan, 9.0]])
+    with filling():
+        filled, notes = without_missing("a", values, np.isnan(values), "NaN")
+        assert filled.tolist() == [[3.0, 6.0], [6.0, 9.0]]
+        assert notes == ("1 of 4 values filled by the mean of those around",)
+        whole = np.array([[3, 4], [0, 9]], np.uint8)
+        assert without_missing("a", whole, whole == 0, "0")[0].tolist() == [[3, 4], [5, 9]]
+        with pytest.raises(Refusal, match="has no value but NaN, so there is none to fill with"):
+            without_missing("a", np.full((3, 4), np.nan), np.ones((3, 4), bool), "NaN")
+
+
+def test_bump_fills_and_says_so_and_what_map_the_heights_became(tmp_path):
+    path, out = tmp_path / "holed.npy", tmp_path / "out.png"
+    np.save(path, holed("f8", np.nan)[0])
+    drawing = ("bump", path, "--mesh", "plane", "--size", 16, "--out", out)
+    assert "or give --fill" in refusal_of(*drawing) and not out.exists()
+    done = run(*drawing, "--fill")
+    assert "16 of 234 values filled by the mean of those around" in done.stderr
+    assert "holed.npy: 18 x 13 heights, fitted to a map of 32 x 16 texels" in done.stdout
+    assert "fitted to a map of 8 x 8 texels" in run(*drawing, "--fill", "--map-size", 8).stdout
+
+
+def test_the_view_turns_the_camera_of_bump_and_material(tmp_path):
+    path, out = tmp_path / "heights.npy", tmp_path / "out.png"
+    np.save(path, holed("f8", 0.0)[1])
+    for command in (("bump", path), ("material", "ward")):
+        drawing = (*command, "--mesh", "teapot", "--size", 48, "--out", out)
+        pictures = []
+        for view in ((), ("--view", "0,1,3.6"), ("--view", "0,2,7.2"), ("--view", "1,1,-2")):
+            run(*drawing, *view)
+            pictures.append(out.read_bytes())
+        assert pictures[0] == pictures[1] == pictures[2] != pictures[3]
+        assert "The eye looks along y" in refusal_of(*drawing, "--view", "0,5,0")
