@@ -58,7 +58,7 @@ def without_missing(name, values, missing, called):
     if not _fills.get():
         raise Refusal(
             f"{name} has {lacking} value{'s' * (lacking > 1)} of {called}, which stand for what was not "
-            "measured; fill them before, or give --fill."
+            "measured; fill them before. bump, brdf, scatter and roughness do so with --fill."
         )
     if lacking == missing.size:
         raise Refusal(f"{name} has no value but {called}, so there is none to fill with. Give another file.")

@@ -287,7 +287,7 @@ def test_missing_heights_are_refused_and_with_fill_take_what_is_around_them(tmp_
     values, whole, missing = holed(dtype, np.nan)
     path = tmp_path / "holed.npy"
     np.save(path, values)
-    with pytest.raises(Refusal, match=r"has 16 values of NaN, .* fill them before, or give --fill\."):
+    with pytest.raises(Refusal, match=r"has 16 values of NaN, .* fill them before\. bump,"):
         read_picture(str(path))
     with filling():
         filled = read_picture(str(path))
@@ -332,7 +332,7 @@ def test_bump_fills_and_says_so_and_what_map_the_heights_became(tmp_path):
     path, out = tmp_path / "holed.npy", tmp_path / "out.png"
     np.save(path, holed("f8", np.nan)[0])
     drawing = ("bump", path, "--mesh", "plane", "--size", 16, "--out", out)
-    assert "or give --fill" in refusal_of(*drawing) and not out.exists()
+    assert "with --fill" in refusal_of(*drawing) and not out.exists()
     done = run(*drawing, "--fill")
     assert "16 of 234 values filled by the mean of those around" in done.stderr
     assert "holed.npy: 18 x 13 heights, fitted to a map of 32 x 16 texels" in done.stdout
