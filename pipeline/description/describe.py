@@ -4,6 +4,8 @@ The words are OpenGL's: tokens where OpenGL has one (TEXTURE_MIN_FILTER LINEAR),
 notation calls them. ``equations`` says how equations are written.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Iterable
 from dataclasses import replace

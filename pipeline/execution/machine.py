@@ -3,6 +3,8 @@
 Clears and Draws wait in a queue (``fixedpipe.pipeline.native.queue``) until something reads what they draw.
 """
 
+from __future__ import annotations
+
 import threading
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace

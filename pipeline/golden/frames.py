@@ -2,6 +2,8 @@
 first.
 """
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Iterable, Sequence
 from typing import Any

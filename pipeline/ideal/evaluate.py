@@ -4,6 +4,8 @@ What stays, what goes, and why: docs/decisions/0001-ideal-evaluator.md. Only cov
 fragments are those of the snapped vertices.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any

@@ -1,5 +1,7 @@
 """Where two frames part: the first command after which they differ, how much, which pixel, which stage."""
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

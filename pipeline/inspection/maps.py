@@ -1,5 +1,7 @@
 """Maps: what happened where in a frame, a number for each pixel and command."""
 
+from __future__ import annotations
+
 import itertools
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -4,6 +4,8 @@ The answer to "where should I scale?": a register that never leaves a quarter of
 and one that is clamped has none to spare.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field

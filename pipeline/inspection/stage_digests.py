@@ -1,5 +1,7 @@
 """What every stage of every command made, as digests: which stage of two versions first made another."""
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Iterable
 from typing import Any

@@ -12,6 +12,8 @@ refused; where it calls the result undefined (pixels read outside the framebuffe
 validation refuses.
 """
 
+from __future__ import annotations
+
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -125,8 +127,8 @@ def validate(
     height: int,
     depth_bits: int | None = None,
     textures: Mapping[str, Texture] | None = None,
-    surfaces: "Mapping[str, Framebuffer] | None" = None,
-    statistics: "PixelStatistics | None" = None,
+    surfaces: Mapping[str, Framebuffer] | None = None,
+    statistics: PixelStatistics | None = None,
     *,
     samples: int = 1,
     color_bits: int | None = None,
@@ -165,8 +167,8 @@ def begun(
     height: int,
     depth_bits: int | None,
     textures: Mapping[str, Texture] | None,
-    surfaces: "Mapping[str, Framebuffer] | None",
-    statistics: "PixelStatistics | None",
+    surfaces: Mapping[str, Framebuffer] | None,
+    statistics: PixelStatistics | None,
     read: Iterable[str],
     *,
     samples: int = 1,
@@ -249,7 +251,7 @@ class ValidFrame:
         self._begin = begin
         self._known = deque(walked(begin(()), self.waiting))
 
-    def issue(self, step: HostStep, pixels: "Mapping[str, NDArray[Any]]") -> None:
+    def issue(self, step: HostStep, pixels: Mapping[str, NDArray[Any]]) -> None:
         """Put what a HostStep, which was the leftmost, issues before what waits; all of it is right then.
 
         ``pixels``: what was read, by name. Raises UnsupportedState, and what the step's function raises.

@@ -6,6 +6,7 @@
 import ast
 import importlib
 import inspect
+import pydoc
 import subprocess
 import tomllib
 from pathlib import Path
@@ -118,3 +119,9 @@ def test_mypy_finds_the_folders_under_their_name(tmp_path):
     subprocess.run(["make", "--silent", ".cache/types/fixedpipe"], cwd=tmp_path, check=True)
     for folder in ("raster", "pipeline", "effects"):
         assert (tmp_path / ".cache/types/fixedpipe" / folder).resolve() == tmp_path.resolve() / folder
+
+
+def test_help_names_a_command_and_not_all_kinds_of_commands():
+    for function in (pipeline.execute, pipeline.execute_ideal, pipeline.validate, pipeline.describe):
+        first = pydoc.plain(pydoc.render_doc(function)).splitlines()[2]
+        assert "Iterable[Command]" in first and "Clear" not in first and len(first) < 500, first
