@@ -17,6 +17,7 @@ import warnings
 from pathlib import Path
 
 from tests.support import user_files
+from tests.support.memory import largest_memory
 
 BYTES, SECONDS = 1_500_000_000, 10
 # Bytes that headers are made of, and numbers at which sizes go wrong.
@@ -126,7 +127,7 @@ def main(arguments=None):
             print(f"{name}: ", end="", flush=True)
             whole = try_mutants(folder, name, given.count, given.first_seed)
             print(f"{given.count} mutants, {whole} read, the others refused", flush=True)
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    most = largest_memory()
     print(f"At most {most / 1e6:.0f} MB")
     return 0 if most < BYTES else 1
 

@@ -40,11 +40,12 @@ def _sample_path(name):
     return whole, array
 
 
-def read_picture(name):
+def read_picture(name, *, fills=True):
     """A photograph or an elevation array, top row first: [rows, columns] or [rows, columns, components].
 
     ``name``: a PNG, TIFF (its first page), JPEG, ASC, HGT or PGM file, a NumPy array (.npy), or ``sample:``
     and a name of ``SAMPLES``. It is turned as the file says; so much is read as ``reading.limit`` allows.
+    ``fills``: what stands for no value, as NaN, is filled while ``reading.filling``, and otherwise refused.
     Raises Refusal for anything that cannot be read whole.
     """
     notes = ()
@@ -66,7 +67,7 @@ def read_picture(name):
         raise Refusal(f"{name} cannot be read: {error.strerror}.") from error
     if picture.dtype.kind not in "biuf":
         raise Refusal(f"{name} holds values of type {picture.dtype}; give an array of numbers.")
-    if picture.dtype.kind == "f" and picture.ndim > 1:
+    if fills and picture.dtype.kind == "f" and picture.ndim > 1:
         picture, filled = without_missing(name, picture, np.isnan(picture), "NaN")
         notes = (*notes, *filled)
     understood(name, picture, notes)

@@ -176,7 +176,7 @@ def probe(name, layout=None):
         raise Refusal(f"{problem}. Give a Radiance, OpenEXR, PNG, TIFF, JPEG or NPY file.")
     kind = None if sample else _kind_of(path)
     if kind is None:
-        values, notes = read_picture(name), ()
+        values, notes = read_picture(name, fills=False), ()
     else:
         values, notes = _READERS[kind](path)
         understood(name, values, notes)

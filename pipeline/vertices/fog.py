@@ -59,7 +59,7 @@ def vertex_value(fog, coordinate):
     entered = to_lighting(coordinate)
     if fog.mode == FogMode.LINEAR:
         scaled = np.where(np.isfinite(entered), product(entered, multiplier, TRANSFORM_BITS), np.inf)
-        value = np.ceil((scaled + bias) * _LINEAR_STEPS) / _LINEAR_STEPS
+        value = (np.ceil((scaled + bias) * _LINEAR_STEPS) + ZERO) / _LINEAR_STEPS  # its zero is positive
     else:
         value = total((product(entered, multiplier, LIGHTING_BITS), bias), LIGHTING_BITS)
     return np.where(np.isnan(value), _LARGEST, np.fmax(np.fmin(value, _LARGEST), -_LARGEST))

@@ -135,7 +135,7 @@ RC, PS = "!!RC1.0\n{ rgb { spare0 = col0; } }\nout.rgb = spare0;\n", "ps.1.1\nte
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("figures", "--list", "K12"), "leave ID out"),
+        (("figures", "--list", "K12"), "leave ID|FILE.py out"),
         (("figures", "--list", "--check", "--json", "a.json"), "leave --check and --json out"),
         (("conformance", "--list", "folder"), "leave FOLDER out"),
         (("study", "--json", "a.json"), "--json would be ignored"),

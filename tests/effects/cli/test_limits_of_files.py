@@ -25,10 +25,11 @@ ZEROS = bytes(1 << 26)
 NRRD = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: %s\nencoding: %s\n\n"
 # Reads each file that is named, and prints what came of it and the most memory that the process had.
 READ = """
-import json, resource, sys
+import json, sys
 from pathlib import Path
 from fixedpipe.effects.user_pictures import factored_brdf, maps, probes, volume_files
 from fixedpipe.effects.refusal import Refusal
+from tests.support.memory import largest_memory
 
 def of_heights(name):
     return maps.height_field(name).fitted(64, 64, 0.1, repeated=True)
@@ -52,7 +53,7 @@ for pair in sys.argv[1:]:
         said[Path(name).name] = None
     except Refusal as refused:
         said[Path(name).name] = str(refused)
-print(json.dumps([said, 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss]))
+print(json.dumps([said, largest_memory()]))
 """
 
 

@@ -204,7 +204,7 @@ def test_it_says_how_it_was_drawn_and_how_well(tmp_path):
     result = run("material", "lambert", "--light", "0,0,1", "--light", "1,0,1", "--size", 48, "--out", out)
     assert result.exit_code == 0, result.output
     assert "lambert: " in result.stdout and "RMS error of the factors" in result.stdout
-    assert "register combiners, cube maps; 2 lights, exposure 1, " in result.stdout
+    assert "2 lights, exposure 1; register combiners, cube maps; 7 passes" in result.stdout
     assert np.asarray(Image.open(out)).shape[:2] == (48, 48)
     error = float(result.stdout.partition("factors ")[2].split()[0])
     assert error < 1e-3

@@ -2,7 +2,6 @@
 
 import random
 import re
-import resource
 import struct
 import warnings
 
@@ -16,6 +15,7 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.user_pictures.inputs import read_mesh
 from tests.effects.cli.test_damaged_files import check_sentence
 from tests.effects.cli.test_shadows import run, shadows
+from tests.support.memory import largest_memory
 
 pytest.importorskip("plyfile")
 
@@ -374,7 +374,7 @@ def mutant(data, chance):
 def try_mutants(tmp_path, name, count, seed):
     """How many of so many mutants were read; the others were refused."""
     chance, read_, path = random.Random(seed), 0, tmp_path / name
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    before = largest_memory()
     for number in range(count):
         data = mutant(chance.choice(SEEDS[name]), chance)
         path.write_bytes(data)
@@ -389,7 +389,7 @@ def try_mutants(tmp_path, name, count, seed):
         except Exception as error:
             error.add_note(f"mutant {number} of seed {seed}: {data!r}")
             raise
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1_500_000  # KiB
+    assert largest_memory() - before < 1_500_000_000
     return read_
 
 

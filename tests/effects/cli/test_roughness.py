@@ -92,6 +92,6 @@ def test_bad_heights_are_sentences(tmp_path, heights):
     hole, line = tmp_path / "hole.npy", tmp_path / "line.npy"
     np.save(hole, np.array([[0.0, np.nan], [1.0, 2.0]]))
     np.save(line, np.arange(8.0)[None])
-    assert "holds NaN" in refusal_of("roughness", hole, "--out", out)
+    assert "has 1 value of NaN" in refusal_of("roughness", hole, "--out", out)
     assert "two rows and two columns" in refusal_of("roughness", line, "--out", out)
     assert not out.exists()

@@ -69,7 +69,7 @@ def of_the_ideal(state, coordinates, texels):
         lambda i: np.array([coordinates[i]]),
         lambda i, unit, texture: np.array([texels[min(i, 1)]]) / 255,
         made,
-        lambda texel, unit: texel,
+        lambda texel, unit, internal_format: texel,
         None,
     )
     registers = [255 * register[0] for register in outcome.registers]

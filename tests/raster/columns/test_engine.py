@@ -255,7 +255,8 @@ def test_passes_at_other_widths_are_the_specification_s(seed):
     names = ("x", "y", "z", "inverse_w", "colors", "coordinates", "triangles")
     columns = SimpleNamespace(**{name: getattr(primitives, name).tolist() for name in names})
     stored = machine.textures["t"]
-    texture = SimpleNamespace(bits=stored.bits, levels=[level.tolist() for level in stored.levels])
+    levels = [level.tolist() for level in stored.levels]
+    texture = SimpleNamespace(internal_format=stored.internal_format, bits=stored.bits, levels=levels)
     target = render.Target(14, 10, 24)
     reference = wide_render.Widths(
         widths["combiner_bits"], widths["framebuffer_bits"], widths["filter_fraction_bits"]
