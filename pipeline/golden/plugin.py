@@ -111,17 +111,17 @@ class _Recorded(pytest.fail.Exception):
 
 
 def _as_a_sentence(error):
-    """Leave out what of the traceback lies in this package, and what raised the error there: its message says
-    what the test did wrong, or which file is damaged.
+    """Of an error that this package raised leave out what of the traceback lies here, and what it came from:
+    its message says what the test did wrong, or which file is damaged. Errors of others stay as they are.
     """
-    trace, last = error.__traceback__, None
+    ours, trace, last = False, error.__traceback__, None
     while trace is not None:
-        if not trace.tb_frame.f_code.co_filename.startswith(_PACKAGE):
-            last = trace
+        ours = trace.tb_frame.f_code.co_filename.startswith(_PACKAGE)
+        last = last if ours else trace
         trace = trace.tb_next
-    if last is not None:
+    if ours and last is not None:
         last.tb_next = None
-    error.__suppress_context__, error.__cause__ = True, None
+        error.__suppress_context__, error.__cause__ = True, None
 
 
 class _Run:

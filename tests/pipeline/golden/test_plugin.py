@@ -548,6 +548,15 @@ def test_what_a_test_does_wrong_is_said_beside_its_own_line_alone(project, call)
     assert len(said.splitlines()) < 25, said
 
 
+def test_an_error_of_the_test_s_own_keeps_what_it_came_from(project):
+    project.write(
+        "def test_a(golden):\n    golden(P)\n    try:\n        int('one')\n    except ValueError as error:\n"
+        "        raise ValueError('no scene') from error\n"
+    )
+    said = project()[1]
+    assert "no scene" in said and "invalid literal for int" in said and "direct cause" in said
+
+
 def test_accept_takes_all_patterns_and_what_pytest_chooses(project):
     def waiting():
         return len(project.candidates())
