@@ -1,8 +1,8 @@
-"""What a frame is made of. An effect returns a tuple of these; ``fixedpipe.pipeline.execution`` runs them in
-order.
+"""The commands that a frame is made of.
 
-Every command carries everything it needs and a ``label`` in the paper's words. Window coordinates are
-OpenGL's: origin lower left, y up. Images of textures and of ReadPixels have their bottom row first.
+An effect returns a tuple of commands, and ``fixedpipe.pipeline.execution`` runs them in order. Each command
+carries everything that it needs, and a ``label`` in the paper's words. Window coordinates are OpenGL's:
+origin lower left, y up. The images of textures and of ReadPixels have their bottom row first.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -57,7 +57,7 @@ ReadType = Literal[
 
 
 def _frozen(values, dtype, name):
-    """A read-only copy. Raises ValueError for what is no array of numbers."""
+    """A read-only copy. Raises ValueError for values that are no array of numbers."""
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -78,26 +78,24 @@ def _frozen_or_none(values, dtype, name):
 
 @dataclass(frozen=True, eq=False, init=False)
 class Mesh:
-    """Vertex arrays of one primitive type (sections 2.6 to 2.8), which ``validate`` checks.
+    """Vertex arrays of one primitive type (sections 2.6 to 2.8). ``validate`` checks them.
 
-    positions           float64 [n, 2..4], object coordinates; missing components are z = 0, w = 1
-    indices             int64 [k] into the vertices, or None: the vertices in order
-    counts              how many indices each strip, fan or polygon takes, or None: all of them are one
-    colors              float64 [n, 3..4], 1.0 = full intensity, or None: (1, 1, 1, 1)
-    secondary_colors    float64 [n, 3..4], or None: (0, 0, 0); without a fourth component alpha is 0
-    normals             float64 [n, 3], or None: (0, 0, 1)
-    texture_coordinates tuple of float64 [n, 1..4], one per coordinate set; missing components are
-                        t = 0, r = 0, q = 1; a set that is missing is (0, 0, 0, 1) everywhere
-    fog_coordinates     float64 [n], or None: 0
-    back_colors, back_secondary_colors  the same for faces seen from behind, where a vertex program wrote them
-                        (NV_vertex_program's o[BFC0], o[BFC1]) and the state takes them; None: (0, 0, 0, 1)
-    point_sizes         float64 [n], pixels, where a vertex program wrote them (o[PSIZ]) and the state takes
-                        them; None: 1
-    edge_flags          bool [n] (section 2.6.2): whether the edge that begins at a vertex is a boundary, for
-                        TRIANGLES, QUADS and POLYGON drawn as points or lines; None: all are
-    weights             float64 [n], of the first of two modelview matrices (EXT_vertex_weighting), or None: 1
+    positions           float64 [n, 2..4], object coordinates; missing components are z = 0, w = 1 indices
+    int64 [k] into the vertices; None: the vertices in order counts              the number of indices of each
+    strip, fan or polygon; None: all indices are one primitive colors              float64 [n, 3..4], 1.0 =
+    full intensity; None: (1, 1, 1, 1) secondary_colors    float64 [n, 3..4], a missing alpha is 0; None: (0,
+    0, 0) normals             float64 [n, 3]; None: (0, 0, 1) texture_coordinates tuple of float64 [n, 1..4],
+    one for each coordinate set; missing components are t = 0, r = 0, q = 1; a missing set is (0, 0, 0, 1) at
+    every vertex fog_coordinates     float64 [n]; None: 0 back_colors, back_secondary_colors the colours for
+    back faces that a vertex program wrote (NV_vertex_program's o[BFC0] and o[BFC1]), used where the state
+    takes them; None: (0, 0, 0, 1) point_sizes         float64 [n], pixels, that a vertex program wrote
+    (o[PSIZ]), used where the state takes them; None: 1 edge_flags          bool [n] (section 2.6.2): whether
+    the edge that begins at a vertex is a boundary edge of TRIANGLES, QUADS or POLYGON drawn as points or
+    lines; None: all are weights             float64 [n], the weight of the first of two modelview matrices
+    (EXT_vertex_weighting); None: 1
 
-    Arrays are copied and made read-only. Raises ValueError for what is no array of (whole) numbers.
+    Arrays are copied and made read-only. Raises ValueError for values that are no array of numbers, or of
+    whole numbers where an int64 or bool array is asked for.
     """
 
     positions: NDArray[np.float64]
@@ -159,9 +157,10 @@ class Mesh:
 
 @dataclass(frozen=True, kw_only=True)
 class Clear:
-    """Clear (section 4.2.3). None: that buffer is not cleared. ``depth`` in [0, 1], ``stencil`` 0..255.
+    """Clear (section 4.2.3). A value of None leaves that buffer as it is.
 
-    ``accumulation``: components in [-1, 1]; the color mask is not for it. ``draw_buffer``: whose color.
+    ``depth`` is in [0, 1], ``stencil`` in 0..255. ``accumulation`` has components in [-1, 1]; the color mask
+    does not apply to it. ``draw_buffer`` is the colour buffer that ``color`` clears.
     """
 
     label: str
@@ -186,10 +185,11 @@ class Draw:
 
 @dataclass(frozen=True, kw_only=True)
 class TexImage:
-    """TexImage1D/2D/3D (section 3.8.1): store ``image`` as the texture object ``texture``.
+    """TexImage1D/2D/3D (section 3.8.1): store an image as the texture object ``texture``.
 
-    Either ``image`` is given, a Texture as it is stored, or ``pixels``, an image that goes through
-    ``transfer`` and is then stored as ``internal_format``; with ``generate_mipmap`` every smaller level too.
+    Give either ``image``, a Texture in its stored form, or ``pixels``, an image in client memory. ``pixels``
+    pass through ``transfer`` and are stored as ``internal_format``. With ``generate_mipmap`` every smaller
+    level is made from them.
     """
 
     label: str
@@ -206,11 +206,10 @@ class TexImage:
 class CopyTexImage:
     """CopyTexImage1D/2D (section 3.8.2): define a texture from a framebuffer rectangle.
 
-    A 1D texture takes a rectangle of one row.
-
-    Level 0 is defined; with ``generate_mipmap`` (SGIS_generate_mipmap) every smaller level from it. Pixels go
-    through ``transfer``; where a convolution makes the rectangle smaller, the texture is so.
-    A cube map is defined by a TexImage and filled face by face with CopyTexSubImage.
+    The command defines level 0 and, with ``generate_mipmap`` (SGIS_generate_mipmap), every smaller level from
+    it. Pixels pass through ``transfer``. A convolution that reduces the rectangle reduces the texture. A 1D
+    texture takes a rectangle of one row. Define a cube map by a TexImage, and fill its faces with
+    CopyTexSubImage.
     """
 
     label: str
@@ -230,9 +229,9 @@ class CopyTexImage:
 class CopyTexSubImage:
     """CopyTexSubImage1D/2D (section 3.8.2): replace a rectangle of level ``level`` of an existing texture.
 
-    ``face``: 0..5 in the order +x, -x, +y, -y, +z, -z for a cube map, else 0. With ``generate_mipmap``
-    (SGIS_generate_mipmap; level 0 only) every smaller level is made again from level 0. Pixels go through
-    ``transfer``.
+    ``face`` is 0..5 in the order +x, -x, +y, -y, +z, -z for a cube map, and 0 for other textures. With
+    ``generate_mipmap`` (SGIS_generate_mipmap; level 0 only) every smaller level is made again from level 0.
+    Pixels pass through ``transfer``.
     """
 
     label: str
@@ -254,11 +253,13 @@ class CopyTexSubImage:
 class ReadPixels:
     """ReadPixels (section 4.3.2) into the result's ``pixels[name]``, bottom row first.
 
-    ``format``: RGBA, RGB, BGRA, BGR, RED, GREEN, BLUE, ALPHA, LUMINANCE (R + G + B, clamped), LUMINANCE_ALPHA
-    as uint8 [h, w(, c)]; DEPTH_COMPONENT as uint32 [h, w] in depth units; STENCIL_INDEX as uint8 [h, w].
-    ``type``: of colours, an integer type, FLOAT (float64, clamped to [0, 1]), or a packed type of RGB, or of
-    RGBA or BGRA (words [h, w]); the ideal reads real numbers whatever the type. Pixels go through
-    ``transfer``; a histogram's or minmax's sink leaves nothing to return.
+    - Colour formats are RGBA, RGB, BGRA, BGR, RED, GREEN, BLUE, ALPHA, LUMINANCE (R + G + B, clamped) and
+      LUMINANCE_ALPHA. They give uint8 [h, w(, c)].
+    - DEPTH_COMPONENT gives uint32 [h, w] in depth units; STENCIL_INDEX gives uint8 [h, w].
+    - ``type``, for colours: an integer type, FLOAT (float64, clamped to [0, 1]), or a packed type of RGB,
+      RGBA or BGRA (words [h, w]). The ideal gives real numbers for every type.
+
+    Pixels pass through ``transfer``. A histogram or minmax with a sink returns no pixels.
     """
 
     label: str
@@ -277,11 +278,15 @@ class ReadPixels:
 class GetTexImage:
     """GetTexImage (section 6.1.4) into the result's ``pixels[name]``: a level of a texture, bottom row first.
 
-    The groups are the stored components by table 6.1: luminance and intensity are red alone, with green and
-    blue zero; missing alpha, intensity's too, is one. ``face``: of a cube map, 0..5 as CopyTexSubImage's; of
-    a 3D texture all layers are read, [d, h, w(, c)]. ``format``, ``type``: as ReadPixels', without
-    STENCIL_INDEX; DEPTH_COMPONENT reads depth textures, and they nothing else. ``transfer``: the initial one,
-    but where the profile's ``transfers_texture_queries`` says that pixels go through it.
+    The groups are the stored components by table 6.1. Luminance and intensity are read as red, with green and
+    blue 0. A missing alpha is 1; an INTENSITY texture's alpha counts as missing. All layers of a 3D texture
+    are read, [d, h, w(, c)].
+
+    - ``face``: of a cube map, as in CopyTexSubImage.
+    - ``format``, ``type``: as in ReadPixels, without STENCIL_INDEX. A depth texture takes DEPTH_COMPONENT and
+      no other format; other textures do not take it.
+    - ``transfer``: must be the initial one, unless the profile's ``transfers_texture_queries`` says that
+      pixels pass through it.
     """
 
     label: str
@@ -296,14 +301,17 @@ class GetTexImage:
 
 @dataclass(frozen=True, kw_only=True)
 class HostStep:
-    """What the application's processor does between commands: it looks at what ReadPixels or GetTexImage
-    gave, and issues other commands in this one's place.
+    """The application's own work between commands: it looks at pixels that were read and issues other
+    commands.
 
-    ``reads``: names that these gave earlier in the same frame. ``commands``: a function that takes a
-    dictionary of these arrays, read-only, and returns a tuple of commands. A machine hands it integers, the
-    ideal float64, as ``execute_ideal`` reads them; for the same shapes both must draw the same rectangles and
-    meshes, so that a frame of the one can guide the other. Its commands are validated once they are there,
-    and what follows them again. Textures that they store stay, but commands that follow cannot name them.
+    - ``reads``: names that ReadPixels or GetTexImage gave earlier in the same frame.
+    - ``commands``: a function from a dictionary of these arrays, read-only, to a tuple of commands, which run
+      in this one's place. A machine passes integers; the ideal passes float64, as ``execute_ideal`` reads
+      them.
+
+    For arrays of the same shapes both must draw the same rectangles and meshes, so that a machine's frame can
+    guide the ideal. The returned commands are validated when they are there, and the later commands again.
+    Textures that they store remain, but later commands cannot name them.
     """
 
     label: str
@@ -313,11 +321,12 @@ class HostStep:
 
 @dataclass(frozen=True, kw_only=True)
 class Saturate:
-    """Says that what follows relies on colours in [0, 1], as a framebuffer of fixed-point numbers holds them.
+    """States that later commands rely on colours in [0, 1], as a framebuffer of fixed-point numbers holds
+    them.
 
-    On a machine nothing happens: blending clamps what it writes (section 4.1.6). Where blending does not, on
-    the exact machine or one without that clamp, the colours in the scissor box are clamped here. So an
-    algorithm that uses the clamp says where, and its ideal has it there and nowhere else.
+    On a machine whose blending clamps its results (section 4.1.6) nothing happens. On the exact machine, or
+    one without that clamp, the colours in the scissor box are clamped here. An algorithm that uses the clamp
+    thus says where it does, and its ideal clamps there and nowhere else.
     """
 
     label: str
@@ -329,12 +338,14 @@ class Saturate:
 class DrawPixels:
     """DrawPixels (section 3.6.4): each group of ``image`` becomes the fragments of a rectangle of pixels.
 
-    The group of column n and row m, from 0, makes those whose centres lie in the rectangle with the corners
-    ``(x + zx n, y + zy m)`` and ``(x + zx (n + 1), y + zy (m + 1))``, on its left and its lower side too,
-    where (x, y) is the raster position in window coordinates and (zx, zy) is ``zoom`` (PixelZoom), which may
-    be negative or a fraction. Colour groups give fragments their colour, DEPTH_COMPONENT their depth; all
-    else is the raster position's. They pass through texturing, fog and the tests of ``state``. STENCIL_INDEX
-    goes to the stencil buffer, through the scissor and StencilMask (``stencil_test.write_mask``) alone.
+    The group in column n and row m, counted from 0, covers the rectangle between ``(x + zx n, y + zy m)`` and
+    ``(x + zx (n + 1), y + zy (m + 1))``. It gives a fragment to each pixel whose centre lies inside, or on
+    the left or lower side. (x, y) is the raster position in window coordinates. (zx, zy) is ``zoom``
+    (PixelZoom); it may be negative or a fraction.
+
+    Colour groups are the fragments' colours, DEPTH_COMPONENT groups their depths. The raster position gives
+    all other values. The fragments pass through texturing, fog and the tests of ``state``. STENCIL_INDEX
+    groups go to the stencil buffer, through the scissor and StencilMask (``stencil_test.write_mask``) alone.
     """
 
     label: str
@@ -348,9 +359,9 @@ class DrawPixels:
 
 @dataclass(frozen=True, kw_only=True)
 class CopyPixels:
-    """CopyPixels (section 4.3.3): DrawPixels of what the framebuffer holds in a rectangle.
+    """CopyPixels (section 4.3.3): DrawPixels of a rectangle of the framebuffer.
 
-    All of it is read before any of it is drawn. ``read_buffer``: of COLOR.
+    The whole rectangle is read before any of it is drawn. ``read_buffer`` is the buffer that COLOR reads.
     """
 
     label: str
@@ -369,10 +380,10 @@ class CopyPixels:
 
 @dataclass(frozen=True, kw_only=True, eq=False, init=False)
 class Bitmap:
-    """Bitmap (section 3.7): fragments where ``bits`` is set, all with the raster position's data.
+    """Bitmap (section 3.7): fragments where ``bits`` is set, all with the raster position's values.
 
-    ``bits``: bool [h, w], bottom row first. The lower left pixel is the raster position minus ``origin``,
-    rounded down. The command moves nothing: give ``position.moved(...)`` to the next.
+    ``bits`` is bool [h, w], bottom row first. The lower left pixel is the raster position minus ``origin``,
+    rounded down. The command does not move the raster position: give ``position.moved(...)`` to the next one.
     """
 
     label: str
@@ -397,10 +408,11 @@ class Bitmap:
 
 @dataclass(frozen=True, kw_only=True)
 class Accum:
-    """Accum (section 4.2.4), of the pixels in the scissor box.
+    """Accum (section 4.2.4), for the pixels in the scissor box.
 
-    LOAD stores, ACCUM adds, the read buffer's colours times ``value``; MULT and ADD change what the
-    accumulation buffer holds by ``value``; RETURN writes it times ``value`` to the draw buffer.
+    LOAD stores the read buffer's colours times ``value``, and ACCUM adds them. MULT multiplies what the
+    accumulation buffer holds by ``value``, and ADD adds ``value`` to it. RETURN writes it times ``value`` to
+    the draw buffer.
     """
 
     label: str
@@ -414,16 +426,16 @@ class Accum:
 
 @dataclass(frozen=True, kw_only=True)
 class MakeCurrent:
-    """WGL_ARB_pbuffer: the commands that follow draw to and read from ``surface``; None: the window again.
+    """WGL_ARB_pbuffer: later commands draw to and read from ``surface``. None: the window.
 
-    The first MakeCurrent that names a pbuffer makes it: zero colour, the farthest depth, stencil zero. Later
-    ones say its size and formats again, and find what it holds. A frame begins with the window. ``samples``:
-    of each of its pixels (WGL_ARB_multisample).
+    A frame begins with the window. The first MakeCurrent that names a pbuffer creates it: colour 0, the
+    farthest depth, stencil 0. Later ones must give the same size and formats, and find the pbuffer's
+    contents. ``samples`` is the number of samples in each of its pixels (WGL_ARB_multisample).
 
-    ``shares_depth``: it has no depths and stencil values of its own, but those of the pbuffer ``depth_of``,
-    or where that is None the window's, as Direct3D's SetRenderTarget keeps a depth surface. Pixels that lie
-    as far from the left and from the top have them in common; the other is at least as large, and has as many
-    depth bits and samples.
+    With ``shares_depth`` the pbuffer uses the depths and stencil values of the pbuffer ``depth_of``, or of
+    the window where that is None, as Direct3D's SetRenderTarget keeps a depth surface. Two pixels share them
+    if they lie equally far from the left and from the top. The other surface must be at least as large, with
+    as many depth bits and samples.
     """
 
     label: str
@@ -439,12 +451,12 @@ class MakeCurrent:
 
 @dataclass(frozen=True, kw_only=True)
 class BindTexImage:
-    """WGL_ARB_render_texture: define ``texture`` as the colours that ``surface`` holds now; with a depth
-    format (WGL_NV_render_depth_texture) as its depths.
+    """WGL_ARB_render_texture: define ``texture`` as the colours that ``surface`` now holds.
 
-    The pbuffer's bits are read as ``internal_format``, which is as wide. ``origin`` LOWER_LEFT: the bottom
-    row has t = 0, as in OpenGL; UPPER_LEFT: the top row does, which is the first in the chip's memory. Of a
-    pbuffer with several samples a texture is as many times as wide: a pixel's samples lie side by side there.
+    With a depth format (WGL_NV_render_depth_texture) the texture holds the surface's depths. The pbuffer's
+    words are read as ``internal_format``, which has the same width. ``origin`` LOWER_LEFT puts t = 0 at the
+    bottom row, as OpenGL does; UPPER_LEFT puts it at the top row, the first in the chip's memory. A pbuffer
+    with n samples gives a texture n times as wide, in which a pixel's samples lie side by side.
     """
 
     label: str
@@ -465,7 +477,7 @@ class ResetHistogram:
 
 @dataclass(frozen=True, kw_only=True)
 class ResetMinmax:
-    """ResetMinmax (EXT_histogram): the machine's minmax ``name`` forgets what it saw."""
+    """ResetMinmax (EXT_histogram): the machine's minmax ``name`` becomes empty."""
 
     label: str
     name: str
@@ -494,7 +506,7 @@ COMMANDS = get_args(Command)
 
 
 def kind_of(command: DrawPixels | CopyPixels) -> PixelCopyType:
-    """What the groups of a DrawPixels or CopyPixels are, as a PixelCopyType."""
+    """What the groups of a DrawPixels or CopyPixels hold, as a PixelCopyType."""
     if isinstance(command, CopyPixels):
         return command.type
     formats = {DEPTH_FORMAT: PixelCopyType.DEPTH, STENCIL_FORMAT: PixelCopyType.STENCIL}
@@ -502,8 +514,11 @@ def kind_of(command: DrawPixels | CopyPixels) -> PixelCopyType:
 
 
 def box_read(command, width, height):
-    """(x, y, width, height) of what a ReadPixels, CopyPixels, CopyTexImage or CopyTexSubImage reads of a
-    framebuffer of ``width`` x ``height`` pixels; None: as far as it reaches.
+    """(x, y, width, height) of the rectangle that a command reads from a framebuffer of ``width`` x
+    ``height``.
+
+    The command is a ReadPixels, CopyPixels, CopyTexImage or CopyTexSubImage. A size of None reaches to the
+    edge.
     """
     across = width - command.x if command.width is None else command.width
     up = height - command.y if command.height is None else command.height

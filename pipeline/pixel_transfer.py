@@ -1,11 +1,13 @@
-"""Pixel transfer (OpenGL 1.2.1 section 3.6.3) as a value: what happens to pixel groups on their way between
-an image, the framebuffer and a texture, in the specification's words. Every default is the initial value.
+"""Pixel transfer (OpenGL 1.2.1 section 3.6.3) as a value.
 
-Nothing is current: each command that moves pixels carries a whole ``PixelTransfer``. The operations are
-applied in section 3.6.5's order, which is the order of the fields; ``fixedpipe.raster.pixels.transfer`` has
-the arithmetic and docs/numbers.md the rule. Tables and filters are given as they are once specified: clamping
-to [0, 1] (tables) and the bits of the internal format take place here, COLOR_TABLE_SCALE and _BIAS and
-CONVOLUTION_FILTER_SCALE and _BIAS are the caller's to multiply and add.
+Pixel transfer changes pixel groups on their way between an image, the framebuffer and a texture. There is no
+current state: each command that moves pixels carries a whole ``PixelTransfer``. Every default is the initial
+value. The operations apply in section 3.6.5's order, which is the order of the fields.
+``fixedpipe.raster.pixels.transfer`` has the arithmetic, and docs/numbers.md the rule.
+
+Give tables and filters in their specified form. Clamping to [0, 1] (tables) and rounding to the internal
+format's bits take place here. The caller applies COLOR_TABLE_SCALE, COLOR_TABLE_BIAS,
+CONVOLUTION_FILTER_SCALE and CONVOLUTION_FILTER_BIAS.
 
 Source: OpenGL 1.2.1 sections 3.6.3 and 3.6.5; SGI_color_table, SGI_color_matrix, EXT_convolution,
 EXT_histogram.
@@ -60,7 +62,9 @@ PackedName = Literal[
 
 
 def read_only_copy(values: ArrayLike, what: str) -> NDArray[Any]:
-    """An array of its own. Raises ValueError, about ``what``, for rows of different lengths."""
+    """A read-only copy as an array. Raises ValueError for rows of different lengths; ``what`` begins the
+    message.
+    """
     try:
         array = np.array(values, order="C")
     except ValueError as error:
@@ -71,15 +75,14 @@ def read_only_copy(values: ArrayLike, what: str) -> NDArray[Any]:
 
 @dataclass(frozen=True, eq=False, init=False)
 class PixelImage:
-    """An image in client memory, bottom row first: what DrawPixels and TexImage take (section 3.6.4).
+    """An image in client memory, bottom row first, for DrawPixels and TexImage (section 3.6.4).
 
-    values  [height, width, components], or [height, width] of a format with one component; a leading axis
-            holds a cube map's six faces or a volume's layers. uint8, uint16 and uint32 are fixed-point
-            fractions of their type's largest value, int8, int16 and int32 lie between -1 and 1 (table 2.6),
-            floats are taken as they are. Indices are integers.
-    format  one of ``ImageFormat``, a string
-    packed  one of ``PackedName``: the values are words of this type, [height, width], each a whole group of
-            RGB, or of RGBA or BGRA (table 3.8). None: the values are components
+    values  [height, width, components], or [height, width] for a format with one component. A leading axis
+    holds a cube map's six faces or a volume's layers. uint8, uint16 and uint32 are fixed-point fractions of
+    their type's largest value. int8, int16 and int32 lie between -1 and 1 (table 2.6). Floats are taken
+    unchanged. Indices are integers. format  one of ``ImageFormat``, a string packed  one of ``PackedName``:
+    the values are words of this type, [height, width], and each holds a whole group of RGB, RGBA or BGRA
+    (table 3.8). None: the values are components
 
     The array is copied and made read-only. Raises ValueError for rows of different lengths.
     """
@@ -96,10 +99,10 @@ class PixelImage:
 
 @dataclass(frozen=True, slots=True)
 class PixelMaps:
-    """The pixel maps (table 3.3), those that take an index with 2**n entries.
+    """The pixel maps (table 3.3). A map from an index has 2**n entries.
 
-    I_TO_I has no place: colour buffers hold RGBA, and a colour index becomes one on its way. Raises
-    ValueError for colours that are whole numbers but 0 and 1, as ColorTable does.
+    I_TO_I is missing, since colour buffers hold RGBA, and a colour index becomes RGBA on its way. Raises
+    ValueError for colours that are whole numbers other than 0 and 1, as ColorTable does.
     """
 
     i_to_r: tuple[float, ...] = (0.0,)
@@ -119,10 +122,10 @@ class PixelMaps:
 
 @dataclass(frozen=True, slots=True)
 class ConvolutionFilter:
-    """A one-dimensional filter, of one row, or a two-dimensional one (EXT_convolution).
+    """A one-dimensional filter, with one row, or a two-dimensional filter (EXT_convolution).
 
-    ``rows``: bottom row first, each of as many colours; not clamped. ``base_format`` says which of a pixel's
-    components are convolved, and with what (table 3.14). ``border_color``: of CONSTANT_BORDER.
+    ``rows``: bottom row first, all of the same length; not clamped. ``base_format``: which of a pixel's
+    components are convolved, and with what (table 3.14). ``border_color``: used by CONSTANT_BORDER.
     """
 
     rows: tuple[tuple[Color, ...], ...]
@@ -133,8 +136,9 @@ class ConvolutionFilter:
 
 @dataclass(frozen=True, slots=True)
 class SeparableFilter:
-    """A two-dimensional filter that is the product of ``row`` (left to right) and ``column`` (bottom to top);
-    the rest as ConvolutionFilter's.
+    """A two-dimensional filter: the product of ``row`` (left to right) and ``column`` (bottom to top).
+
+    The other fields are those of ConvolutionFilter.
     """
 
     row: tuple[Color, ...]
@@ -146,10 +150,10 @@ class SeparableFilter:
 
 @dataclass(frozen=True, slots=True)
 class Histogram:
-    """Counts pixel groups into the machine's histogram ``name``, of ``width`` (2**n) entries.
+    """Counts pixel groups in the machine's histogram ``name``, which has ``width`` (2**n) entries.
 
-    The first that names it makes it, and so does one with another width or base format; ResetHistogram
-    empties it. ``base_format``: not INTENSITY. ``sink``: the image ends here.
+    The first Histogram with a name creates it; another width or base format creates it anew. ResetHistogram
+    sets the counts to zero. ``base_format`` must not be INTENSITY. With ``sink`` the image goes no further.
     """
 
     name: str
@@ -160,8 +164,10 @@ class Histogram:
 
 @dataclass(frozen=True, slots=True)
 class Minmax:
-    """Keeps the least and the greatest components of all pixel groups as the machine's minmax ``name``;
-    otherwise as Histogram.
+    """Keeps the least and greatest components of all pixel groups as the machine's minmax ``name``.
+
+    The first Minmax with a name creates it; another base format creates it anew. ResetMinmax empties it. With
+    ``sink`` the image goes no further.
     """
 
     name: str
@@ -171,15 +177,16 @@ class Minmax:
 
 @dataclass(frozen=True, slots=True)
 class PixelTransfer:
-    """The pixel transfer operations, in their order.
+    """The pixel transfer operations, in their order. A table or filter of None is disabled.
 
-    ``scale``, ``bias``: of RGBA; ``depth_scale``, ``depth_bias``: of depths. ``index_shift``,
-    ``index_offset``: of stencil and colour indices. ``map_color``, ``map_stencil``: whether ``maps`` are used
-    (those from colour indices to RGBA always are). Tables and filters: None, disabled. ``convolution_1d``
-    applies to one-dimensional textures alone; ``convolution_2d``, and where it is disabled ``separable_2d``,
-    to DrawPixels, CopyPixels, ReadPixels and two-dimensional textures, cube map faces too, also where
-    GetTexImage returns them; the scale and bias after convolution where one took place. ``color_matrix``:
-    rows, applied to the column (R, G, B, A).
+    - ``scale``, ``bias``: for RGBA. ``depth_scale``, ``depth_bias``: for depths. ``index_shift``,
+      ``index_offset``: for stencil and colour indices.
+    - ``map_color``, ``map_stencil``: whether ``maps`` apply. Maps from colour indices to RGBA always do.
+    - ``convolution_1d``: for one-dimensional textures.
+    - ``convolution_2d`` and, where it is disabled, ``separable_2d``: for DrawPixels, CopyPixels, ReadPixels,
+      two-dimensional textures and cube map faces, also where GetTexImage reads these. The scale and bias
+      after convolution apply where one took place.
+    - ``color_matrix``: rows, applied to the column (R, G, B, A).
     """
 
     scale: Color = _ONES
@@ -210,7 +217,7 @@ INITIAL_TRANSFER = PixelTransfer()  # changes no pixel
 
 
 def convolution(transfer, dimensions):
-    """The filter that applies to an image of so many dimensions, or None."""
+    """The filter that applies to an image of ``dimensions`` dimensions, or None."""
     if dimensions == 1:
         return transfer.convolution_1d
     if dimensions == 2:
@@ -219,14 +226,14 @@ def convolution(transfer, dimensions):
 
 
 def filter_size(kernel):
-    """Width and height of a ConvolutionFilter or SeparableFilter, pixels."""
+    """Width and height of a ConvolutionFilter or SeparableFilter, in pixels."""
     if hasattr(kernel, "row"):
         return len(kernel.row), len(kernel.column)
     return len(kernel.rows[0]) if kernel.rows else 0, len(kernel.rows)
 
 
 def transferred_size(width, height, transfer, dimensions=2):
-    """Width and height that an image has after pixel transfer: smaller by a convolution that reduces it."""
+    """Width and height of an image after pixel transfer. A REDUCE convolution makes it smaller."""
     kernel = convolution(transfer, dimensions)
     if kernel is None or kernel.border_mode is not ConvolutionBorderMode.REDUCE:
         return width, height
@@ -235,7 +242,7 @@ def transferred_size(width, height, transfer, dimensions=2):
 
 
 def has_color_matrix(transfer):
-    """Whether the colour matrix, or the scale or bias after it, is not the initial one."""
+    """Whether the colour matrix, or the scale or bias after it, differs from the initial one."""
     return any(
         getattr(transfer, name) != getattr(INITIAL_TRANSFER, name)
         for name in ("color_matrix", "post_color_matrix_scale", "post_color_matrix_bias")
@@ -243,10 +250,10 @@ def has_color_matrix(transfer):
 
 
 def has_sink(transfer):
-    """Whether the image ends in a histogram or minmax."""
+    """Whether a histogram or minmax is the image's end."""
     return any(table is not None and table.sink for table in (transfer.histogram, transfer.minmax))
 
 
 def changes_nothing(transfer):
-    """Whether the state is the initial one, which changes no pixel and counts none."""
+    """Whether the state is the initial one: it changes no pixel and counts none."""
     return transfer is INITIAL_TRANSFER or transfer == INITIAL_TRANSFER

@@ -1,9 +1,10 @@
 """Pass state: frozen dataclasses in the words of the OpenGL 1.2.1 specification, grouped by its sections.
 
-Nothing is "current": a Draw carries a whole ``PassState``. Every default is the OpenGL initial value. Change
-a state with ``dataclasses.replace``; equal states compare equal. What a machine cannot hold is refused by
-``fixedpipe.pipeline.validation``, not here; what no machine could mean (three outputs to one register) is
-refused there too.
+There is no current state. Each Draw carries a whole ``PassState``. Every default is the OpenGL initial value.
+Change a state with ``dataclasses.replace``. Equal states compare equal.
+
+These classes check almost nothing. ``fixedpipe.pipeline.validation`` refuses what a machine cannot hold and
+what no machine could mean, for instance three outputs to one register.
 
 Colours are RGBA tuples of floats; 1.0 is full intensity. Matrices are 4x4 tuples of rows, applied to column
 vectors (``clip = projection @ modelview @ object``).
@@ -72,7 +73,10 @@ IDENTITY: Matrix = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 
 
 @dataclass(frozen=True, slots=True)
 class Viewport:
-    """Section 2.10.1. Width and height None: the whole framebuffer."""
+    """The viewport transformation (section 2.10.1).
+
+    A width and height of None mean the whole framebuffer.
+    """
 
     x: int = 0
     y: int = 0
@@ -86,8 +90,8 @@ class Viewport:
 class TexGen:
     """Texture coordinate generation for one coordinate (section 2.10.4).
 
-    ``plane`` is the object plane, or the eye plane already in eye coordinates (OpenGL transforms it by the
-    inverse modelview matrix when it is specified; here the caller does).
+    ``plane`` is the object plane, or the eye plane in eye coordinates. OpenGL transforms an eye plane by the
+    inverse modelview matrix when it is specified; here the caller does that.
     """
 
     mode: TexGenMode = TexGenMode.NONE
@@ -96,9 +100,11 @@ class TexGen:
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """Table 2.8. ``specular_coefficients``: on a lighting unit, (a, b, c) of two rational functions
-    (x + a)/(b x + c) that stand for x to the power ``shininess``, of the half vector's cosine where it is
-    given and of the cosine's square elsewhere; None: the powers themselves.
+    """The material of one face (table 2.8).
+
+    ``specular_coefficients``, for a lighting unit alone: (a, b, c) of two rational functions (x + a)/(b x +
+    c). They replace x to the power ``shininess``. The first takes the cosine to a given half vector, the
+    second the cosine's square for every other light. None: the powers themselves.
     """
 
     ambient: Color = (0.2, 0.2, 0.2, 1.0)
@@ -111,8 +117,10 @@ class Material:
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """A lighting unit's spotlight: x = axis . (unit vector to the light, 1), at most 1, lights with
-    (x + a)/(b x + c), where x + a is positive and x is not negative. ``coefficients``: a, b, c.
+    """A lighting unit's spotlight.
+
+    x = ``axis`` . (unit vector to the light, 1), at most 1. The light is multiplied by (x + a)/(b x + c)
+    where x + a is positive and x is not negative, and by 0 elsewhere. ``coefficients`` are a, b and c.
     """
 
     axis: Vector4
@@ -121,12 +129,18 @@ class Spot:
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """Table 2.8; position and spot direction in eye coordinates. position[3] == 0: directional.
+    """One light (table 2.8). Position and spot direction are in eye coordinates.
 
-    For a lighting unit alone: ``range``: the light does not reach farther; ``half_vector``: of a directional
-    light, which then takes the position's x, y, z and this vector as they are, however long; ``spot``: a
-    cone, instead of spot direction, exponent and cutoff, of which None: a driver computes one (N2.26);
-    ``back_*``: the light's colours for back faces, None: the same.
+    A light whose ``position[3]`` is 0 is directional.
+
+    These fields are for a lighting unit alone:
+
+    - ``range``: the greatest distance that the light reaches.
+    - ``half_vector``: a directional light's half vector. The unit then uses it, and the position's x, y and
+      z, without normalizing them.
+    - ``spot``: replaces spot direction, exponent and cutoff. None: the driver computes it from them (N2.26).
+    - ``back_ambient``, ``back_diffuse``, ``back_specular``: the colours for back faces. None: those for front
+      faces.
     """
 
     ambient: Color = (0.0, 0.0, 0.0, 1.0)
@@ -149,7 +163,7 @@ class Light:
 
 @dataclass(frozen=True, slots=True)
 class ColorMaterial:
-    """Section 2.13.3: which material parameters follow the vertex colour, on which face."""
+    """Section 2.13.3: the material parameters that follow the vertex colour, and on which face."""
 
     face: Face = Face.FRONT_AND_BACK
     parameter: ColorMaterialParameter = ColorMaterialParameter.AMBIENT_AND_DIFFUSE
@@ -159,8 +173,8 @@ class ColorMaterial:
 class ColorSources:
     """A lighting unit's colour material: where each colour of a face's material comes from.
 
-    An emission that comes from the vertices is multiplied by the material's, unless the ambient colour does
-    too.
+    An emission from the vertices is multiplied by the material's emission, unless the ambient colour comes
+    from the vertices too.
     """
 
     emission: ColorSource = ColorSource.MATERIAL
@@ -171,11 +185,13 @@ class ColorSources:
 
 @dataclass(frozen=True, slots=True)
 class Lighting:
-    """Section 2.13.1. ``lights`` holds the enabled lights only. None in PassState: lighting disabled.
+    """Section 2.13.1. ``lights`` holds the enabled lights only. None in PassState: lighting is disabled.
 
-    For a lighting unit alone: ``front_sources``, ``back_sources``: instead of ``color_material``;
-    ``back_model_ambient``: for back faces, None: the same; ``viewer_direction``: towards a viewer that is not
-    local.
+    These fields are for a lighting unit alone:
+
+    - ``front_sources``, ``back_sources``: replace ``color_material``.
+    - ``back_model_ambient``: the model's ambient colour for back faces. None: that for front faces.
+    - ``viewer_direction``: the direction to a viewer that is not local.
     """
 
     lights: tuple[Light, ...] = ()
@@ -196,8 +212,8 @@ class Lighting:
 class Composite:
     """The NV2A's own transformation (SET_COMPOSITE_MATRIX, SET_VIEWPORT_OFFSET).
 
-    ``matrix``: object coordinates to device pixels (y down) and depth units, each times w. ``offset``: added
-    to device x, y and depth after the division.
+    ``matrix`` takes object coordinates to device pixels (y down) and depth units, each times w. ``offset`` is
+    added to device x, y and depth after the division by w.
     """
 
     matrix: Matrix = IDENTITY
@@ -208,21 +224,21 @@ class Composite:
 class VertexState:
     """Transformation, lighting and clipping (sections 2.10 to 2.13).
 
-    ``clip_planes``: the enabled user planes, in eye coordinates. ``normalize``: NORMALIZE enabled;
-    ``rescale_normal``: RESCALE_NORMAL enabled.
-
-    ``composite``: takes the place of ``projection`` and ``viewport``; the modelview matrix still gives eye
-    coordinates. ``modelview1`` (MODELVIEW1_EXT): VERTEX_WEIGHTING_EXT is enabled, and eye coordinates and
-    normals are a mesh's by ``modelview`` times its weight plus those by ``modelview1`` times 1 - weight; the
-    last rows of both are the same, and the composite matrix is then of eye coordinates. None: disabled.
-
-    ``stage`` PROGRAM_RESULTS: the mesh holds what a vertex program wrote (NV_vertex_program's o[HPOS] after
-    the viewport, o[COL0], o[TEX0] ...): positions are window x and y (y up), z in depth-buffer units and clip
-    w; colours, texture and fog coordinates reach rasterization as they are. No matrix, viewport, lighting,
-    clipping or texture coordinate generation takes part; the other fields must keep their defaults, but for
-    ``two_side`` (VERTEX_PROGRAM_TWO_SIDE): back-facing triangles take the mesh's back colours.
-
-    ``secondary_color``: on a machine with a lighting unit, of both stages.
+    - ``clip_planes``: the enabled user planes, in eye coordinates.
+    - ``normalize``, ``rescale_normal``: NORMALIZE and RESCALE_NORMAL.
+    - ``composite``: replaces ``projection`` and ``viewport``. The modelview matrix still gives eye
+      coordinates.
+    - ``modelview1`` (MODELVIEW1_EXT): the second matrix of vertex weighting; None disables
+      VERTEX_WEIGHTING_EXT. A vertex of weight w has the eye coordinates and the normal w times those by
+      ``modelview`` plus 1 - w times those by ``modelview1``. Both matrices must have the same last row. A
+      composite matrix then takes eye coordinates.
+    - ``stage``: PROGRAM_RESULTS means that the mesh holds what a vertex program wrote (NV_vertex_program's
+      o[HPOS] after the viewport, o[COL0], o[TEX0] ...). Positions are window x and y (y up), z in
+      depth-buffer units and clip w. Colours, texture and fog coordinates reach rasterization unchanged. The
+      other fields must keep their defaults, except ``two_side`` and ``secondary_color``.
+    - ``two_side`` (VERTEX_PROGRAM_TWO_SIDE): back-facing triangles take the mesh's back colours.
+    - ``secondary_color``: where the secondary colour comes from. A machine with a lighting unit uses it in
+      both stages.
     """
 
     modelview: Matrix = IDENTITY
@@ -240,12 +256,12 @@ class VertexState:
 
     @property
     def modelviews(self) -> tuple[Matrix, ...]:
-        """One modelview matrix, or both of vertex weighting."""
+        """The modelview matrix, or the two of vertex weighting."""
         return (self.modelview,) if self.modelview1 is None else (self.modelview, self.modelview1)
 
     @property
     def depth_units(self) -> bool:
-        """Whether window z is in depth-buffer units, not in [0, 1]."""
+        """Whether window z is in depth-buffer units instead of [0, 1]."""
         return self.stage == VertexStage.PROGRAM_RESULTS or self.composite is not None
 
 
@@ -256,10 +272,12 @@ class VertexState:
 class PointParameters:
     """Point sizes that shrink with distance: ``(1 / sqrt(a + b d + c d^2) + bias) * range + minimum``.
 
-    d is the vertex's distance from the eye, (a, b, c) the ``attenuation``; the term in parentheses is clamped
-    to [0, 1]. This is how the NV2A is programmed (SET_POINT_PARAMS); EXT_point_parameters' sizes from m to M
-    of a point of size s are range M - m, minimum m, bias -m / (M - m), and its attenuation times
-    ((M - m) / s)^2. ``PointState.size`` then takes no part.
+    d is the vertex's distance from the eye and (a, b, c) is ``attenuation``. The term in parentheses is
+    clamped to [0, 1]. ``PointState.size`` has no effect. The NV2A is programmed in this form
+    (SET_POINT_PARAMS).
+
+    EXT_point_parameters' sizes from m to M, for a point of size s, are: range M - m, minimum m,
+    bias -m / (M - m), and the extension's attenuation times ((M - m) / s)^2.
     """
 
     attenuation: tuple[float, float, float] = (1.0, 0.0, 0.0)
@@ -272,9 +290,10 @@ class PointParameters:
 class PointState:
     """Section 3.3, EXT_point_parameters, NV_point_sprite.
 
-    ``sprite`` (POINT_SPRITE_NV): units with ``coord_replace`` take coordinates that run over the point.
-    ``parameters`` None: every point has ``size``. ``program_size`` (VERTEX_PROGRAM_POINT_SIZE_NV): sizes come
-    from the mesh, where a vertex program wrote them.
+    - ``sprite`` (POINT_SPRITE_NV): units with ``coord_replace`` get coordinates that run over the point.
+    - ``parameters``: None gives every point ``size``.
+    - ``program_size`` (VERTEX_PROGRAM_POINT_SIZE_NV): sizes come from the mesh, where a vertex program wrote
+      them.
     """
 
     size: float = 1.0
@@ -285,10 +304,11 @@ class PointState:
 
 @dataclass(frozen=True, slots=True)
 class LineState:
-    """Section 3.4. ``smooth``: LINE_SMOOTH (section 3.4.4), of lines that are rectangles.
+    """Section 3.4.
 
-    ``stipple`` (section 3.4.2): (factor, pattern), 1 to 256 and 16 bits, the first in the lowest; None:
-    disabled.
+    - ``stipple`` (section 3.4.2): (factor, pattern). The factor is 1 to 256. The pattern has 16 bits, used
+      from the lowest. None: disabled.
+    - ``smooth``: LINE_SMOOTH (section 3.4.4), for lines rasterized as rectangles.
     """
 
     width: float = 1.0
@@ -299,12 +319,13 @@ class LineState:
 
 @dataclass(frozen=True, slots=True)
 class PolygonState:
-    """Section 3.5: culling, facing, polygon mode, stipple and depth offset, and section 2.13.7's shade model.
+    """Section 3.5 (culling, facing, polygon mode, stipple, depth offset) and section 2.13.7 (shade model).
 
-    ``stipple``: what PolygonStipple takes, 32 rows of 4 bytes, bottom row first, the leftmost pixel in the
-    highest bit of a row's first byte, repeated over the window; None: disabled. It takes no part where
-    polygons are drawn as points or lines. ``smooth``: POLYGON_SMOOTH (section 3.5.2): alpha times the share
-    of a pixel that a triangle covers.
+    - ``stipple``: PolygonStipple's 32 rows of 4 bytes, bottom row first; the highest bit of a row's first
+      byte is the leftmost pixel. It repeats over the window. None: disabled. Polygons drawn as points or
+      lines ignore it.
+    - ``smooth``: POLYGON_SMOOTH (section 3.5.2) multiplies alpha by the share of the pixel that a triangle
+      covers.
     """
 
     cull_face: Face | None = None
@@ -324,8 +345,9 @@ class PolygonState:
 
 @dataclass(frozen=True, slots=True)
 class SignedComponents:
-    """Which components of a texture's texels are two's complement bytes, s/127 (NV_texture_shader's signed
-    formats, which the NV2A lets any texture be). A format that has signs of its own needs none of these.
+    """The components of a texture's texels that are two's complement bytes, s/127.
+
+    NV_texture_shader has such formats; the NV2A reads any texture so. A signed format needs none of these.
     """
 
     red: bool = False
@@ -335,8 +357,9 @@ class SignedComponents:
 
 
 def refuse_whole_numbers(what: str, numbers: Iterable[float]) -> None:
-    """Raise ValueError, about ``what``, where a tuple of colours' components has a whole number that is
-    neither 0 nor 1; what is no tuple, validation refuses.
+    """Raise ValueError where a tuple of colour components holds a whole number other than 0 and 1.
+
+    ``what`` begins the message. Values that are not tuples are left to validation.
     """
     for number in numbers if isinstance(numbers, tuple) else ():
         if type(number) is not float and isinstance(number, Integral) and number not in (0, 1):
@@ -350,11 +373,14 @@ def refuse_whole_numbers(what: str, numbers: Iterable[float]) -> None:
 class ColorTable:
     """A colour lookup table (section 3.6.3, SGI_color_table, SGI_texture_color_table).
 
-    ``entries``: 2**n colours; ``base_format`` says which of a colour's components the table replaces, and
-    with what (table 3.14): an INTENSITY table's entries replace all four by their first, for instance.
-    ``bits``: of each entry's components, rounded to nearest; None: as they are.
+    - ``entries``: 2**n colours.
+    - ``base_format``: which components the table replaces, and with what (table 3.14). An INTENSITY table,
+      for instance, replaces all four by an entry's first.
+    - ``bits``: each entry's components are rounded to this many bits, to nearest. None: they stay as they
+      are.
 
-    Raises ValueError for whole numbers but 0 and 1: they are bytes, or words, whose one is another.
+    Raises ValueError for whole numbers other than 0 and 1: they are bytes or words, where 1.0 is 255 or
+    65535.
     """
 
     entries: tuple[Color, ...]
@@ -370,17 +396,18 @@ class ColorTable:
 class Sampler:
     """Texture parameters (table 3.17): how a texture image is sampled.
 
-    ``compare_mode``, ``compare_function`` (ARB_shadow, EXT_shadow_funcs): of a depth texture; every texel
-    read becomes one where "reference function texel" holds and zero elsewhere, and these are filtered. NONE:
-    its depths are read as colours, and ``border_color``'s red is one; by register combiners as alpha alone.
-    ``max_anisotropy``: EXT_texture_filter_anisotropic's.
-    ``compare_fail_value`` (SGIX_shadow_ambient, ARB_shadow_ambient): what takes the place of zero.
-    ``max_probes``: of footprint assembly, a power of two; 1: none. ``exact_probes``: a footprint takes as
-    many as cover it, up to any ``max_probes``, and not a power of two.
-    ``depth_texture_mode`` (ARB_depth_texture): whether a depth texture is LUMINANCE, INTENSITY or ALPHA;
-    None: the machine's usual one.
-    ``base_level`` (TEXTURE_BASE_LEVEL, SGIS_texture_lod): the level that is sampled as if it were level 0.
-    ``min_lod`` and ``max_lod`` count from it, ``max_level`` counts from level 0.
+    - ``compare_mode``, ``compare_function`` (ARB_shadow, EXT_shadow_funcs): each depth texel becomes 1 where
+      "reference function texel" holds and 0 elsewhere, before filtering. With NONE the depths are read as
+      colours with ``border_color``'s red as the border; register combiners read them as alpha alone.
+    - ``compare_fail_value`` (SGIX_shadow_ambient, ARB_shadow_ambient): replaces that 0.
+    - ``depth_texture_mode`` (ARB_depth_texture): a depth texture is LUMINANCE, INTENSITY or ALPHA. None: the
+      machine's default.
+    - ``max_anisotropy``: EXT_texture_filter_anisotropic.
+    - ``max_probes``: the most probes of footprint assembly, a power of two; 1 disables it. With
+      ``exact_probes`` a footprint takes as many probes as cover it, up to ``max_probes``, and neither is a
+      power of two.
+    - ``base_level`` (TEXTURE_BASE_LEVEL, SGIS_texture_lod): the level that is sampled as level 0. ``min_lod``
+      and ``max_lod`` count from it; ``max_level`` counts from level 0.
     """
 
     min_filter: TextureFilter = TextureFilter.NEAREST_MIPMAP_LINEAR
@@ -413,8 +440,9 @@ class Sampler:
 class Combine:
     """One half, RGB or alpha, of a COMBINE or COMBINE4 environment (ARB_texture_env_combine, table 3.20).
 
-    ``sources``, ``operands``: as many as ``function`` takes, or more: 1 for REPLACE, 3 for INTERPOLATE, 2 for
-    the others; 4 with COMBINE4. ``scale``: RGB_SCALE or ALPHA_SCALE, 1, 2 or 4.
+    ``sources`` and ``operands`` have at least as many members as ``function`` takes: 1 for REPLACE, 3 for
+    INTERPOLATE, 2 for the others, and always 4 with COMBINE4. ``scale`` is RGB_SCALE or ALPHA_SCALE: 1, 2 or
+    4.
     """
 
     function: CombineFunction = CombineFunction.MODULATE
@@ -435,8 +463,8 @@ class Combine:
 class TextureEnvironment:
     """How a texture unit combines its texel with the colour that reaches it (section 3.8.9).
 
-    ``color``: TEXTURE_ENV_COLOR. ``rgb``, ``alpha``: of COMBINE and COMBINE4 alone. Register combiners take
-    the place of every unit's environment.
+    ``color`` is TEXTURE_ENV_COLOR. Only COMBINE and COMBINE4 use ``rgb`` and ``alpha``. Register combiners
+    replace the environments of all units.
     """
 
     mode: TextureEnvironmentMode = TextureEnvironmentMode.MODULATE
@@ -446,7 +474,7 @@ class TextureEnvironment:
 
 
 def _combine(words: Sequence[str], alpha: bool, scale: float) -> Combine:
-    """A half of an environment, of its function's name and its arguments."""
+    """A half of an environment from its function's name and its arguments' names."""
     function, *arguments = words
     if function not in CombineFunction.__members__:
         raise ValueError(
@@ -480,18 +508,19 @@ def environment(
     rgb_scale: float = 1.0,
     alpha_scale: float = 1.0,
 ) -> TextureEnvironment:
-    """A COMBINE environment in words: each half is its function and its arguments, by OpenGL's names.
+    """A COMBINE environment in words: each half names its function and its arguments, by OpenGL's names.
 
     An argument is a source ("TEXTURE", "CONSTANT", "PRIMARY_COLOR", "PREVIOUS", "TEXTURE0" ..., "ZERO"), its
-    alpha ("TEXTURE.a"), or one minus it ("1 - TEXTURE", "1 - TEXTURE.a"); "1" is one minus ZERO. In the alpha
-    half every source is its alpha. Halves of four arguments make a COMBINE4 environment; then both have four.
+    alpha ("TEXTURE.a"), or one minus either ("1 - TEXTURE", "1 - TEXTURE.a"). "1" is one minus ZERO. In the
+    alpha half every source means its alpha. If one half has four arguments, both must, and the environment is
+    COMBINE4.
 
     >>> faded = environment(("INTERPOLATE", "TEXTURE", "PREVIOUS", "CONSTANT.a"), color=(0, 0, 0, 0.25))
     >>> faded.rgb.operands
     (<CombineOperand.SRC_COLOR: 0>, <CombineOperand.SRC_COLOR: 0>, <CombineOperand.SRC_ALPHA: 2>)
 
-    Raises ValueError for names that are not OpenGL's, for what is no sequence of names, and for halves of
-    which one alone has four arguments.
+    Raises ValueError for a name that is not OpenGL's, for a half that is no sequence of names, and where only
+    one half has four arguments.
     """
     for name, half in (("rgb", rgb), ("alpha", alpha)):
         words = (
@@ -518,10 +547,10 @@ def environment(
 
 @dataclass(frozen=True, slots=True)
 class ColorKey:
-    """A color key: texels that equal ``color``, stored as the texture's format stores it, are treated as
-    ``operation`` says.
+    """A color key: the unit treats texels that equal ``color`` as ``operation`` says.
 
-    Source: Direct3D's color keys (D3DRENDERSTATE_COLORKEYENABLE); docs/numbers.md, section 7.
+    The comparison uses the texture's stored texels. Source: Direct3D's color keys
+    (D3DRENDERSTATE_COLORKEYENABLE); docs/numbers.md, section 7.
     """
 
     color: Color
@@ -530,17 +559,21 @@ class ColorKey:
 
 @dataclass(frozen=True, slots=True)
 class TextureUnit:
-    """One texture unit: which texture object it reads, how, and where its coordinates come from.
+    """One texture unit: the texture object that it reads, how, and where its coordinates come from.
 
-    ``texture``: the name under which the scene or a CopyTexImage command stored it; None where the unit's
-    texture shader stage reads none. ``lod_bias`` is
-    EXT_texture_lod_bias's per-unit bias. ``coordinates``: which of the mesh's texture coordinate sets feeds
-    the unit. ``gen``: generation for s, t, r, q. ``cylinder_wrap``: for s, t, r, q whether a triangle's
-    coordinates are brought within one half of each other before they are iterated (Direct3D's texture
-    wrapping). ``coord_replace``: NV_point_sprite's. ``environment``: where register combiners are disabled.
-    ``color_table``: SGI_texture_color_table's, applied to what the unit's filter gives. On a machine of the
-    future, ``spherical_coordinates``: (s, t, r) is a unit vector that turns steadily from vertex to vertex.
-    ``color_key``: of texels that are left out.
+    - ``texture``: the name under which the scene or a CopyTexImage command stored the texture. None where the
+      unit's texture shader stage reads no texture.
+    - ``lod_bias``: EXT_texture_lod_bias.
+    - ``coordinates``: the number of the mesh's texture coordinate set that feeds the unit.
+    - ``gen``: coordinate generation for s, t, r and q.
+    - ``cylinder_wrap``, for s, t, r and q: whether a triangle's coordinates are brought within one half of
+      each other before iteration (Direct3D's texture wrapping).
+    - ``coord_replace``: NV_point_sprite.
+    - ``environment``: used where register combiners are disabled.
+    - ``color_table``: SGI_texture_color_table, applied to the filtered texel.
+    - ``spherical_coordinates``, on a machine of the future: (s, t, r) is a unit vector that turns at a steady
+      rate from vertex to vertex.
+    - ``color_key``: which texels to leave out.
     """
 
     texture: str | None
@@ -561,12 +594,14 @@ class TextureUnit:
 class TextureShaderStage:
     """NV_texture_shader: what a texture unit does with its coordinates and with earlier stages' texels.
 
-    ``previous_texture_input``: the unit whose texel offsets, addresses or is multiplied.
-    ``offset_texture_matrix``: (a1, a2, a3, a4), by columns. ``constant_eye``: CONST_EYE.
-    ``roughness``: the unit whose texel holds D = [d_1 d_2; 0 d_3], how far the bumps that a texel of the
-    previous texture input stands for deviate from it: d_1 in red and d_3 in blue, unsigned, d_2 in green,
-    biased; times ``roughness_scale``, in the units of the offsets or of the dot products' vector. The lookup
-    is filtered over what pixel and roughness cover; None: not filtered.
+    - ``previous_texture_input``: the unit whose texel this stage uses as offset, address or factor.
+    - ``offset_texture_matrix``: (a1, a2, a3, a4), by columns.
+    - ``constant_eye``: CONST_EYE.
+    - ``roughness``: the unit whose texel says how far the bumps deviate that one texel of the previous
+      texture input stands for. The texel holds D = [d_1 d_2; 0 d_3]: d_1 in red and d_3 in blue, unsigned,
+      and d_2 in green, biased. D times ``roughness_scale`` has the units of the offsets, or of the dot
+      products' vector. The lookup is filtered over the area of pixel and roughness together. None: no such
+      filter.
     """
 
     operation: TextureShaderOperation = TextureShaderOperation.NONE
@@ -583,8 +618,9 @@ class TextureShaderStage:
 
 @dataclass(frozen=True, slots=True)
 class CombinerInput:
-    """A combiner variable: register, mapping, component usage; ``meaning``: what a pixel shader means by it,
-    of which the ideal alone takes notice.
+    """A combiner variable: register, mapping and component usage.
+
+    ``meaning`` says what a pixel shader means by the value. Only the ideal uses it.
     """
 
     register: Register = Register.ZERO
@@ -599,11 +635,11 @@ _ZERO_ALPHA = CombinerInput(Register.ZERO, usage=ComponentUsage.ALPHA)
 
 @dataclass(frozen=True, slots=True)
 class RGBPortion:
-    """RGB portion of a general combiner. Defaults: table NV_register_combiners.5, with the outputs the
-    extension initialises (AB and CD discarded, the sum into SPARE0).
+    """The RGB portion of a general combiner (table NV_register_combiners.5).
 
-    ``ab_blue_to_alpha``, ``cd_blue_to_alpha`` (NV2A): the output's blue goes to its register's alpha as well.
-    ``function``: what a machine of the future puts in the place of the sum.
+    The default outputs are the extension's initial ones: AB and CD are discarded, the sum goes to SPARE0.
+    ``ab_blue_to_alpha`` and ``cd_blue_to_alpha`` (NV2A) also write the output's blue to its register's alpha.
+    ``function`` is what a machine of the future computes instead of the sum.
     """
 
     a: CombinerInput = CombinerInput(Register.PRIMARY_COLOR)
@@ -625,7 +661,10 @@ class RGBPortion:
 
 @dataclass(frozen=True, slots=True)
 class AlphaPortion:
-    """Alpha portion of a general combiner; component usage ALPHA or BLUE. ``function``: as RGBPortion's."""
+    """The alpha portion of a general combiner. Its inputs' component usage is ALPHA or BLUE.
+
+    ``function`` has the meaning of ``RGBPortion.function``.
+    """
 
     a: CombinerInput = CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA)
     b: CombinerInput = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, ComponentUsage.ALPHA)
@@ -642,8 +681,10 @@ class AlphaPortion:
 
 @dataclass(frozen=True, slots=True)
 class CombinerLookup:
-    """On a machine of the future: after a general combiner, texture unit ``unit``'s register takes the texel
-    that its texture has, at level 0, where (s, t, r) are ``register``'s red, green and blue.
+    """A texture lookup after a general combiner, on a machine of the future.
+
+    The register of texture unit ``unit`` takes the texel of its texture's level 0 at (s, t, r), which are
+    ``register``'s red, green and blue.
     """
 
     unit: int
@@ -652,8 +693,10 @@ class CombinerLookup:
 
 @dataclass(frozen=True, slots=True)
 class GeneralCombiner:
-    """One general combiner stage. ``constant_color0/1``: per-stage constants (NV_register_combiners2) where
-    the profile has them; None: the program's own. ``lookup``: None everywhere but on a machine of the future.
+    """One general combiner.
+
+    ``constant_color0`` and ``constant_color1`` are the stage's own constants (NV_register_combiners2), on a
+    machine that has them. None: the program's constants. ``lookup`` is for a machine of the future alone.
     """
 
     rgb: RGBPortion = RGBPortion()
@@ -665,7 +708,10 @@ class GeneralCombiner:
 
 @dataclass(frozen=True, slots=True)
 class FinalCombiner:
-    """Final combiner, table NV_register_combiners.6. Mappings UNSIGNED_IDENTITY and UNSIGNED_INVERT only."""
+    """The final combiner (table NV_register_combiners.6).
+
+    Its mappings are UNSIGNED_IDENTITY and UNSIGNED_INVERT only.
+    """
 
     a: CombinerInput = CombinerInput(Register.FOG, usage=ComponentUsage.ALPHA)
     b: CombinerInput = CombinerInput(Register.SPARE0_PLUS_SECONDARY_COLOR)
@@ -678,11 +724,11 @@ class FinalCombiner:
 
 @dataclass(frozen=True, slots=True)
 class RegisterCombiners:
-    """The whole of NV_register_combiners: one to eight general combiners (as the profile allows) and the
+    """NV_register_combiners as a whole: one to eight general combiners (the profile says how many) and the
     final.
 
-    ``mux_select``, and ``invert_spare0``, ``invert_secondary_color``: one minus that term of
-    SPARE0_PLUS_SECONDARY_COLOR (NV2A).
+    ``mux_select``, ``invert_spare0`` and ``invert_secondary_color`` are the NV2A's. The two ``invert_``
+    fields replace that term of SPARE0_PLUS_SECONDARY_COLOR by one minus it.
     """
 
     general: tuple[GeneralCombiner, ...] = (GeneralCombiner(),)
@@ -697,12 +743,15 @@ class RegisterCombiners:
 
 @dataclass(frozen=True, slots=True)
 class FogRegisters:
-    """The NV2A's own fog parameters: the factor is a function of ``multiplier * coordinate + bias``.
+    """The NV2A's own fog parameters. The factor is a function of x = ``multiplier * coordinate + bias``.
 
-    LINEAR fog is that sum minus 1; EXP fog is 2^(16 x) and EXP2 fog 2^(-32 x^2) of the sum minus 1.5, x.
-    ``plane``: of PLANAR and ABSOLUTE_PLANAR generation, in eye coordinates. ``absolute``: the magnitude (the
-    modes with _ABS), of LINEAR's coordinate and EXP's x; EXP2 has no sign. After a vertex program the
-    coordinate is the vertices' own, which may be infinite or no number.
+    LINEAR fog is x - 1. EXP fog is 2^(16 y) and EXP2 fog is 2^(-32 y^2), where y = x - 1.5.
+
+    - ``plane``: for PLANAR and ABSOLUTE_PLANAR generation, in eye coordinates.
+    - ``absolute``: take the magnitude (the modes with _ABS) of LINEAR's coordinate and of EXP's y. EXP2 has
+      no sign.
+
+    After a vertex program the coordinate is the vertex's own. It may be infinite or no number.
     """
 
     bias: float = 1.0
@@ -714,9 +763,10 @@ class FogRegisters:
 
 @dataclass(frozen=True, slots=True)
 class Fog:
-    """Section 3.10. None in PassState: fog disabled (the FOG register is then the color with factor one).
+    """Section 3.10. None in PassState: fog is disabled, and the FOG register holds the colour with factor
+    one.
 
-    ``registers``: take the place of ``density``, ``start``, ``end`` and ``coordinate_source``.
+    ``registers`` replace ``density``, ``start``, ``end`` and ``coordinate_source``.
     """
 
     mode: FogMode = FogMode.EXP
@@ -730,14 +780,15 @@ class Fog:
 
 @dataclass(frozen=True, slots=True)
 class RasterPosition:
-    """Section 2.12: where a rectangle of pixels is drawn, and what its fragments have in common.
+    """Section 2.12: where a rectangle of pixels is drawn, and the values that all its fragments share.
 
-    ``position``: object coordinates, which with the values below go through the vertex state of the command
-    as a vertex does: transformation, lighting, texture coordinate generation and matrices. One outside the
-    view volume or a clip plane is invalid, and nothing is drawn. ``weight``: as a mesh's. ``window``
-    (ARB_window_pos): the position is window x, y (y up) and a depth in [0, 1] of the viewport's depth range;
-    it is always valid, and colours, texture and fog coordinates are taken as they are. ``move``: added to
-    window x and y, as Bitmap does to the position that commands after it find.
+    - ``position``: object coordinates. The position and the values below pass through the command's vertex
+      state as a vertex does: transformation, lighting, texture coordinate generation and matrices. A position
+      outside the view volume or a clip plane is invalid, and nothing is drawn.
+    - ``weight``: the vertex weight, as in a mesh.
+    - ``window`` (ARB_window_pos): the position is window x and y (y up) and a depth in [0, 1] of the
+      viewport's depth range. It is always valid. Colours, texture and fog coordinates are taken unchanged.
+    - ``move``: added to window x and y, as Bitmap moves the position for later commands.
     """
 
     position: Vector4 = (0.0, 0.0, 0.0, 1.0)
@@ -751,20 +802,22 @@ class RasterPosition:
     weight: float = 1.0
 
     def moved(self, x: float, y: float) -> "RasterPosition":
-        """The position that is left by a Bitmap which moves it by (x, y) pixels."""
+        """The position after a Bitmap that moves it by (x, y) pixels."""
         return replace(self, move=(self.move[0] + x, self.move[1] + y))
 
 
 @dataclass(frozen=True, slots=True)
 class PixelTexture:
-    """SGIX_pixel_texture, SGIS_pixel_texture: colour groups become texture coordinates, R, G, B, A as s, t,
-    r, q, and lambda is zero.
+    """SGIX_pixel_texture, SGIS_pixel_texture: colour groups become texture coordinates; R, G, B, A are s, t,
+    r, q.
 
-    ``mode``: SGIX_pixel_texture's; None: SGIS_pixel_texture with ``rgb_source`` and ``alpha_source``.
-    SGIX_impact_pixel_texture: with ``volumes`` the unit's 3D texture is four-dimensional: its layers are so
-    many volumes, one behind the other, of which q, instead of dividing, chooses one as ``q_filter`` says.
-    ``alpha_replace``: eight bits of the group's alpha, the most (MS) or the least significant (LS) of twelve,
-    take the place of the texel's alpha, before a texture color table.
+    Lambda is zero.
+
+    - ``mode``: SGIX_pixel_texture's. None: SGIS_pixel_texture, with ``rgb_source`` and ``alpha_source``.
+    - ``volumes`` (SGIX_impact_pixel_texture): the unit's 3D texture is four-dimensional. Its layers are this
+      many volumes, one after the other. q selects a volume as ``q_filter`` says, and does not divide.
+    - ``alpha_replace``: eight of the twelve bits of the group's alpha replace the texel's alpha, before a
+      texture color table. ``alpha`` selects the most (MS) or the least significant (LS) eight.
     """
 
     mode: PixelTexGenMode | None = PixelTexGenMode.NONE
@@ -793,7 +846,7 @@ class Scissor:
 class WindowClip:
     """The NV2A's window clip rectangles (later EXT_window_rectangles), in window coordinates.
 
-    A fragment is kept inside any of the rectangles, or, ``exclusive``, outside all of them. None in
+    A fragment is kept inside any of the rectangles or, if ``exclusive``, outside all of them. None in
     PassState: disabled.
     """
 
@@ -824,7 +877,7 @@ class StencilTest:
 
 @dataclass(frozen=True, slots=True)
 class DepthTest:
-    """Section 4.1.5. None in PassState: disabled (and then depth is not written either)."""
+    """Section 4.1.5. None in PassState: disabled, and no depth is written."""
 
     function: ComparisonFunction = ComparisonFunction.LESS
     write: bool = True
@@ -834,9 +887,9 @@ class DepthTest:
 class DepthClamp:
     """NV_depth_clamp, with the NV2A's limits. None in PassState: disabled.
 
-    Nothing is clipped at the near and far planes; instead every fragment's depth is clamped to ``minimum``
-    and ``maximum``, or, with ``cull``, the fragment ends where its depth lies outside. The limits are in
-    depth units (the values of a float format; clip w with W buffering); ``maximum`` None: the farthest.
+    Nothing is clipped at the near and far planes. Instead every fragment's depth is clamped to ``minimum``
+    and ``maximum``. With ``cull``, a fragment whose depth lies outside is discarded. The limits are in depth
+    units: the values of a float format, or clip w with W buffering. ``maximum`` None: the farthest depth.
     """
 
     minimum: float = 0.0
@@ -866,24 +919,26 @@ class ColorMask:
 
 @dataclass(frozen=True, slots=True)
 class PassState:
-    """Everything that a Draw needs to know.
+    """Everything that a Draw needs to know. A field of None disables its stage.
 
-    ``texture_units``: unit i reads ``texture_units[i]``; None: the unit is disabled.
-    ``register_combiners`` None: NV_register_combiners disabled; the fragment's primary colour then goes
-    through the texture units' environments, takes the secondary colour if ``color_sum``, then fog.
-    ``perspective_correction`` False: Hint(PERSPECTIVE_CORRECTION_HINT, FASTEST), where a machine follows it:
-    colours and coordinates are linear on the screen.
-    ``logic_op`` None: disabled.
-    ``texture_shader``: stage i is texture unit i's, NONE where there are fewer; None: TEXTURE_SHADER is
-    disabled, and each enabled unit samples its texture.
-    ``ycbcr_conversion``: every unit that reads a texture has Y, Cb and Cr in its red, green and blue: they
-    become RGB on their way to the combiners; a texture shader's other stages read them as they are.
-    ``w_buffering``: a fragment's depth is its clip w, in depth units, instead of its window z.
-    ``draw_buffer``: which colour buffer is written (and blended with).
-    On a machine of the future, ``evaluate_before_filtering``: the combiners are evaluated at each texel that
-    the texture units' filters read, and their results are filtered; ``spherical_primary_color``,
-    ``spherical_secondary_color``: the colour is a unit vector, as EXPAND_NORMAL reads it, that turns steadily
-    from vertex to vertex.
+    - ``texture_units``: unit i reads ``texture_units[i]``.
+    - ``register_combiners``: None disables NV_register_combiners. The fragment's primary colour then passes
+      through the units' texture environments, adds the secondary colour if ``color_sum``, and is fogged.
+    - ``texture_shader``: stage i belongs to texture unit i; missing stages are NONE. None disables
+      TEXTURE_SHADER, and each enabled unit samples its texture.
+    - ``perspective_correction``: False is Hint(PERSPECTIVE_CORRECTION_HINT, FASTEST). On a machine that
+      follows the hint, colours and coordinates are then linear on the screen.
+    - ``ycbcr_conversion``: every unit that reads a texture has Y, Cb and Cr in its red, green and blue. They
+      become RGB on their way to the combiners. Later texture shader stages read them unconverted.
+    - ``w_buffering``: a fragment's depth is its clip w, in depth units, instead of its window z.
+    - ``draw_buffer``: the colour buffer that is written, and that blending reads.
+
+    These fields are for a machine of the future:
+
+    - ``evaluate_before_filtering``: the combiners run on each texel that the texture filters read, and their
+      results are filtered.
+    - ``spherical_primary_color``, ``spherical_secondary_color``: the colour is a unit vector, in
+      EXPAND_NORMAL's encoding, that turns at a steady rate from vertex to vertex.
     """
 
     vertex: VertexState = VertexState()
@@ -917,12 +972,12 @@ _NORMAL_MODES = frozenset({TexGenMode.SPHERE_MAP, TexGenMode.NORMAL_MAP, TexGenM
 
 
 def texgen_modes(state: PassState) -> set[TexGenMode]:
-    """The modes by which units generate texture coordinates."""
+    """The modes by which the state's units generate texture coordinates."""
     return {gen.mode for unit in state.texture_units if unit is not None for gen in unit.gen}
 
 
 def needs_normals(state: PassState) -> bool:
-    """Whether the state reads the vertices' normals: lights, or a texture coordinate generated from them."""
+    """Whether lighting or a texture coordinate generation of the state reads the vertices' normals."""
     lighting = state.vertex.lighting
     lit = lighting is not None and len(lighting.lights) > 0
     return lit or not _NORMAL_MODES.isdisjoint(texgen_modes(state))
