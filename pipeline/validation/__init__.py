@@ -1,3 +1,4 @@
-"""Validation: what a machine refuses, and why. A module for each section of a state, and the walk over
-commands.
+"""Validation: what a machine refuses, and why.
+
+Each section of a state has a module. ``walk`` and ``validate`` go through the commands of a frame.
 """

@@ -16,7 +16,7 @@ from fixedpipe.pipeline.validation.transfer import transferred
 
 
 def color_buffer(walk, which):
-    """Refuse a colour buffer that is not there."""
+    """Refuse a colour buffer that does not exist."""
     most = walk.profile.framebuffers.auxiliary_buffers
     if which > most:
         walk.refuse(
@@ -28,7 +28,7 @@ def color_buffer(walk, which):
 
 
 def accumulation_buffer(walk):
-    """Refuse where there is no accumulation buffer."""
+    """Refuse the command where no accumulation buffer exists."""
     if walk.profile.framebuffers.accumulation_bits == 0:
         walk.refuse(
             f"{walk.profile.name} has no accumulation buffer; add up by blending with ONE, ONE instead."
@@ -38,7 +38,7 @@ def accumulation_buffer(walk):
 
 
 def stencil_buffer(walk, what):
-    """Refuse what a command does with the stencil buffer (``what``) where there is none."""
+    """Refuse the command where no stencil buffer exists; ``what`` says what the command does with it."""
     if walk.profile.framebuffers.stencil_bits == 0:
         walk.refuse(f"it {what}, and {walk.profile.name} has none; choose a profile that has one.")
 
@@ -50,7 +50,10 @@ def stencil_value(walk, what, value):
 
 
 def fixed_depths(walk, read, what):
-    """Refuse what computes with depths that are floats."""
+    """Refuse floating-point depths where the command computes with depths.
+
+    ``read`` says whether the command does so, and ``what`` says how.
+    """
     if read and DepthFormat(walk.depth_bits).is_float:
         walk.refuse(
             f"it {what} of {depth_words(walk.depth_bits)}; only fixed-point depths go through pixel "
@@ -59,7 +62,7 @@ def fixed_depths(walk, read, what):
 
 
 def clear(walk, command):
-    """Refuse a Clear of buffers that are not there, or to values that they cannot hold."""
+    """Refuse a Clear of buffers that do not exist, or to values that they cannot hold."""
     if command.depth is not None and not 0 <= command.depth <= 1:
         walk.refuse(
             f"the clear depth is {command.depth}; depths run from 0 (near) to 1 (far). Give one of these."
@@ -82,7 +85,7 @@ def clear(walk, command):
 
 
 def accum(walk, command):
-    """Refuse an Accum of buffers that are not there."""
+    """Refuse an Accum of buffers that do not exist."""
     accumulation_buffer(walk)
     if command.scissor is not None:
         surfaces.scissor(walk, command.scissor)
@@ -93,15 +96,16 @@ def accum(walk, command):
 
 
 def saturate(walk, command):
-    """Refuse a Saturate of a buffer that is not there."""
+    """Refuse a Saturate of a buffer that does not exist."""
     color_buffer(walk, command.draw_buffer)
     if command.scissor is not None:
         surfaces.scissor(walk, command.scissor)
 
 
 def read_as(walk, command, formats):
-    """Refuse a read under a name that is taken, of a format not among these, or as a type that does not hold
-    it; remember its name.
+    """Refuse a name that is taken, a format outside ``formats``, or a type that cannot hold the format.
+
+    The walk remembers the name.
     """
     what = type(command).__name__
     if command.format not in formats:
@@ -126,7 +130,7 @@ def read_as(walk, command, formats):
 
 
 def read_pixels(walk, command):
-    """Refuse a ReadPixels of what is not there, or under a name that is taken."""
+    """Refuse a ReadPixels of a buffer or rectangle that does not exist, or under a name that is taken."""
     read_as(walk, command, (*READ_FORMATS, DEPTH_FORMAT, STENCIL_FORMAT))
     if command.format == STENCIL_FORMAT:
         stencil_buffer(walk, "reads the stencil buffer")

@@ -19,7 +19,7 @@ def draw(walk, command):
         if problem := mesh_problem(mesh):
             walk.refuse(problem)
         checked_meshes.add(mesh)
-        if walk.takes(command):  # another mesh in a state that was checked beside one of its kind
+        if walk.takes(command):  # the state was checked with another mesh of this kind
             return
     walk.warned = False
     pass_state(walk, state)
@@ -36,8 +36,9 @@ def draw(walk, command):
 
 
 def is_like_another(walk, command, checks):
-    """Whether a Draw differs from one that was taken in its vertices' part and in constant colours alone;
-    refuses what is wrong with the first of these. ``checks``: TypeChecks.
+    """Whether a Draw differs from a checked one only in its vertex state and in constant colours.
+
+    ``checks`` are TypeChecks. Raises UnsupportedState where the vertex state is wrong.
     """
     mesh, state = command.mesh, canonical(command.state)
     program = getattr(state, "register_combiners", None)
@@ -69,7 +70,7 @@ def is_like_another(walk, command, checks):
 
 
 def pass_state(walk, state):
-    """What a Draw and a rectangle of pixels have in common."""
+    """Check the part of the state that Draws and rectangles of pixels share."""
     walk.once(vertices.vertex, state.vertex)
     texture_units.texture_units(walk, state)
     vertices.normals(walk, state)
@@ -170,9 +171,9 @@ def _points_and_lines(walk, state, mesh):
 
 
 def _line_problem(line, profile):
-    """What is wrong with a LineState on a machine, a sentence, or None."""
+    """A sentence that says why a machine cannot draw with a LineState, or None."""
     rectangle = line.rasterization == LineRasterization.RECTANGLE
-    # The ideal is compared with machines of either rule.
+    # The ideal takes both rules, because it is compared with machines of either.
     if rectangle and profile.arithmetic.diamond_exit_lines and not profile.arithmetic.exact:
         return (
             f"{profile.name} draws lines in steps along their longer axis; give line.rasterization STEPS, or "

@@ -13,7 +13,7 @@ from fixedpipe.pipeline.validation import buffers, surfaces
 
 
 def register_combiners(walk, combiners):
-    """Refuse combiners that the machine does not have, or no machine could, whatever texels they meet."""
+    """Refuse combiners that this machine lacks, or that no machine could have, with any texels."""
     profile, stages = walk.profile, len(combiners.general)
     if profile.combiners.max_general_combiners == 0:
         walk.refuse(f"{profile.name} has no register combiners; choose a profile that has them.")
@@ -69,7 +69,7 @@ def register_combiners(walk, combiners):
 
 
 def fog(walk, fog):
-    """Refuse fog of a negative density, or that the machine does not have."""
+    """Refuse fog of a negative density, or fog that the machine lacks."""
     if fog.density < 0:
         walk.refuse(f"the fog density is {fog.density}; densities are not negative.")
     if fog.registers is not None and not walk.profile.fragments.fog_registers:
@@ -97,7 +97,7 @@ def window_clip(walk, clip):
 
 
 def depth_clamp(walk, limits):
-    """Refuse depth limits that the machine does not have, or that cross."""
+    """Refuse depth limits that the machine lacks, or a maximum below the minimum."""
     if not walk.profile.fragments.depth_clamp:
         walk.refuse(f"{walk.profile.name} has no DEPTH_CLAMP; leave depth_clamp None.")
     if limits.maximum is not None and limits.maximum < limits.minimum:
@@ -108,7 +108,7 @@ def depth_clamp(walk, limits):
 
 
 def stencil_test(walk, test):
-    """Refuse a stencil test that the machine does not have."""
+    """Refuse a stencil test that the machine lacks."""
     buffers.stencil_buffer(walk, "tests the stencil buffer")
     buffers.stencil_value(walk, "the stencil mask", test.mask)
     buffers.stencil_value(walk, "the stencil write_mask", test.write_mask)
@@ -122,7 +122,7 @@ def stencil_test(walk, test):
 
 
 def blending(walk, blending):
-    """Refuse blend factors and equations that the machine does not have."""
+    """Refuse blend factors and equations that the machine lacks."""
     profile = walk.profile
     for side, factors in (
         ("source", profile.fragments.blend_factors_source),

@@ -1,4 +1,4 @@
-"""Validation of frames and HostSteps: what a frame is made of, and the commands that a HostStep issues."""
+"""Validation of frames, and of HostSteps and the commands that they issue."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -11,7 +11,10 @@ from fixedpipe.pipeline.validation.walk import UnsupportedState, Walk
 
 
 def frame_of(commands: Iterable[Command]) -> tuple[Command, ...]:
-    """The commands as a tuple. Raises UnsupportedState for what is none of them, one alone for instance."""
+    """The commands as a tuple.
+
+    Raises UnsupportedState for a single command, and for a value that is not iterable.
+    """
     if type(commands) in COMMANDS:
         raise UnsupportedState(
             f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
@@ -25,7 +28,7 @@ def frame_of(commands: Iterable[Command]) -> tuple[Command, ...]:
 
 
 def _unwritable(array):
-    """The same memory, not to be written to: what was read stays what the framebuffer held."""
+    """A read-only view of the array, so that a HostStep cannot change the pixels that were read."""
     view = array.view()
     view.setflags(write=False)
     return view
@@ -34,7 +37,8 @@ def _unwritable(array):
 def issued_by(step: HostStep, pixels: Mapping[str, NDArray[Any]]) -> tuple[Command, ...]:
     """The commands that a HostStep issues for the pixels read so far, as a tuple.
 
-    Raises UnsupportedState where its function returns no tuple of commands, and what that function raises.
+    Raises UnsupportedState where the step's function returns no tuple of commands. Errors that the function
+    raises pass through, with a note that names the HostStep.
     """
     try:
         issued = step.commands({name: _unwritable(pixels[name]) for name in step.reads})
@@ -48,7 +52,7 @@ def issued_by(step: HostStep, pixels: Mapping[str, NDArray[Any]]) -> tuple[Comma
 
 
 def host_step(walk: Walk, command: HostStep) -> None:
-    """Refuse a HostStep that reads what nothing has read, or where a pbuffer is current."""
+    """Refuse a HostStep that reads pixels which no earlier command read, or while a pbuffer is current."""
     if not walk.in_window:
         walk.refuse("a pbuffer is current; make the window current first, which the host draws to.")
     if missing := [name for name in command.reads if name not in walk.given]:

@@ -8,8 +8,8 @@ from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.sentences import shown
 from fixedpipe.pipeline.validation.types import check_int, enum_check
 
-checked_meshes = WeakSet()  # in which nothing was found wrong
-infinite_fog = WeakSet()  # those whose fog coordinates are not all finite, as a vertex program's may be
+checked_meshes = WeakSet()  # meshes without a problem
+infinite_fog = WeakSet()  # meshes with fog coordinates that are not finite; a vertex program can write them
 _check_primitive = enum_check(PrimitiveType)
 
 _MESH_ARRAYS = (
@@ -23,7 +23,7 @@ _MESH_ARRAYS = (
 
 
 def _array_problem(name, array, vertices, low, high):
-    """What is wrong with a vertex array [vertices, low..high], or None."""
+    """A sentence that says what is wrong with a vertex array [vertices, low..high], or None."""
     components = str(low) if low == high else f"{low} to {high}"
     if array.ndim != 2 or not low <= array.shape[1] <= high:
         return f"{name} has shape {array.shape}; give [vertices, {components}]."
@@ -33,7 +33,7 @@ def _array_problem(name, array, vertices, low, high):
 
 
 def finite_problem(name, array):
-    """What is wrong with a vertex array that holds numbers which are not finite, or None."""
+    """A sentence that names the first number of a vertex array that is not finite, or None."""
     finite = np.isfinite(array)
     if finite.all():
         return None
@@ -46,7 +46,7 @@ def finite_problem(name, array):
 
 
 def mesh_problem(mesh):
-    """What is wrong with a Mesh whatever it is drawn with, a sentence, or None."""
+    """A sentence that says why no state could draw a Mesh, or None."""
     if wrong := _check_primitive(mesh.primitive):
         return f"the mesh's primitive {wrong.predicate}."
     vertices = len(mesh.positions) if mesh.positions.ndim else 0

@@ -1,6 +1,6 @@
 """Validation of rectangles of pixels: DrawPixels, CopyPixels and Bitmap.
 
-Fields have the types that the states say, and numbers are finite, before these functions see them.
+The type checks run first: fields have the annotated types, and numbers are finite.
 """
 
 from fixedpipe.pipeline.commands import kind_of
@@ -21,14 +21,14 @@ def draw_pixels(walk, command):
 
 
 def copy_pixels(walk, command):
-    """Refuse a CopyPixels of what is not there, or whose state the machine could not draw."""
+    """Refuse a CopyPixels from outside the framebuffer, or whose state the machine could not draw."""
     width, height = surfaces.framebuffer_rectangle(walk, command)
     buffers.color_buffer(walk, command.read_buffer)
     _pixels(walk, command, width, height)
 
 
 def _pixels(walk, command, width, height):
-    """What DrawPixels and CopyPixels have in common."""
+    """Check what DrawPixels and CopyPixels share."""
     kind = kind_of(command)
     if kind is PixelCopyType.STENCIL:
         buffers.stencil_buffer(walk, "writes the stencil buffer")
@@ -63,7 +63,7 @@ def _rectangle_of_pixels(walk, command):
 
 
 def _rectangle_problem(command, profile):
-    """Why the fragments of a DrawPixels, CopyPixels or Bitmap cannot be made on a machine, or None."""
+    """A sentence that says why a machine cannot make the fragments of a rectangle of pixels, or None."""
     vertex, state = command.state.vertex, command.state
     if vertex.stage == VertexStage.PROGRAM_RESULTS or vertex.composite != VertexState().composite:
         return (
@@ -85,7 +85,7 @@ def _rectangle_problem(command, profile):
 
 
 def _bits_problem(bits):
-    """What is wrong with a Bitmap's bits, or None."""
+    """A sentence that says what is wrong with a Bitmap's bits, or None."""
     if bits.ndim != 2:
         return f"the bitmap has shape {bits.shape}; give [height, width]."
     if 0 in bits.shape:
@@ -96,9 +96,10 @@ def _bits_problem(bits):
 
 
 def _pixel_texture_problem(texture, kind, state, textures, profile):
-    """Why groups of ``kind``, a PixelCopyType, cannot become texture coordinates on a machine, or None.
+    """A sentence that says why a machine cannot turn groups into texture coordinates, or None.
 
-    ``textures``: for each enabled unit (number, target, layers of level 0).
+    - ``kind``: the groups' PixelCopyType.
+    - ``textures``: (number, target, layers of the base level) of each enabled unit.
     """
     sgix = texture.mode is not None
     if not (profile.pixels.pixel_texture if sgix else profile.pixels.pixel_texture_sgis):

@@ -1,12 +1,12 @@
-"""Values that were found right before are remembered, so that each is looked at once."""
+"""Values that passed a check are remembered, so that each is checked once."""
 
 
 class Remembered(dict):
-    """Objects that were found right, by their identity and what else the finding depends on.
+    """Objects that passed a check, keyed by identity and by the values that the finding depends on.
 
-    By identity, because equal states may differ in what is checked (1, 1.0 and True are equal). An object is
-    held as long as it is remembered, so its identity is nobody else's; all are forgotten when there are
-    ``most``.
+    The key is the identity, because equal states may differ in what is checked (1, 1.0 and True are equal).
+    The dictionary holds each object, so no other object gets its identity. It is emptied when it has ``most``
+    entries.
     """
 
     def __init__(self, most=4096):
@@ -14,7 +14,7 @@ class Remembered(dict):
         self.most = most
 
     def add(self, value, *beside, finding=True):
-        """Remember that this value, beside these hashable ones, was found right; ``finding``: as what."""
+        """Remember that this value, beside these hashable values, passed with this ``finding``."""
         if len(self) >= self.most:
             self.clear()
         self[(id(value), *beside) if beside else id(value)] = value, finding

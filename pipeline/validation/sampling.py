@@ -15,7 +15,7 @@ _LOD_LIMIT = 1000.0  # the initial limits of table 3.17
 
 
 def sampler(walk, unit, known, number):
-    """Refuse a unit's sampler that the machine does not have, or that does not fit the texture ``known``."""
+    """Refuse a unit's sampler that the machine lacks, or that does not fit the texture ``known``."""
     profile, sampler, place = walk.profile, unit.sampler, f"texture unit {number}"
     if sampler.mag_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR):
         walk.refuse(
@@ -38,8 +38,9 @@ def sampler(walk, unit, known, number):
 
 
 def _comparison(walk, unit, known, place):
-    """Refuse a depth texture that the machine only compares, another texture that is compared, and what
-    comparisons lack.
+    """Refuse comparisons that the machine or the texture does not allow.
+
+    A machine may read depth textures by comparisons alone. Only depth textures are compared.
     """
     profile, sampler = walk.profile, unit.sampler
     deep = known.internal_format in DEPTH_TEXELS
@@ -63,12 +64,12 @@ def _comparison(walk, unit, known, place):
 
 
 def _has_colors(profile, internal_format):
-    """Whether a depth texture of a format is read without a comparison: one of fixed words, if any."""
+    """Whether the machine reads a depth texture of this format as colours; never one of floats."""
     return profile.textures.depths_as_colors and DEPTH_TEXELS[internal_format].form is None
 
 
 def _levels(walk, unit, known, place):
-    """Refuse a minification filter that asks for levels which the texture does not have."""
+    """Refuse a minification filter, base level or maximum level that the texture's levels do not allow."""
     sampler, given = unit.sampler, len(known.sizes)
     lowest, last = sampler.base_level, given - 1
     mipmapped = sampler.min_filter not in (TextureFilter.NEAREST, TextureFilter.LINEAR)
@@ -99,7 +100,7 @@ def _levels(walk, unit, known, place):
 
 
 def _footprints(walk, unit, known, place):
-    """Refuse limits and biases of the level of detail, and footprints, that the machine does not have."""
+    """Refuse limits and biases of the level of detail, and footprints, that the machine lacks."""
     profile, sampler = walk.profile, unit.sampler
     if abs(sampler.min_lod) > _LOD_LIMIT or abs(sampler.max_lod) > _LOD_LIMIT:
         walk.refuse(
@@ -147,8 +148,9 @@ def _rectangle_sampler(walk, place, sampler, mipmapped):
 
 
 def _shadow_problem(place, sampler, profile, deep):
-    """What is wrong with a sampler's comparison, a sentence, or None. ``place``: which texture unit;
-    ``deep``: whether it reads a depth texture.
+    """A sentence that says what is wrong with a sampler's comparison, or None.
+
+    ``place`` names the texture unit. ``deep`` says whether the unit reads a depth texture.
     """
     mode, value = sampler.depth_texture_mode, sampler.compare_fail_value
     compares = sampler.compare_mode is not TextureCompareMode.NONE
@@ -174,7 +176,7 @@ def _shadow_problem(place, sampler, profile, deep):
 
 
 def _probes_problem(place, sampler, target, internal_format, profile):
-    """What is wrong with a sampler's footprint assembly, a sentence, or None."""
+    """A sentence that says what is wrong with a sampler's footprint assembly, or None."""
     probes, exact = sampler.max_probes, sampler.exact_probes
     if exact and not profile.textures.exact_probes:
         has = "powers of two" if profile.textures.max_probes > 1 else "no probes"

@@ -1,4 +1,4 @@
-"""Validation of the window and of pbuffers: sizes, formats, and rectangles outside them."""
+"""Validation of the window and of pbuffers: their sizes, formats and rectangles."""
 
 from fixedpipe.pipeline.commands import box_read
 from fixedpipe.pipeline.enums import DepthFormat
@@ -8,13 +8,13 @@ from fixedpipe.pipeline.validation.walk import KnownSurface, UnsupportedState
 
 
 def check_framebuffer(profile, width, height, depth_bits, what="The framebuffer"):
-    """Refuse a framebuffer of a size or with depths that the machine does not have."""
+    """Refuse a framebuffer of a size or a depth format that the machine lacks. Raises UnsupportedState."""
     for name, number in (("width", width), ("height", height), ("depth_bits", depth_bits)):
         if wrong := check_int(number):
             raise UnsupportedState(f"{what}'s {name} {wrong.predicate}.")
     if width < 1 or height < 1:
         raise UnsupportedState(f"{what} is {width}x{height}; give at least 1x1.")
-    # Source: OpenGL 1.2.1 section 2.10.1: the largest viewport covers whatever can be displayed.
+    # Source: OpenGL 1.2.1 section 2.10.1: the largest viewport covers every displayable pixel.
     if max(width, height) > profile.framebuffers.max_viewport:
         raise UnsupportedState(
             f"{what} is {width}x{height}; {profile.name} draws up to "
@@ -30,7 +30,7 @@ def check_framebuffer(profile, width, height, depth_bits, what="The framebuffer"
 
 
 def check_samples(profile, samples):
-    """Refuse a number of samples that the machine does not have."""
+    """Refuse a number of samples that the machine lacks. Raises UnsupportedState."""
     if wrong := check_int(samples):
         raise UnsupportedState(f"The framebuffer's samples {wrong.predicate}.")
     if samples not in profile.framebuffers.samples:
@@ -42,7 +42,7 @@ def check_samples(profile, samples):
 
 
 def check_color_bits(profile, color_bits):
-    """Refuse colours of a width that the machine does not have."""
+    """Refuse a width of colour components that the machine lacks. Raises UnsupportedState."""
     if wrong := check_int(color_bits):
         raise UnsupportedState(f"The framebuffer's color_bits {wrong.predicate}.")
     if color_bits not in profile.framebuffers.color_bits:
@@ -54,7 +54,7 @@ def check_color_bits(profile, color_bits):
 
 
 def make_current(walk, command):
-    """Refuse a pbuffer that the machine could not make; what follows draws to it, or to the window."""
+    """Refuse a pbuffer that the machine could not make. Later commands draw to it, or to the window."""
     name = command.surface
     if name is None:
         if command.width is not None or command.height is not None:
@@ -97,7 +97,7 @@ def make_current(walk, command):
 
 
 def _shared_depth(walk, command):
-    """Refuse a depth buffer that a pbuffer cannot have in common with another framebuffer."""
+    """Refuse a pbuffer that cannot share the depth buffer it names."""
     name, of = command.surface, command.depth_of
     if not command.shares_depth:
         if of is not None:
@@ -140,7 +140,10 @@ def _shared_depth(walk, command):
 
 
 def inside(walk, what, rectangle, width, height):
-    """Refuse a rectangle (x, y, width, height) that reaches outside ``what``."""
+    """Refuse a rectangle (x, y, width, height) that reaches outside ``what``.
+
+    ``what`` has ``width`` x ``height`` pixels.
+    """
     x, y, w, h = rectangle
     if w < 0 or h < 0:
         walk.refuse(f"the rectangle is {w}x{h}; give sizes that are not negative.")
@@ -152,13 +155,13 @@ def inside(walk, what, rectangle, width, height):
 
 
 def framebuffer_rectangle(walk, command):
-    """Width and height of what a command reads of the framebuffer; refuse what is outside."""
+    """Width and height of the framebuffer rectangle that a command reads; refuse one that reaches outside."""
     box = box_read(command, walk.width, walk.height)
     inside(walk, "the framebuffer", box, walk.width, walk.height)
     return box[2:]
 
 
 def scissor(walk, scissor):
-    """Refuse a scissor box, or a rectangle of a window clip, whose size is negative."""
+    """Refuse a scissor box, or a rectangle of a window clip, of negative size."""
     if scissor.width < 0 or scissor.height < 0:
         walk.refuse(f"the scissor box is {scissor.width}x{scissor.height}; give sizes that are not negative.")

@@ -1,4 +1,4 @@
-"""Validation of texture units: textures, stages of texture shaders, coordinates, environments."""
+"""Validation of texture units: textures, texture shader stages, coordinates and environments."""
 
 from fixedpipe.pipeline.enums import (
     BaseFormat,
@@ -47,7 +47,7 @@ _GENERATED_BY = {
 
 
 def texture_units(walk, state):
-    """Refuse texture units, and stages, that the machine does not have or that do not fit their textures."""
+    """Refuse texture units, and stages, that the machine lacks or that do not fit their textures."""
     units, allowed = state.texture_units, walk.profile.textures.max_texture_units
     if len(units) > allowed:
         walk.refuse(
@@ -106,8 +106,9 @@ def _color_table(walk, number, table):
 
 
 def _color_key(walk, unit, known, number, made):
-    """Refuse a color key that the machine does not have, or of which nobody knows what it does; ``made``: the
-    unit's texture shader stage makes the coordinates.
+    """Refuse a color key that the machine lacks, or whose effect no source gives.
+
+    ``made`` says that the unit's texture shader stage computes the coordinates.
     """
     if (key := unit.color_key) is None:
         return
@@ -150,7 +151,7 @@ def _environment(walk, unit, number, base):
 
 
 def texture_shader(walk, state):
-    """The stages of every unit, or None; refuse those that the machine does not have."""
+    """The stages of every unit, or None; refuse stages that the machine lacks."""
     if state.texture_shader is None:
         return None
     profile, units = walk.profile, len(state.texture_units)
@@ -192,7 +193,7 @@ def texture_shader(walk, state):
 
 
 def _stage_widths(walk, units, stages):
-    """Refuse stages that read words of 16 bits where there are none."""
+    """Refuse stages that read 16-bit words from units whose components have other widths."""
     widths = []
     for unit, stage in zip(units, stages, strict=True):
         known = None if unit is None or unit.texture is None else known_texture(walk, unit.texture)
@@ -205,13 +206,16 @@ def _stage_widths(walk, units, stages):
 
 
 def _accessible(walk, operation):
-    """The targets of textures that an operation reads here."""
+    """The texture targets that an operation reads on this machine."""
     targets = TARGETS_READ[operation]
     return targets if walk.profile.texture_shaders.foreign_texture_targets else targets[:1]
 
 
 def _dependent_access(walk, number, unit, known, operation, rough):
-    """Refuse what made coordinates do not go with; ``rough``: the lookup is filtered by roughness."""
+    """Refuse samplers and textures that a stage with computed coordinates cannot use.
+
+    ``rough`` says that roughness filters the lookup.
+    """
     filters = unit.sampler.min_filter, unit.sampler.mag_filter
     if filters[0] is not filters[1] and not rough:
         walk.refuse(
@@ -278,7 +282,7 @@ def _generation(walk, number, unit):
 
 
 def disabled_textures(walk, state):
-    """Warn of texture units that combiners or environments read and that the pass does not enable."""
+    """Warn of disabled texture units that combiners or environments read."""
     stages = shader_stages(state)
     enabled = tuple(
         unit is not None and (stages is None or stages[i].operation is not TextureShaderOperation.NONE)

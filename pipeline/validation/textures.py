@@ -27,26 +27,26 @@ _PARTS = {
     TextureTarget.TEXTURE_3D: ("3D texture", "layers"),
 }
 
-_checked_textures = WeakSet()  # in which nothing was found wrong
+_checked_textures = WeakSet()  # textures without a problem
 _check_target, _check_format = enum_check(TextureTarget), enum_check(InternalFormat)
 _check_texture = instance_check(Texture)
 _FIXED_DEPTHS = (InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24)
 
 
 def complete_levels(width, height):
-    """How many levels a complete mipmap of a width x height texture has (OpenGL 1.2.1, section 3.8.5)."""
+    """The number of levels of a complete mipmap of width x height texels (OpenGL 1.2.1, section 3.8.5)."""
     return max(width, height).bit_length()
 
 
 def _faces(image, level):
-    """How many images level ``level`` of a texture has: faces or layers."""
+    """The number of images in level ``level`` of a texture: its faces, or its layers with their border."""
     if image.target is TextureTarget.TEXTURE_3D:
         return max(1, image.depth >> level) + 2 * image.border
     return 6 if image.target is TextureTarget.TEXTURE_CUBE_MAP else 1
 
 
 def _level_problem(image, level, array):
-    """What no machine could hold in a Texture's level, or None."""
+    """A sentence that says why no machine could hold a Texture's level, or None."""
     bits = image.bits
     dtype = np.dtype(np.uint8 if bits == 8 else np.uint16)
     if not isinstance(array, np.ndarray) or array.dtype != dtype or array.ndim != 4 or array.shape[3] != 4:
@@ -79,7 +79,7 @@ def _level_problem(image, level, array):
 
 
 def _texture_problem(image):
-    """What no machine could hold in a Texture, or None."""
+    """A sentence that says why no machine could hold a Texture, or None."""
     for name, check in (("target", _check_target), ("internal_format", _check_format)):
         if wrong := check(getattr(image, name)):
             return f"the texture's {name} {wrong.predicate}."
@@ -140,7 +140,7 @@ def tex_image(walk, command):
 
 
 def _define(walk, command, width, height, layers=1):
-    """A texture of one level, or of all, that TexImage makes from pixels, or CopyTexImage."""
+    """Check and remember the texture that a TexImage makes from pixels, or a CopyTexImage."""
     target, internal_format = command.target, command.internal_format
     if target is TextureTarget.TEXTURE_1D and height != 1:
         walk.refuse(f"a TEXTURE_1D has one row of texels; this rectangle has {height}. Give height 1.")
@@ -178,7 +178,7 @@ def store(walk, name, image):
 
 
 def _border(walk, image):
-    """Refuse a border that the machine does not have.
+    """Refuse a border that the machine lacks.
 
     Source: OpenGL 1.2.1 section 3.8.1; NV_texture_rectangle (rectangles have none).
     """
@@ -211,9 +211,9 @@ def copy_tex_image(walk, command):
 
 
 def _texels_left(walk, command, width, height, dimensions, deep):
-    """Width and height of the texture that an image becomes; refuse a null one.
+    """Width and height of the texture that an image becomes; refuse a null texture.
 
-    Source: OpenGL 1.2.1 section 3.8.1: with a null texture it is as if texturing were disabled.
+    Source: OpenGL 1.2.1 section 3.8.1: a null texture acts as if texturing were disabled.
     """
     left = transferred(walk, command, width, height, dimensions, deep)
     if min(left) < 1 <= min(width, height):
@@ -235,7 +235,7 @@ def _copied_format(walk, internal_format):
 
 
 def _mipmap_sizes(walk, width, height, layers=1):
-    """Sizes of every level that generation makes from level 0."""
+    """(width, height) of every level that mipmaps from level 0 have; refuse edges that are no powers of 2."""
     if width & (width - 1) or height & (height - 1) or layers & (layers - 1):
         size = f"{width}x{height}" + (f"x{layers}" if layers > 1 else "")
         walk.refuse(f"mipmaps cannot be generated of {size} texels; give edges that are powers of two.")
@@ -279,7 +279,7 @@ def copy_tex_sub_image(walk, command):
 
 
 def _level_and_face(walk, command, known, faces=None):
-    """Refuse a level or a face that a texture does not have. ``faces``: how many count; None: all."""
+    """Refuse a level or a face that a texture lacks. ``faces``: how many it has; None: all of the level's."""
     if not 0 <= command.level < len(known.sizes):
         walk.refuse(
             f"level {command.level} of {command.texture!r} does not exist; it has {len(known.sizes)}. "
@@ -294,7 +294,7 @@ def _level_and_face(walk, command, known, faces=None):
 
 
 def get_tex_image(walk, command):
-    """Refuse a GetTexImage of what is not there, or as what the texture does not hold."""
+    """Refuse a GetTexImage of a texture that does not exist, or in a format that its texels do not have."""
     buffers.read_as(walk, command, (*READ_FORMATS, DEPTH_FORMAT))
     known = known_texture(walk, command.texture)
     internal_format = known.internal_format
@@ -326,7 +326,7 @@ def get_tex_image(walk, command):
 
 
 def bind_tex_image(walk, command):
-    """Refuse a BindTexImage that does not read the pbuffer's words; remember its texture."""
+    """Refuse a BindTexImage that cannot read the pbuffer's words; remember its texture."""
     if command.surface not in walk.surfaces:
         made = quoted(walk.surfaces)
         walk.refuse(
@@ -390,7 +390,7 @@ def _texture_storage(walk, target, internal_format, width, height, layers=1):
 
 
 def known_texture(walk, name):
-    """The KnownTexture of this name; refuse where there is none."""
+    """The KnownTexture of this name; refuse a name that no texture has."""
     if name not in walk.textures:
         defined = quoted(walk.textures)
         walk.refuse(

@@ -1,7 +1,6 @@
 """Validation of PixelTransfers, ColorTables and PixelImages.
 
-Fields have the types that ``fixedpipe.pipeline.pixel_transfer`` says, and are finite, before these functions
-see them.
+The type checks run first: fields have the types of ``fixedpipe.pipeline.pixel_transfer``, and are finite.
 
 Source: the errors of OpenGL 1.2.1 sections 3.6.3 and 3.6.4, SGI_color_table, EXT_convolution, EXT_histogram.
 """
@@ -21,8 +20,8 @@ from fixedpipe.pipeline.textures.pixel_formats import (
     packed_formats,
 )
 
-# Source: OpenGL 1.2.1 section 2.1.1: the magnitude that every machine's floating-point numbers reach; the
-# arithmetic of pixel transfer stays far inside float64's range then.
+# Source: OpenGL 1.2.1 section 2.1.1: every machine's floating-point numbers reach this magnitude. Below it
+# the arithmetic of pixel transfer stays far inside float64's range.
 _MOST = 2.0**32
 _MOST_SHIFT = 31  # an index has 32 bits
 _TABLES = ("color_table", "post_convolution_color_table", "post_color_matrix_color_table")
@@ -36,8 +35,9 @@ def _is_power_of_two(number):
 
 
 def transferred(walk, command, width, height, dimensions=2, deep=False):
-    """Width and height that pixels have once they went through the command's pixel transfer; 0 where a
-    convolution leaves nothing, which is no error (section 3.6.5, REDUCE).
+    """Width and height of the pixels after the command's pixel transfer.
+
+    They are 0 where a convolution leaves nothing, which is no error (section 3.6.5, REDUCE).
     """
     transfer = command.transfer
     if problem := _transfer_problem(transfer, walk.profile):
@@ -49,12 +49,12 @@ def transferred(walk, command, width, height, dimensions=2, deep=False):
 
 
 def reset_histogram(walk, command):
-    """Refuse a ResetHistogram of one that has not counted."""
+    """Refuse a ResetHistogram of a histogram that no earlier command counted in."""
     _known_table(walk, "histogram", command.name, walk.histograms)
 
 
 def reset_minmax(walk, command):
-    """Refuse a ResetMinmax of one that has seen nothing."""
+    """Refuse a ResetMinmax of a minmax that no earlier command used."""
     _known_table(walk, "minmax", command.name, walk.minmaxes)
 
 
@@ -67,7 +67,7 @@ def _known_table(walk, what, name, known):
 
 
 def _transfer_problem(transfer, profile):
-    """Why no image can go through a PixelTransfer on a machine, or None."""
+    """A sentence that says why a machine cannot perform a PixelTransfer on any image, or None."""
     if transfer is INITIAL_TRANSFER:
         return None
     return (
@@ -87,7 +87,7 @@ def _first(problems):
 
 
 def _subset_problem(transfer, profile):
-    """What of the imaging subset is asked for and not there."""
+    """A sentence that names a used part of the imaging subset that the machine lacks, or None."""
     initial = INITIAL_TRANSFER
 
     def asked(*names):
@@ -124,7 +124,7 @@ def _subset_problem(transfer, profile):
 
 
 def _numbers_problem(transfer):
-    """A number beyond what machines of the time hold, or a shift by more bits than an index has."""
+    """A sentence that names a number beyond 2**32, or a shift of more bits than an index has, or None."""
     for name in ("scale", "bias", *_POST_CONVOLUTION, *_POST_MATRIX, "color_matrix"):
         value = getattr(transfer, name)
         numbers = chain(*value) if name == "color_matrix" else value
@@ -156,7 +156,10 @@ def _maps_problem(maps, profile):
 
 
 def color_table_problem(what, table, profile):
-    """What is wrong with a ColorTable (or None: disabled), called ``what``."""
+    """A sentence that says what is wrong with a ColorTable, named ``what``, or None.
+
+    A table of None is disabled.
+    """
     if table is None:
         return None
     size, most = len(table.entries), profile.pixels.max_color_table_size
@@ -207,9 +210,10 @@ def _counting_problem(name, table, profile):
 
 
 def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FORMATS), axes=2):
-    """What is wrong with a PixelImage whose format is to be one of ``formats``, or None.
+    """A sentence that says what is wrong with a PixelImage, or None.
 
-    ``axes``: of the image without its components: 2, or 3 with faces or layers.
+    - ``formats``: the formats that it may have.
+    - ``axes``: the image's axes besides its components: 2, or 3 with faces or layers.
     """
     if image.format not in formats:
         return f"the image's format is {image.format!r}; give one of {', '.join(formats)}."
@@ -240,14 +244,17 @@ def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FOR
             f"the image's values are {values.dtype}; give integers of 8, 16 or 32 bits, which are fractions, "
             "or floats: .astype(np.uint8) if they are bytes."
         )
-    most = values.dtype.type(min(_MOST, float(np.finfo(values.dtype).max)))  # half floats end before
-    if not (np.abs(values) <= most).all():  # NaN is not
+    most = values.dtype.type(min(_MOST, float(np.finfo(values.dtype).max)))  # half floats end below 2**32
+    if not (np.abs(values) <= most).all():  # also true of NaN
         return "the image holds NaN, infinity or a magnitude above 2**32; give finite, smaller values."
     return None
 
 
 def _packed_problem(image):
-    """What is wrong with the type of an image of packed words, or None. Source: OpenGL 1.2.1 table 3.8."""
+    """A sentence that says what is wrong with an image of packed words, or None.
+
+    Source: OpenGL 1.2.1 table 3.8.
+    """
     if image.packed not in PACKED_TYPES:
         return (
             f"the image's packed type is {image.packed!r}; give one of {', '.join(PACKED_TYPES)}, or None "

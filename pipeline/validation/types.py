@@ -1,6 +1,7 @@
-"""Validation of types: values are what annotations say, bools, numbers, strings, enums, tuples, dataclasses.
+"""Validation of types: values agree with their annotations.
 
-Of graphics this module knows only that OpenGL's integers have 32 bits.
+Annotations are bools, numbers, strings, bytes, enums, tuples, dataclasses, arrays and functions. The module's
+only fact of graphics is that OpenGL's integers have 32 bits.
 """
 
 import math
@@ -17,18 +18,18 @@ from fixedpipe.pipeline.validation.remembered import Remembered
 
 
 class Wrong(NamedTuple):
-    """What is wrong with a value: the fields that lead to it, and the sentence's predicate."""
+    """What is wrong with a value: the path of fields to it, and the predicate of the sentence."""
 
     path: str
     predicate: str
 
     def below(self, field):
-        """The same of a value that ``field`` leads to this one from."""
+        """The same finding, seen from the value that holds this one in ``field``."""
         return Wrong(field + self.path, self.predicate)
 
 
 def enum_check(kind):
-    """A check of whether a value is a member of the enum ``kind``."""
+    """A check that a value is a member of the enum ``kind``."""
     example = f"{kind.__name__}.{next(iter(kind)).name}"
 
     def check(value):
@@ -48,7 +49,7 @@ def _check_bool(value):
 
 
 def check_int(value):
-    """None for an integer of OpenGL's, else what is wrong with the value."""
+    """None for a 32-bit integer, as OpenGL's are; else what is wrong with the value."""
     if isinstance(value, Integral) and not isinstance(value, bool):
         if -(2**31) <= value < 2**31:
             return None
@@ -62,7 +63,7 @@ def _check_float(value):
     if isinstance(value, Real) and not isinstance(value, bool):
         try:
             finite = math.isfinite(value)
-        except OverflowError:  # an integer beyond every float
+        except OverflowError:  # The integer exceeds every float.
             finite = False
         return None if finite else Wrong("", f"is {shown(value)}; give a finite number")
     return Wrong("", f"is {shown(value)}; give a number")
@@ -106,7 +107,7 @@ def _long_tuple_check(check_one):
 
 
 def _dataclass_check(kind, checks):
-    # Most fields of most values are what they are by default, and that object is right.
+    # Most fields hold their default, which needs no check.
     checks = [(f.name, f.default, checks[f.type]) for f in fields(kind)]
 
     def check(value):
@@ -122,7 +123,7 @@ def _dataclass_check(kind, checks):
 
 
 def _remembering(check):
-    """The same check, which looks at an object once."""
+    """The same check, which checks each object once."""
     right = Remembered()
 
     def check_once(value):
@@ -148,7 +149,7 @@ def _check_bytes(value):
 
 
 def instance_check(kind):
-    """A check of whether a value is of type ``kind``, and no more."""
+    """A check that a value is of type ``kind``; it does not look inside."""
 
     def check(value):
         if isinstance(value, kind):
@@ -159,17 +160,16 @@ def instance_check(kind):
 
 
 def _class_of(annotation):
-    """The class that a generic annotation is of, also where an alias names it: NDArray, from NumPy 2.5 on."""
+    """The class of a generic annotation, also behind an alias, as NDArray is from NumPy 2.5 on."""
     origin = get_origin(annotation)
     return get_origin(getattr(origin, "__value__", None)) or origin
 
 
 class TypeChecks(dict):
-    """For each annotation a function from a value to None, or to what is wrong with it, made when it is asked
-    for first.
+    """A check for each annotation, made at first use: a function from a value to None, or to a Wrong.
 
-    whole   classes whose values' fields are not looked at
-    shared  dataclasses that many values have in common: of these an object is looked at once
+    - ``whole``: classes whose fields are not checked.
+    - ``shared``: dataclasses that many values share; each object of these is checked once.
     """
 
     def __init__(self, whole=(), shared=()):
@@ -183,7 +183,7 @@ class TypeChecks(dict):
         return check
 
     def _made(self, annotation):
-        if get_origin(annotation) in (UnionType, Union):  # the latter of a Literal or None
+        if get_origin(annotation) in (UnionType, Union):  # Union: a Literal or None
             (present,) = (a for a in get_args(annotation) if a is not NoneType)
             return _optional_check(self[present])
         if get_origin(annotation) is tuple:
@@ -191,9 +191,9 @@ class TypeChecks(dict):
             if inner[-1] is Ellipsis:
                 return _long_tuple_check(self[inner[0]])
             return _fixed_tuple_check(inner, self)
-        if get_origin(annotation) is Literal:  # which strings are allowed, the command's own rule says
+        if get_origin(annotation) is Literal:  # The command's own validation knows which strings are allowed.
             return self[type(get_args(annotation)[0])]
-        if get_origin(annotation) is not None:  # an array or a function, whatever is in it
+        if get_origin(annotation) is not None:  # An array or a function: its contents are not checked.
             return instance_check(_class_of(annotation))
         if issubclass(annotation, Enum):
             return enum_check(annotation)

@@ -1,15 +1,16 @@
 """What a machine refuses, and why: every command is checked before any is executed.
 
-``validate`` walks the commands in order, knows which textures exist when each is reached, and raises
-``UnsupportedState`` at the first thing that the profile could not hold or that no machine could mean. Every
-sentence names the command, what was given, what the machine allows, and what to do about it.
+``validate`` walks the commands in order and knows which textures exist at each. It raises
+``UnsupportedState`` at the first command that the profile cannot execute or that has no meaning on any
+machine. Each message names the command, what was given, what the machine allows, and what to do.
 
 Source: the errors of OpenGL 1.2.1, NV_register_combiners and 2, EXT_texture_cube_map, NV_texgen_reflection,
 EXT_texture_lod_bias, EXT_stencil_wrap, EXT_fog_coord, NV_texture_shader, EXT_point_parameters,
-NV_point_sprite, ARB_texture_env_combine and _dot3, NV_texture_env_combine4. Where OpenGL clamps silently
-(clear colours, constant colours, alpha and stencil references) so do the stages that follow, and nothing is
-refused; where it calls the result undefined (pixels read outside the framebuffer, an incomplete texture)
-validation refuses.
+NV_point_sprite, ARB_texture_env_combine and _dot3, NV_texture_env_combine4.
+
+Where OpenGL clamps silently (clear colours, constant colours, alpha and stencil references), the later stages
+clamp, and validation refuses nothing. Where OpenGL calls the result undefined (pixels read outside the
+framebuffer, an incomplete texture), validation refuses.
 """
 
 from __future__ import annotations
@@ -79,11 +80,11 @@ from fixedpipe.pipeline.validation.transfer import reset_histogram, reset_minmax
 from fixedpipe.pipeline.validation.types import TypeChecks
 from fixedpipe.pipeline.validation.walk import Known, UnsupportedState, Walk
 
-if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
+if TYPE_CHECKING:  # For annotations alone: validation calls no framebuffer.
     from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
     from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 
-# Parts that many states share, because dataclasses.replace keeps them, are looked at once.
+# Many states share these parts, because dataclasses.replace keeps them. Each is checked once.
 _CHECKS = TypeChecks(
     whole=(Mesh, Texture),
     shared=(
@@ -98,7 +99,7 @@ _CHECKS = TypeChecks(
     ),
 )
 
-# What refuses a command of each class: a function of the Walk and the command.
+# The function that validates each class of command; it takes the Walk and the command.
 VALIDATIONS = {
     Clear: clear,
     Draw: draw,
@@ -136,20 +137,20 @@ def validate(
 ) -> None:
     """Refuse what the machine could not execute; return None if it can execute everything.
 
-    commands       iterable of commands, in order
-    profile        the machine
-    width, height  of the framebuffer, pixels
-    depth_bits     of the depth buffer; None: the widest fixed format that the machine has
-    textures       {name: Texture} that the machine holds already, or None
-    surfaces       {name: Framebuffer}, its pbuffers, or None
-    statistics     its PixelStatistics, or None
-    samples        of each of the framebuffer's pixels
-    color_bits     of its colours' components; None: the usual width
-    read           names that ReadPixels of the same frame gave already
+    - ``commands``: iterable of commands, in order.
+    - ``profile``: the machine.
+    - ``width``, ``height``: of the framebuffer, in pixels.
+    - ``depth_bits``: of the depth buffer; None: the machine's widest fixed format.
+    - ``textures``: {name: Texture} that the machine already holds, or None.
+    - ``surfaces``: {name: Framebuffer}, the machine's pbuffers, or None.
+    - ``statistics``: the machine's PixelStatistics, or None.
+    - ``samples``: of each pixel of the framebuffer.
+    - ``color_bits``: of its colours' components; None: the usual width.
+    - ``read``: names that ReadPixels of the same frame already gave.
 
-    Raises UnsupportedState (a ValueError) whose message names the command, what was given, what the machine
-    allows, and what to do. Meshes and textures are looked at once in their life; so are states, as long as
-    they are remembered (``Remembered``).
+    Raises UnsupportedState (a ValueError). Its message names the command, what was given, what the machine
+    allows, and what to do. Each mesh and texture is checked once in its life; a state is checked once while
+    ``Remembered`` holds it.
     """
     check_framebuffer(profile, width, height, profile.widest_depth if depth_bits is None else depth_bits)
     check_samples(profile, samples)
@@ -173,7 +174,7 @@ def begun(
     *,
     samples: int = 1,
 ) -> Walk:
-    """A Walk that knows what a machine holds, before any command; arguments as ``validate``'s."""
+    """A Walk before the first command, with what a machine holds; the arguments are those of ``validate``."""
     depth_bits = profile.widest_depth if depth_bits is None else depth_bits
     walk = Walk(profile, width, height, depth_bits, surfaces or {}, statistics, read, samples=samples)
     for name, image in (textures or {}).items():
@@ -185,9 +186,10 @@ def begun(
 def walked(walk: Walk, commands: Iterable[Command], since: str = "", first: int = 0) -> list[Known]:
     """Go through the commands, and refuse the first that the machine could not execute.
 
-    since, first  how a refused command's number is said: from where on it is counted, and from which number
+    - ``since``, ``first``: how messages count the commands: from which place, and from which number.
 
-    Returns what is known after every HostStep, and at last after all of the commands.
+    Returns what the Walk knows after every HostStep, and after the last command. Where only a later driver
+    takes the commands, the message of the UnsupportedState names that driver.
     """
     if walk.profile.driver is None:
         return _walked(walk, commands, since, first)
@@ -211,7 +213,7 @@ def _takes_all(walk, commands):
 
 
 def _walked(walk, commands, since, first):
-    """``walked``, whatever the driver."""
+    """``walked`` without a look at later drivers."""
     known = []
     for number, command in enumerate(frame_of(commands), first):
         if walk.takes(command):
@@ -235,16 +237,17 @@ def _walked(walk, commands, since, first):
 
 
 class ValidFrame:
-    """The commands of a frame that wait, all of them found right, those that HostSteps issue as well.
+    """The checked commands of a frame that wait to run, with those that HostSteps issue.
 
-    waiting  deque of commands, which the caller takes from the left, in order
+    - ``waiting``: deque of commands; the caller takes them from the left, in order.
 
-    Where what a HostStep issues leaves the textures and the rest as they were, what waits needs no second
-    look: a frame's time grows with its commands, not with their number times its HostSteps'.
+    A HostStep's commands may leave the known textures and other state as they were. The waiting commands then
+    need no second check. So a frame's time grows with its commands, and not with commands times HostSteps.
     """
 
     def __init__(self, commands: Iterable[Command], begin: Callable[[Iterable[str]], Walk]):
-        """``begin``: given the names of pixels that were read, a Walk that knows what the machine holds now.
+        """Check the commands; ``begin`` makes a Walk of the machine, from the names of pixels read so far.
+
         Raises UnsupportedState for a command that the machine could not execute.
         """
         self.waiting = deque(frame_of(commands))
@@ -252,9 +255,10 @@ class ValidFrame:
         self._known = deque(walked(begin(()), self.waiting))
 
     def issue(self, step: HostStep, pixels: Mapping[str, NDArray[Any]]) -> None:
-        """Put what a HostStep, which was the leftmost, issues before what waits; all of it is right then.
+        """Put the commands of a HostStep, which was the leftmost, before the waiting ones; check them all.
 
-        ``pixels``: what was read, by name. Raises UnsupportedState, and what the step's function raises.
+        ``pixels`` are the arrays read so far, by name. Raises UnsupportedState, and whatever the step's
+        function raises.
         """
         issued, walk = issued_by(step, pixels), self._begin(pixels)
         since, expected = f' from HostStep "{step.label}" on', self._known.popleft()
@@ -270,10 +274,10 @@ def validate_program(
     combiners: RegisterCombiners | None,
     profile: Profile,
 ) -> None:
-    """Refuse texture shader stages and register combiners that the machine does not have, whatever textures
-    and meshes they meet; either may be None.
+    """Refuse texture shader stages and register combiners that the machine lacks, with any textures.
 
-    Raises UnsupportedState (a ValueError) that names what was given, what the machine allows, what to do.
+    Either may be None. Raises UnsupportedState (a ValueError) that names what was given, what the machine
+    allows and what to do.
     """
     walk = Walk(profile, 1, 1, profile.widest_depth, {}, None)
     walk.where = "This program"

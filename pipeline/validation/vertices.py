@@ -9,7 +9,7 @@ from fixedpipe.pipeline.vertices.arithmetic import invert_upper_left
 
 
 def vertex(walk, vertex):
-    """Refuse a vertex stage that the machine does not have."""
+    """Refuse a vertex stage that the machine lacks."""
     if vertex.stage == VertexStage.PROGRAM_RESULTS:
         if walk.profile.arithmetic.exact:
             walk.refuse(
@@ -49,7 +49,7 @@ def vertex(walk, vertex):
 
 
 def _unit_only(walk, path, given, plain, names):
-    """Refuse fields of ``given`` that only a lighting unit has, where they are not as in ``plain``."""
+    """Refuse fields of ``given`` that only a lighting unit has, where they differ from ``plain``."""
     if walk.profile.arithmetic.lighting is LightingArithmetic.LIGHTING_UNIT:
         return
     for name in names:
@@ -76,7 +76,7 @@ def _composite(walk, vertex):
 
 
 def normals(walk, state):
-    """Refuse a modelview matrix whose determinant is not finite where normals go through it."""
+    """Refuse a modelview matrix whose determinant is not finite, where the state transforms normals by it."""
     if needs_normals(state):
         walk.once(_inverse, state.vertex)
 

@@ -16,27 +16,28 @@ from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation.meshes import checked_meshes, infinite_fog
 from fixedpipe.pipeline.validation.remembered import Remembered
 
-if TYPE_CHECKING:  # for annotations alone: the law asks no framebuffer
+if TYPE_CHECKING:  # For annotations alone: validation calls no framebuffer.
     from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
     from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 
 
 class UnsupportedState(ValueError):  # noqa: N818 (it names what was asked for)
-    """A command that the machine could not execute; the message is a sentence that says what to do."""
+    """A command that the machine could not execute. The message says what is wrong and what to do."""
 
 
 class DisabledTexture(UserWarning):
     """A pass reads the texture of a unit that it does not enable; the message says what it gets instead.
 
-    It is a warning, because machines draw it: NV_register_combiners leaves such a register undefined, but the
-    NV2A was measured to hold opaque black there (docs/numbers.md, section 7), which captures of the suites
-    Combiner, Depth_buffer and Texture_format show; a texture environment gets what NV_texture_env_combine4 or
-    ARB_texture_env_crossbar says. Who wrote a pass that reads one mostly meant a texture.
+    This is a warning and no error, because machines draw such passes. NV_register_combiners leaves the
+    register undefined. On the NV2A it was measured to hold opaque black (docs/numbers.md, section 7; captures
+    of the suites Combiner, Depth_buffer and Texture_format). A texture environment gets what
+    NV_texture_env_combine4 or ARB_texture_env_crossbar says. Most authors of such a pass meant to enable a
+    texture.
     """
 
 
 class KnownSurface(NamedTuple):
-    """What validation remembers of a pbuffer: everything that it keeps from its first MakeCurrent on."""
+    """What validation remembers of a pbuffer: the properties that its first MakeCurrent fixes."""
 
     width: int
     height: int
@@ -54,8 +55,11 @@ class KnownSurface(NamedTuple):
 
 
 class KnownTexture(NamedTuple):
-    """What validation remembers of a texture object: (width, height) of every level, and how many faces or
-    layers it has, none with their border; and how many texels that has.
+    """What validation remembers of a texture object.
+
+    - ``sizes``: (width, height) of every level, without the border.
+    - ``faces``: the number of faces or layers of every level, without the border.
+    - ``border``: its width in texels.
     """
 
     target: TextureTarget
@@ -66,7 +70,7 @@ class KnownTexture(NamedTuple):
 
     @classmethod
     def of(cls, image: Texture) -> "KnownTexture":
-        """What is remembered of a Texture."""
+        """What validation remembers of a Texture."""
         s, t, r = (2 * texels for texels in image.borders)
         sizes = tuple((level.shape[2] - s, level.shape[1] - t) for level in image.levels)
         faces = tuple(len(level) - r for level in image.levels)
@@ -74,8 +78,12 @@ class KnownTexture(NamedTuple):
 
 
 class Taken:
-    """What a profile was found to take: parts of states, whole states and their kinds with what they were
-    drawn beside, and texture objects as what validation remembers of them.
+    """What a profile was found to take.
+
+    - ``parts``: parts of states.
+    - ``states``, ``kinds``: whole states and their kinds, each with the mesh and textures that it was checked
+      with.
+    - ``textures``: the KnownTexture of each Texture.
     """
 
     def __init__(self):
@@ -96,7 +104,7 @@ def taken_by(profile: Profile) -> Taken:
 
 
 class _Beside(NamedTuple):
-    """What a Draw's state was checked beside."""
+    """The properties of mesh and textures that the finding on a Draw's state depends on."""
 
     names: tuple[str, ...]
     textures: tuple[KnownTexture | None, ...]
@@ -105,7 +113,10 @@ class _Beside(NamedTuple):
 
 
 class Known(NamedTuple):
-    """A copy of what a Walk knows at a place of a frame: equal ones take the same commands from there on."""
+    """A copy of what a Walk knows between two commands.
+
+    Walks of one profile with equal copies take the same later commands.
+    """
 
     target: tuple[int, int, int, bool]
     surfaces: dict[str, KnownSurface]
@@ -114,17 +125,18 @@ class Known(NamedTuple):
 
 
 class Walk:
-    """What is known while the commands are gone through, in order.
+    """What is known while validation goes through the commands, in order.
 
-    where       the command at hand, in words
-    taken       what the profile was found to take
-    width, height, depth_bits  of what is drawn to: the window, or a pbuffer where ``in_window`` is False
-    surfaces    name to KnownSurface
-    textures    name to KnownTexture
-    warned      whether of the command at hand
-    read        names that ReadPixels or GetTexImage gave; ``given``: those of them whose pixels no
-                histogram's sink took
-    histograms, minmaxes  names of those that count
+    - ``where``: the words by which messages name the current command.
+    - ``taken``: what the profile was found to take.
+    - ``width``, ``height``, ``depth_bits``: of the draw target: the window, or a pbuffer where ``in_window``
+      is False.
+    - ``surfaces``: {name: KnownSurface}.
+    - ``textures``: {name: KnownTexture}.
+    - ``warned``: whether the current command has caused a warning.
+    - ``read``: names that ReadPixels or GetTexImage gave.
+    - ``given``: those of ``read`` whose pixels no histogram or minmax with a sink took.
+    - ``histograms``, ``minmaxes``: names of those that pixel transfers have used.
     """
 
     where: str
@@ -152,13 +164,13 @@ class Walk:
             for name, f in surfaces.items()
         }
         self.textures: dict[str, KnownTexture] = {}
-        self.read, self.given = set(read), set(read)  # names; those that a histogram's sink left pixels of
+        self.read, self.given = set(read), set(read)  # Earlier reads gave all of their pixels.
         self.histograms = set() if statistics is None else set(statistics.histograms)
         self.minmaxes = set() if statistics is None else set(statistics.minmaxes)
 
     @classmethod
     def of(cls, profile: Profile, known: Known) -> "Walk":
-        """A Walk of a machine that knows what another did at a place."""
+        """A Walk of another machine that knows what a Walk knew at a place of the frame."""
         width, height, depth_bits, in_window = known.target
         walk = cls(profile, width, height, depth_bits, {}, None)
         walk.in_window = in_window
@@ -173,11 +185,11 @@ class Walk:
         return Known(target, dict(self.surfaces), dict(self.textures), tuple(map(frozenset, names)))
 
     def refuse(self, sentence: str) -> NoReturn:
-        """Raise UnsupportedState of the command at hand."""
+        """Raise UnsupportedState for the current command."""
         raise UnsupportedState(f"{self.where}: {sentence}")
 
     def warn(self, sentence: str) -> None:
-        """Warn that the command at hand reads a DisabledTexture, at the line that called the project."""
+        """Warn that the current command reads a DisabledTexture, at the caller's line outside the project."""
         self.warned = True
         frame: FrameType | None = sys._getframe(1)
         level = 2
@@ -186,17 +198,17 @@ class Walk:
         warnings.warn(f"{self.where}: {sentence}", DisabledTexture, stacklevel=level)
 
     def once(self, check: Callable[..., None], value: Any, *beside: Hashable) -> None:
-        """``check(self, value, *beside)``, unless this machine was found to take the value beside these
-        hashable ones.
-        """
+        """Call ``check(self, value, *beside)`` unless this machine already passed the same check."""
         key = (id(value), check, *beside)
         if key not in self.taken.parts:
             check(self, value, *beside)
             self.taken.parts.add(value, *key[1:])
 
     def takes(self, command: Command) -> bool:
-        """Whether the command is known to be right here: a Clear that was checked before, or a Draw of a
-        state that was, with the same textures.
+        """Whether the command is known to be right here.
+
+        It is a Clear that was checked before, or a Draw whose state was checked with the same textures, the
+        same primitive type and a checked mesh.
         """
         if type(command) is Clear:
             return id(command) in self.taken.states
@@ -206,11 +218,11 @@ class Walk:
         return found is not None and found[1] == self.beside(command.mesh, found[1].names)
 
     def is_whole(self, command: Draw) -> bool:
-        """Whether a Draw has a label, and a Mesh."""
+        """Whether a Draw has a label and a Mesh."""
         return type(command.label) is str and bool(command.label.strip()) and type(command.mesh) is Mesh
 
     def beside(self, mesh: Mesh, names: tuple[str, ...]) -> _Beside | None:
-        """What the finding on a state that names these textures depends on; None for a mesh not checked."""
+        """What the finding on a state that names these textures depends on; None for an unchecked mesh."""
         if mesh not in checked_meshes:
             return None
         textures = tuple([self.textures.get(name) for name in names])
