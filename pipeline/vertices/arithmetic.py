@@ -1,8 +1,8 @@
-"""Arithmetic on vertex columns: one float64 array per component, or one np.float64 where all vertices agree.
+"""Arithmetic on vertex columns: a float64 array per component, or one np.float64 for equal vertices.
 
-Only +, -, *, / and the square root are used, which IEEE 754 makes exact on every machine, each in the order
-that docs/numbers.md section 2 gives. Matrix products of NumPy are never used: they fuse and reorder.
-Python floats stay out of the columns, because they raise where IEEE 754 says infinity.
+Only +, -, *, / and the square root occur, in the order that docs/numbers.md section 2 gives. IEEE 754 fixes
+their results on every machine. NumPy's matrix products fuse and reorder, so they never occur. Python floats
+stay out of the columns, because they raise where IEEE 754 gives infinity.
 """
 
 import numpy as np
@@ -22,7 +22,7 @@ def columns_of(array, defaults):
 
 
 def weighted_sum(coefficients, columns):
-    """Sum coefficient * column in order; terms with a coefficient of 0 are left out, no terms give 0."""
+    """Sum coefficient * column in order, without the terms of coefficient 0; no terms give 0."""
     total = None
     for coefficient, column in zip(coefficients, columns, strict=True):
         if coefficient == 0:
@@ -62,11 +62,11 @@ def positive(column):
 def power(base, exponent):
     """Raise base >= 0 to a finite exponent >= 0, the same bits on every processor; 0 to the power 0 is 1.
 
-    Write the exponent in binary. The factors base^1, base^2, base^4, ... come from repeated squaring, the
-    factors base^(1/2), base^(1/4), ... from repeated square roots; the result is the product of the factors
-    whose digit is 1, the whole part's from the lowest digit up, then the fraction's from the highest down.
+    The result is a product of one factor for each binary digit 1 of the exponent. The digits of the whole
+    part, from the lowest up, take base^1, base^2, base^4, ... from repeated squaring. The digits of the
+    fraction, from the highest down, take base^(1/2), base^(1/4), ... from repeated square roots.
 
-    Up to an exponent of 128 the relative error is below 1e-13 where the result is a normal number: squaring
+    Up to an exponent of 128 the relative error is below 1e-13 where the result is a normal number. Squaring
     doubles an error and a square root halves it, so all errors add up to some 130 roundings of 2^-53, 2e-14.
     """
     result = None
@@ -87,10 +87,10 @@ def power(base, exponent):
 
 
 def invert_upper_left(matrix):
-    """Inverse of the upper left 3x3 of a 4x4 matrix, as 3 rows of np.float64, by cofactors (docs/numbers.md);
-    where there is none, for the determinant is zero, the transpose, so that the matrix itself turns normals.
+    """Inverse of the upper left 3x3 of a 4x4 matrix, by cofactors (docs/numbers.md), as 3 rows of np.float64.
 
-    Raises ValueError if float64 cannot hold the determinant.
+    Where the determinant is zero there is no inverse. The function then returns the transpose, so that
+    normals are transformed by the matrix itself. Raises ValueError if float64 cannot hold the determinant.
     """
     m = [[np.float64(matrix[row][column]) for column in range(3)] for row in range(3)]
     with np.errstate(all="ignore"):
@@ -115,14 +115,14 @@ def invert_upper_left(matrix):
 
 
 def filled(count, column, dtype=np.float64):
-    """One C-contiguous array of count elements."""
+    """A C-contiguous array of ``count`` elements that holds the column."""
     result = np.empty(count, dtype=dtype)
     result[:] = column
     return result
 
 
 def stacked_units(count, columns):
-    """float64 [count, units, 4] of four columns for each unit."""
+    """float64 [count, units, 4] from four columns for each unit."""
     result = np.empty((count, len(columns) // 4, 4))
     for index, column in enumerate(columns):
         result[:, index // 4, index % 4] = column

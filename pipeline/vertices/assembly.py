@@ -10,12 +10,16 @@ _FLAGGED = frozenset({PrimitiveType.TRIANGLES, PrimitiveType.QUADS, PrimitiveTyp
 def split(primitive, counts, provoking):
     """Split runs of vertices into triangles.
 
-    counts is int64 [runs], the vertices of each Begin/End pair, one run after the other. Vertices that do not
-    complete a primitive are ignored (section 2.6.1). Returns int64 [k, 4], three vertices and the provoking
-    vertex of each triangle, counted through all runs, and int64 [k], the run of each triangle.
+    ``counts`` is int64 [runs]: the number of vertices of each Begin/End pair, one run after the other.
+    Vertices that do not complete a primitive are ignored (section 2.6.1).
+
+    Returns two arrays:
+
+    - int64 [k, 4]: three vertices and the provoking vertex of each triangle, numbered through all runs.
+    - int64 [k]: the run of each triangle.
 
     Measured: both diagonals and all provoking vertices, on NV2A captures. OpenGL's table 2.9 names the last
-    vertex; for quads and polygons the chip has no other.
+    vertex; for quads and polygons the chip offers no other.
     """
     counts = np.asarray(counts, dtype=np.int64)
     if primitive == PrimitiveType.TRIANGLES:
@@ -55,9 +59,10 @@ def split(primitive, counts, provoking):
 
 
 def split_lines(primitive, counts, provoking):
-    """Rows of LINES, LINE_STRIP or LINE_LOOP, or of POINTS, and the run of each, as ``split`` gives
-    triangles: a line's second vertex, then its first, twice; a point's vertex. A line's last vertex provokes,
-    or its first.
+    """Rows of LINES, LINE_STRIP, LINE_LOOP or POINTS, and the run of each, in the form of ``split``.
+
+    A line's row is its second vertex, its first twice, and the provoking vertex: its last or its first. A
+    point's row is its vertex four times.
     """
     counts = np.asarray(counts, dtype=np.int64)
     lines_in = {
@@ -80,9 +85,10 @@ def split_lines(primitive, counts, provoking):
 
 
 def boundary_edges(mesh):
-    """uint8 [k]: which edges of each triangle that ``assemble`` gives are edges of a primitive with its edge
-    flag set (section 2.6.2): 1 from the second vertex to the third, 2 from the third to the first, 4 from the
-    first to the second.
+    """uint8 [k]: the edges of each triangle of ``assemble`` that are primitive edges with their flag set.
+
+    Section 2.6.2. Bit 1 is the edge from the second vertex to the third, bit 2 from the third to the first,
+    and bit 4 from the first to the second.
     """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
     counts = np.array([stream] if mesh.counts is None else mesh.counts)
@@ -103,8 +109,9 @@ def boundary_edges(mesh):
 
 
 def stipple_groups(mesh):
-    """int64 [k]: a number for each row that ``assemble`` gives; rows of one number share a line stipple
-    counter: the lines of a strip or a loop, the edges of a polygon (sections 3.4.2 and 3.5.4).
+    """int64 [k]: a number for each row of ``assemble``; rows of one number share a line stipple counter.
+
+    These are the lines of a strip or a loop, and the edges of a polygon (sections 3.4.2 and 3.5.4).
     """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
     counts = np.array([stream] if mesh.counts is None else mesh.counts)
@@ -117,11 +124,12 @@ def stipple_groups(mesh):
 
 
 def assemble(mesh, provoking):
-    """Triangles of a mesh, or rows of its lines or points, as int32 [k, 4]: three vertex numbers and the
-    provoking vertex's.
+    """Triangles of a mesh, or rows of its lines or points: int32 [k, 4].
+
+    A row has three vertex numbers and the provoking vertex's number.
     """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
-    if mesh.counts is None and mesh.primitive == PrimitiveType.TRIANGLES:  # most meshes: what ``split`` gives
+    if mesh.counts is None and mesh.primitive == PrimitiveType.TRIANGLES:  # most meshes; as ``split``
         whole = stream - stream % 3
         vertices = np.arange(whole) if mesh.indices is None else mesh.indices[:whole]
         triangles = np.empty((whole // 3, 4), np.int32)

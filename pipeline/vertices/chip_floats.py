@@ -1,9 +1,10 @@
 """The floats of the vertex hardware, on columns (docs/numbers.md, section 2).
 
-The transform unit, which also runs vertex programs, keeps 24 significant bits, the lighting unit 14. Both
-round toward zero and take reciprocals from a small table and Newton steps. A column is float64, which holds
-such numbers exactly; they range like single precision, without denormal numbers. Source: envytools
-(nvhw/xf.c, nvhw/pgraph_celsius_xfrm.c), whose model its tests compare with the chips.
+The transform unit, which also runs vertex programs, keeps 24 significant bits; the lighting unit keeps 14.
+Both round toward zero, and compute reciprocals from a small table and Newton steps. A column is float64,
+which holds such numbers exactly. Their range is single precision's, without denormal numbers.
+
+Source: envytools (nvhw/xf.c, nvhw/pgraph_celsius_xfrm.c), whose model its tests compare with the chips.
 """
 
 from math import isqrt
@@ -14,15 +15,15 @@ from fixedpipe.pipeline.vertices.arithmetic import ONE, ZERO
 from fixedpipe.raster.floats import LEAST_SINGLE, SINGLE_BITS, keep_significant_bits
 
 TRANSFORM_BITS, LIGHTING_BITS = SINGLE_BITS, 14  # significant bits
-SUM_GUARD_BITS = 5  # how many bits below its largest term's last one a sum keeps
+SUM_GUARD_BITS = 5  # a sum keeps this many bits below the last bit of its largest term
 
-# Seeds, with 7 bits: of 1/x for x in [1, 2) at the middle of each 64th, and of 1/sqrt(x) for x in [1, 2),
-# then in [2, 4). Source: envytools' tables are these values, truncated or rounded.
+# Seeds of 7 bits. For 1/x, x in [1, 2), they are the values at the middle of each 64th. For 1/sqrt(x), x in
+# [1, 2) comes first, then x in [2, 4). Source: envytools' tables are these values, truncated or rounded.
 LIGHTING_RECIPROCALS = np.array([16384 // (129 + 2 * k) for k in range(64)], np.uint64)
 TRANSFORM_RECIPROCALS = np.array([(32768 // (129 + 2 * k) + 1) // 2 for k in range(64)], np.uint64)
 _ROOTS = [(isqrt((65536 * scale) // (129 + 2 * k)) + 1) // 2 for scale in (128, 64) for k in range(64)]
 TRANSFORM_ROOTS = np.minimum(np.array(_ROOTS, np.uint64), np.uint64(127))
-# Measured: truncated as the lighting unit's reciprocals are (Point_params Detailed_FF).
+# Measured: truncated, like the lighting unit's reciprocals (Point_params Detailed_FF).
 LIGHTING_ROOTS = np.array(
     [isqrt((16384 * scale) // (129 + 2 * k)) for scale in (128, 64) for k in range(64)], np.uint64
 )
@@ -32,7 +33,7 @@ _SMALLEST, _LIMIT = np.float64(LEAST_SINGLE), np.float64(2.0**128)
 
 
 def _in_range(column, significant_bits):
-    """Too small a number is 0, too large a finite one the largest of so many significant bits."""
+    """Replace numbers that are too small by 0, and finite ones that are too large by the largest number."""
     size = np.abs(column)
     largest = np.float64((2.0 - 2.0 ** (1 - significant_bits)) * 2.0**127)
     column = np.where((size >= _LIMIT) & np.isfinite(column), np.copysign(largest, column), column)
@@ -46,8 +47,10 @@ def single(column):
 
 
 def to_lighting(column):
-    """A single-precision number as it enters the lighting unit: half a unit of its last place is added and
-    the rest dropped; where the eight bits above are all ones the rest is dropped alone.
+    """Round a single-precision number as it enters the lighting unit.
+
+    The unit adds half of its last place and drops the lower bits. Where the eight bits above are all ones, it
+    drops the lower bits without the addition.
     """
     bits = np.asarray(column, np.float64).astype(np.float32).view(np.uint32)
     carried = np.where((bits >> np.uint32(10)) & np.uint32(255) != 255, bits + np.uint32(512), bits)
@@ -55,20 +58,20 @@ def to_lighting(column):
 
 
 def truncated(column, significant_bits):
-    """The column with its mantissa cut to so many significant bits, toward zero."""
+    """The column with its mantissa cut to this many significant bits, toward zero."""
     values = np.asarray(column, np.float64)
     return np.where(np.isfinite(values), keep_significant_bits(values, significant_bits), values)
 
 
 def product(a, b, significant_bits):
-    """A b toward zero; zero times infinity is 0, and an infinite product is positive."""
+    """The product of a and b, toward zero; zero times infinity is 0, and an infinite product is positive."""
     exact = np.where(((a == 0) & np.isinf(b)) | (np.isinf(a) & (b == 0)), ZERO, a * b)
     exact = np.where(np.isinf(exact), np.inf, exact)
     return _in_range(truncated(exact, significant_bits), significant_bits)
 
 
 def transform_product(a, b):
-    """A vertex program's product: an infinite one keeps its sign, 0 times anything is 0, and NaN has no sign.
+    """A vertex program's product: an infinite product keeps its sign, 0 times anything is 0, NaN has no sign.
 
     Source: NV_vertex_program; envytools (fp32_mul). Measured: Attrib_float.
     """
@@ -78,8 +81,10 @@ def transform_product(a, b):
 
 
 def total(terms, significant_bits, guard_bits=SUM_GUARD_BITS):
-    """The terms' sum: each is cut, toward zero, ``guard_bits`` below the last bit of the largest, and the
-    exact sum of what is left is cut to ``significant_bits``. An infinite sum is positive.
+    """The sum of the terms; an infinite sum is positive.
+
+    Each term is cut, toward zero, at ``guard_bits`` below the last bit of the largest term. The exact sum of
+    the cut terms is then cut to ``significant_bits``.
     """
     terms = [np.asarray(term, np.float64) for term in terms]
     largest = ZERO
@@ -95,14 +100,14 @@ _NO_BOUND = -1000  # below the exponents of products of single-precision numbers
 
 
 def _where_finite(result, a, b, c, significant_bits):
-    """``result`` cut to its bits; with an infinity or NaN among the numbers, a product and then a sum."""
+    """``result`` cut to its bits, or, where a number is infinite or NaN, a product followed by a sum."""
     finite = np.isfinite(a) & np.isfinite(b) & np.isfinite(c)
     result = _in_range(truncated(np.where(finite, result, ZERO), significant_bits), significant_bits)
     return np.where(finite, result, total((product(a, b, significant_bits), c), significant_bits, 0))
 
 
 def _bound(column):
-    """The least e with |column| < 2^e; of 0 and of what is not finite, less than any number's."""
+    """The least e with |column| < 2^e; for 0, infinity and NaN a value below every number's."""
     return np.where(np.isfinite(column) & (column != 0), np.frexp(column)[1], _NO_BOUND)
 
 
@@ -113,9 +118,11 @@ def _multiple(column, exponent):
 
 
 def multiply_add(a, b, c, significant_bits):
-    """a b + c, its terms brought to one place before the multiplication: that of a b is the sum of the
-    factors' bounds, c's a bit above its own, and a or c loses the bits by which its place is the lower one.
-    Neither the product nor the sum loses more before the result is cut.
+    """a b + c, with the terms aligned before the multiplication.
+
+    The place of the product is the sum of the bounds of a and b. The place of c is one above its own bound.
+    If the product's place is lower, a loses the bits between the places; if c's is lower, c loses them.
+    Nothing more is lost before the result is cut.
     """
     a, b, c = (np.asarray(x, np.float64) for x in (a, b, c))
     lower = _bound(c) + 1 - (_bound(a) + _bound(b))
@@ -128,20 +135,20 @@ def multiply_add(a, b, c, significant_bits):
 
 
 def add_product(a, b, c, significant_bits):
-    """a b + c: the exact product and c, each cut a bit below the last one of the larger, and their sum."""
+    """a b + c: the exact product and c are cut one bit below the last bit of the larger, then added."""
     a, b, c = (np.asarray(x, np.float64) for x in (a, b, c))
     last = np.maximum(_bound(a * b), _bound(c)) - significant_bits - 1
     return _where_finite(_multiple(a * b, last) + _multiple(c, last), a, b, c, significant_bits)
 
 
 def _mantissa(column, bits):
-    """Of finite |column| = m 2^e with m in [1, 2): m as an integer of ``bits`` bits, uint64, and e."""
+    """(m, e) with finite |column| = m 2^e and m in [1, 2): m as a uint64 integer of ``bits`` bits, and e."""
     fraction, exponent = np.frexp(np.where(np.isfinite(column) & (column != 0), np.abs(column), ONE))
     return np.trunc(np.ldexp(fraction, bits)).astype(np.uint64), exponent - 1
 
 
 def _with_limits(result, column):
-    """``result`` with the column's sign, but 1/0 is positive infinity and 1/infinity is 0."""
+    """``result`` with the column's sign, except that 1/0 is positive infinity and 1/infinity is 0."""
     result = np.where(result < _SMALLEST, ZERO, np.copysign(result, column))
     result = np.where(column == 0, np.inf, np.where(np.isinf(column), ZERO, result))
     return np.where(np.isnan(column), np.nan, result)
@@ -178,7 +185,7 @@ def transform_inverse_root(column):
 
 
 def lighting_inverse_root(column):
-    """1 / sqrt(|column|) as point sizes take it, from the lighting unit's table alone: 7 bits."""
+    """1 / sqrt(|column|) for point sizes, from the lighting unit's table without a Newton step: 7 bits."""
     m, exponent = _mantissa(column, LIGHTING_BITS)
     odd = (exponent & 1).astype(np.uint64)
     seed = LIGHTING_ROOTS[((m >> np.uint64(7)) & np.uint64(63)) + odd * np.uint64(64)]
@@ -186,11 +193,11 @@ def lighting_inverse_root(column):
 
 
 def transform_dot(a, b):
-    """The transform unit's sum of products of vectors of three or four columns."""
+    """The transform unit's dot product of vectors of three or four columns."""
     return total([product(x, y, TRANSFORM_BITS) for x, y in zip(a, b, strict=True)], TRANSFORM_BITS)
 
 
 def transform_matrix(matrix, columns):
-    """Matrix times column vector in the transform unit, both as it reads registers and vertices."""
+    """Matrix times column vector in the transform unit, which reads both in single precision."""
     columns = [single(column) for column in columns]
     return [transform_dot(columns, [single(np.float64(m)) for m in row]) for row in matrix]

@@ -1,7 +1,7 @@
-"""Clipping (section 2.11): Sutherland-Hodgman on all triangles that need it at once.
+"""Clipping (section 2.11): Sutherland-Hodgman on all affected triangles at once.
 
-Filled triangles are clipped by the near and far planes, the user planes and the guard band, never by the
-sides of the view volume, which ``fixedpipe.pipeline.vertices.view_volume`` keeps otherwise.
+Filled triangles are clipped by the near and far planes, the user planes and the guard band. The sides of the
+view volume do not clip them: ``fixedpipe.pipeline.vertices.view_volume`` replaces that by a scissor box.
 """
 
 from functools import partial
@@ -14,11 +14,11 @@ from fixedpipe.pipeline.vertices.assembly import split
 
 CLIP = slice(0, 4)
 EYE = slice(4, 8)
-_NEAREST_W = 2.0**-100  # where nothing is clipped at the near plane: w stays positive
+_NEAREST_W = 2.0**-100  # with depth clamping no near plane clips; this bound keeps w positive
 
 
 def _everywhere(column, count):
-    """A column as an array. NumPy's broadcast_to costs more than what is done with a short one."""
+    """A column as an array. NumPy's broadcast_to costs more than the work on a short column."""
     return column if column.ndim else np.broadcast_to(column, count)
 
 
@@ -47,13 +47,16 @@ def _high(axis, half, reach, v):
 
 
 def clip_planes(user_planes, half_size, center, size, guard_band, depth_clamp):
-    """Distances from the clipping planes, in the order in which they clip.
+    """Distance functions of the clipping planes, in the order in which they clip.
 
-    half_size and center, (x, y), are half the viewport's size and its middle in window coordinates; size is
-    the framebuffer's (width, height); guard_band is in pixels around the framebuffer. Each distance is a
-    function of a list of columns that starts with clip coordinates, and with eye coordinates after them if
-    there are user planes. A vertex is inside when its distance is >= 0. With ``depth_clamp`` the plane of
-    the eye takes the place of the near and far planes.
+    - ``user_planes``: the enabled user planes.
+    - ``half_size``, ``center``: (x, y), half the viewport's size and its middle in window coordinates.
+    - ``size``: (width, height) of the framebuffer.
+    - ``guard_band``: in pixels around the framebuffer.
+    - ``depth_clamp``: a plane at the eye replaces the near and far planes.
+
+    Each function takes a list of columns that starts with clip coordinates; with user planes, eye coordinates
+    follow. A vertex is inside when its distance is >= 0.
     """
     depth_planes = [_eye] if depth_clamp else [_near, _far]
     planes = [*depth_planes, *(partial(_user, plane) for plane in user_planes)]
@@ -65,7 +68,7 @@ def clip_planes(user_planes, half_size, center, size, guard_band, depth_clamp):
     return planes
 
 
-# The sides of the view volume, in the order of ``clip_planes``' last four, whose places they take.
+# The sides of the view volume, in the order of the last four planes of ``clip_planes``, which they replace.
 VIEW_VOLUME_SIDES = (
     partial(_low, 0, ONE, ONE),
     partial(_high, 0, ONE, ONE),
@@ -77,10 +80,13 @@ VIEW_VOLUME_SIDES = (
 def clip(triangles, columns, vertex_count, planes):
     """Clip triangles against planes; only triangles with a vertex outside a plane change.
 
-    triangles is int32 [k, 4], three vertices and the provoking vertex; columns, of vertex_count vertices,
-    starts as clip_planes says. Returns triangles in draw order as int32 [j, 4], the columns with the vertices
-    of clipped triangles appended, int64 [j] telling which of the k triangles each came from, and how many
-    triangles were dropped because a clip coordinate is not finite.
+    ``triangles`` is int32 [k, 4]: three vertices and the provoking vertex. ``columns``, of ``vertex_count``
+    vertices, starts with the columns that ``clip_planes`` names. Returns:
+
+    - int32 [j, 4]: the triangles in draw order.
+    - the columns, with the vertices of clipped triangles appended.
+    - int64 [j]: the index in ``triangles`` that each came from.
+    - the number of triangles dropped because a clip coordinate is not finite.
     """
     origin = np.arange(len(triangles))
     corners = triangles[:, :3]
@@ -99,7 +105,7 @@ def clip(triangles, columns, vertex_count, planes):
     hidden = np.any([outside.all(axis=1) for _, outside in violated], axis=0)
     chosen = np.flatnonzero(touched & finite & ~hidden)
 
-    # One row for each attribute, one column for each polygon vertex: plane distances read it like columns.
+    # One row for each attribute, one column for each polygon vertex: plane functions read rows as columns.
     values = np.stack([_everywhere(column, vertex_count)[corners[chosen].ravel()] for column in columns])
     polygon = np.repeat(np.arange(len(chosen)), 3)
     for plane, outside in violated:
@@ -121,10 +127,10 @@ def clip(triangles, columns, vertex_count, planes):
 
 
 def clip_lines(rows, columns, vertex_count, planes):
-    """Clip lines, or points, as ``clip`` clips triangles; rows as ``assembly.split_lines`` gives them.
+    """Clip lines or points, with the results of ``clip``; rows are those of ``assembly.split_lines``.
 
-    A point outside a plane is discarded. A line's end outside a plane moves to the intersection, computed
-    from the other end as a triangle's is.
+    A point outside a plane is discarded. A line's end outside a plane moves to the intersection, which is
+    computed from the other end, as for triangles.
     """
     ends = rows[:, [1, 0]].astype(np.int64)  # the first vertex, then the second
     finite = np.ones(len(rows), dtype=bool)
@@ -157,11 +163,11 @@ def clip_lines(rows, columns, vertex_count, planes):
 
 
 def _clip_polygons(values, polygon, plane, needed):
-    """Clip polygons against one plane, those alone that need it.
+    """Clip polygons against one plane, but only those marked in ``needed``.
 
-    values is float64 [attributes, v]; polygon is int64 [v], ascending: the polygon of each vertex. Returns
-    both after clipping. Walking each polygon in order, a vertex inside is kept, and where the edge to the
-    next vertex crosses the plane, the intersection follows.
+    ``values`` is float64 [attributes, v]; ``polygon`` is int64 [v], ascending: the polygon of each vertex.
+    Returns both after clipping. The order is that of each polygon's vertices: an inside vertex is kept, and
+    where the edge to the next vertex crosses the plane, the intersection follows.
     """
     distance = plane(values)
     inside = (distance >= 0) | ~needed[polygon]

@@ -1,4 +1,4 @@
-"""Normals and colours of vertices: lit or given, clamped, and the bytes that are iterated."""
+"""Normals and colours of vertices: lit or given, clamped, and converted to the bytes that are iterated."""
 
 import numpy as np
 
@@ -20,12 +20,12 @@ from fixedpipe.pipeline.vertices.weighting import weight_of, weighted
 from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits, kept
 from fixedpipe.raster.primitives.meshes import color_bytes
 
-COLOR_REACH = 1 << 10  # how far a colour reaches, in ones, whose clamp is off
-_NONE = np.zeros((0, 0))  # of a mesh that has no such array
+COLOR_REACH = 1 << 10  # without a clamp, colours are limited to this magnitude; 1.0 is full intensity
+_NONE = np.zeros((0, 0))  # stands for an array that a mesh lacks
 
 
 def eye_normal(mesh, vertex):
-    """Section 2.10.3; of two modelview matrices, EXT_vertex_weighting."""
+    """Normals in eye coordinates (section 2.10.3); with two modelview matrices, EXT_vertex_weighting's."""
     given = columns_of(mesh.normals, (0.0, 0.0, 1.0))
     normals = []
     for matrix in vertex.modelviews:
@@ -42,9 +42,9 @@ def eye_normal(mesh, vertex):
 
 
 def vertex_colors(mesh, vertex, position, eye, normal, profile):
-    """Front and back colours, 8 columns each; one list if they are the same.
+    """Front and back colours, 8 columns each; one list for both if they are the same.
 
-    They are clamped to [0, 1] (section 2.13.6) where the machine does that.
+    They are clamped to [0, 1] (section 2.13.6) on a machine that does so.
     """
     color = columns_of(mesh.colors, (1.0, 1.0, 1.0, 1.0))
     secondary = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))
@@ -74,9 +74,9 @@ def _clamps_colors(profile):
 
 
 def given_colors(mesh, columns, vertex, profile, bits):
-    """Colours of vertices without lighting, as WindowPrimitives has them, and whether all are equal.
+    """Colours of vertices without lighting, in WindowPrimitives' form, and whether all are equal.
 
-    ``bits``: ``kept_color_bits``, or None.
+    ``bits`` is the result of ``kept_color_bits``, or None.
     """
     key = vertex.two_side, vertex.secondary_color, bits, _clamps_colors(profile)
     if key not in columns.colors and key == (False, SecondaryColor.FROM_VERTEX, bits, True) and bits:
@@ -94,7 +94,7 @@ def given_colors(mesh, columns, vertex, profile, bits):
 
 
 def unrounded_colors(mesh, columns, vertex, profile):
-    """What ``given_colors`` makes bytes of, as MeshColumns has it."""
+    """The colours of ``given_colors`` before they become bytes, in MeshColumns' form."""
     key = vertex.two_side, vertex.secondary_color, _clamps_colors(profile)
     if key not in columns.unrounded:
         front, back = vertex_colors(mesh, vertex, None, None, None, profile)
@@ -104,7 +104,7 @@ def unrounded_colors(mesh, columns, vertex, profile):
 
 
 def kept_color_bits(vertex, profile):
-    """How many bits of a colour's mantissa are kept on its way to a byte; None: it stays float64."""
+    """The number of mantissa bits that a colour keeps before it becomes a byte; None: it stays float64."""
     if profile.arithmetic.exact:
         return None
     exact = vertex.lighting is not None and profile.arithmetic.lighting == LightingArithmetic.EQUATIONS
@@ -112,7 +112,7 @@ def kept_color_bits(vertex, profile):
 
 
 def fragment_colors(colors, state, profile, bits):
-    """Vertex colours, float64 [n, 2, 8], in units of ``bits``: cut to the machine's mantissa, to nearest.
+    """Vertex colours, float64 [n, 2, 8], cut to the machine's mantissa and rounded to units of ``bits`` bits.
 
     Inferred: a mantissa grows with the width it is rounded to.
     """
@@ -126,10 +126,10 @@ def fragment_colors(colors, state, profile, bits):
 
 
 def stacked_colors(count, columns, significant_bits):
-    """Front and back colours [count, 2, 8] of 8 columns (both sides the same) or 16.
+    """Front and back colours [count, 2, 8] from 8 columns (both sides the same) or 16.
 
-    significant_bits: how many bits of a colour's mantissa are kept, the rest truncated, on its way from
-    [0, 1] to a byte (section 2.13.9); None: the colours stay float64.
+    ``significant_bits`` is the number of mantissa bits that a colour in [0, 1] keeps before it becomes a byte
+    (section 2.13.9). None: the colours stay float64.
     """
     stacked = np.empty((count, len(columns)))
     for index, column in enumerate(columns):
@@ -142,6 +142,6 @@ def stacked_colors(count, columns, significant_bits):
 
 
 def color_byte(column, significant_bits):
-    """Bytes of a column in [0, 1], of which so many significant bits are kept (section 2.13.9)."""
+    """Bytes of a column in [0, 1] that is first cut to this many significant bits (section 2.13.9)."""
     cut = keep_significant_bits(column, significant_bits)
     return np.floor(cut * np.float64(255.0) + np.float64(0.5))

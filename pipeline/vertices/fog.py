@@ -1,7 +1,7 @@
 """Fog as the NV2A computes it: a line for each vertex, and a table for each pixel.
 
-docs/numbers.md section 9 fixes every operation. What machines with ROUNDED fog arithmetic do instead is in
-``fixedpipe.pipeline.programs.fog``.
+docs/numbers.md section 9 fixes every operation. ``fixedpipe.pipeline.programs.fog`` has the rule of machines
+with ROUNDED fog arithmetic.
 """
 
 from decimal import Decimal, localcontext
@@ -25,15 +25,15 @@ from fixedpipe.pipeline.vertices.chip_floats import (
 LN_256 = 5.545177444479562  # Source: the natural logarithm, rounded to float64
 TABLE_SIZE = 8193  # entries of ``table``
 _NODES, _STEPS = 32, 64  # Measured: straight lines between 32 nodes of 64 steps of 1/4096 (Fog captures)
-_LINEAR_STEPS = np.float64(2**21)  # of a LINEAR value's one
-_NO_LENGTH = 2.0**-24  # what stands for end - start = 0. Assumed: as steep as single precision can tell
-_LARGEST = np.float64(2.0**127)  # what an infinite vertex value becomes. Assumed: any large number
+_LINEAR_STEPS = np.float64(2**21)  # in one unit of a LINEAR value
+_NO_LENGTH = 2.0**-24  # replaces end - start = 0. Assumed: as steep as single precision can tell
+_LARGEST = np.float64(2.0**127)  # replaces an infinite vertex value. Assumed: any large number
 
 
 def line(fog):
     """(bias, multiplier) of a Fog: its registers', or what a driver makes of OpenGL's parameters.
 
-    In single precision; for the exponential modes as they enter the lighting unit.
+    Both are in single precision. Those of the exponential modes are rounded as they enter the lighting unit.
     """
     if fog.registers is not None:
         bias, multiplier = fog.registers.bias, fog.registers.multiplier
@@ -48,12 +48,14 @@ def line(fog):
 
 
 def vertex_value(fog, coordinate):
-    """What is iterated: coordinate * multiplier + bias, float64 columns in and out.
+    """The value that is iterated: coordinate * multiplier + bias, float64 columns in and out.
 
     The coordinate enters the lighting unit. LINEAR fog's product keeps 24 bits, and its sum is rounded up to
-    21 fraction bits; the others' stay in the lighting unit. What is not finite becomes the largest number:
-    infinite products are positive, and 0 times infinity is 0 but for LINEAR. Measured: 9320 of 9320 squares
-    of Fog_param; the rounding up: the pixels of Fog, Fog_vsh and Fog_gen that lie within 1e-3 of a step.
+    21 fraction bits. The other modes' product and sum keep the lighting unit's bits. Infinity and NaN become
+    the largest number. Infinite products are positive, and 0 times infinity is 0, except in LINEAR fog.
+
+    Measured: 9320 of 9320 squares of Fog_param; the rounding up: the pixels of Fog, Fog_vsh and Fog_gen that
+    lie within 1e-3 of a step.
     """
     bias, multiplier = line(fog)
     entered = to_lighting(coordinate)
@@ -66,8 +68,10 @@ def vertex_value(fog, coordinate):
 
 
 def folds(fog):
-    """Whether values above 3/2 of EXP and EXP2 fog count as those below: EXP2, whose square has no sign, and
-    EXP of a magnitude, which the chip takes here and not of the coordinate. Measured: Fog_param.
+    """Whether EXP or EXP2 fog treats a value above 3/2 as the value equally far below it.
+
+    EXP2 does, because its square has no sign. EXP of a magnitude does, because the chip takes the magnitude
+    here, and not of the coordinate. Measured: Fog_param.
     """
     absolute = fog.registers is not None and fog.registers.absolute
     return fog.mode == FogMode.EXP2 or (fog.mode == FogMode.EXP and absolute)
@@ -75,10 +79,10 @@ def folds(fog):
 
 @lru_cache(maxsize=8)
 def table(mode, folded):
-    """float64 [TABLE_SIZE]: the factor's byte, by n = floor(4096 v) of an iterated value v, 0 <= n <= 8192.
+    """float64 [TABLE_SIZE]: the factor's byte for n = floor(4096 v), 0 <= n <= 8192, of an iterated value v.
 
-    Measured: LINEAR 374 of 374 squares (FogGen_VS-linear-fog_x), EXP and EXP2 91557 of 91557 pixels (Fog,
-    Fog_vsh captures). ``folded``: see ``folds``.
+    ``folded`` is the result of ``folds``. Measured: LINEAR 374 of 374 squares (FogGen_VS-linear-fog_x), EXP
+    and EXP2 91557 of 91557 pixels (Fog, Fog_vsh captures).
     """
     n = np.arange(TABLE_SIZE)
     if mode == FogMode.LINEAR:
@@ -105,7 +109,7 @@ def _nodes(mode):
 
 
 def iterated_fog(mesh, state, eye, profile):
-    """What is iterated for fog: the coordinate, or what the machine computes from it."""
+    """The column that is iterated for fog: the coordinate, or the value that the machine computes from it."""
     if state.fog is None:
         return ZERO
     coordinate = _fog_coordinate(mesh, state, eye)

@@ -47,7 +47,7 @@ def cosine_of_degrees(angle):
 
 @dataclass(frozen=True)
 class _Illumination:
-    """One light at every vertex: attenuation times spotlight, and the dot products with their sign."""
+    """One light at every vertex: attenuation times spotlight factor, and the signed dot products."""
 
     strength: Column
     n_dot_l: Column
@@ -56,7 +56,7 @@ class _Illumination:
 
 @dataclass(frozen=True)
 class _SurfaceMaterial:
-    """A face's material as columns; specular_tracks: the specular colour follows the vertex colour."""
+    """A face's material as columns. ``specular_tracks``: the specular colour follows the vertex colour."""
 
     ambient: list
     diffuse: list
@@ -69,10 +69,13 @@ class _SurfaceMaterial:
 def light_vertices(lighting, eye, normal, color):
     """Light every vertex.
 
-    eye: eye coordinates, 4 columns; normal: eye coordinates, 3 columns, or None without lights; color: the
-    vertex colour, 4 columns. Returns two lists, front and back, of 8 columns each: red, green, blue and alpha
-    of the primary colour, then of the secondary (its alpha is 0), not clamped yet. Without two-sided
-    lighting both are the same list.
+    - ``eye``: eye coordinates, 4 columns.
+    - ``normal``: in eye coordinates, 3 columns; None without lights.
+    - ``color``: the vertex colour, 4 columns.
+
+    Returns two lists, front and back, of 8 columns each: red, green, blue and alpha of the primary colour,
+    then of the secondary (its alpha is 0). They are not clamped. Without two-sided lighting both are the same
+    list.
     """
     front = _surface_material(lighting, lighting.front, Face.FRONT, color)
     back = _surface_material(lighting, lighting.back, Face.BACK, color)
@@ -101,7 +104,7 @@ def _surface_material(lighting, material, side, color):
 
 
 def _shines(light, material):
-    """Whether the specular term is computed: it is not where the state alone makes it zero."""
+    """Whether the light's specular term needs computing; it does not where the state alone makes it zero."""
     products = (m * s for m, s in zip(material.specular[:3], light.specular[:3], strict=True))
     return material.specular_tracks or any(product != 0 for product in products)
 
@@ -121,7 +124,7 @@ def _illuminate(light, point, normal, to_eye, shiny):
     if light.spot_cutoff != 180:
         axis = normalize([np.float64(component) for component in light.spot_direction])
         cosine = -dot(direction, axis)
-        # The cone is tested with the signed cosine, so that a 90 degree cutoff is a half-space.
+        # The test uses the signed cosine, so that a 90 degree cutoff is a half-space.
         lit = cosine >= cosine_of_degrees(light.spot_cutoff)
         strength = strength * np.where(lit, power(positive(cosine), light.spot_exponent), ZERO)
     n_dot_h = None

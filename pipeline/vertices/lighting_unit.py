@@ -1,8 +1,9 @@
-"""The NV10's lighting unit, which the NV20 family keeps (docs/numbers.md, section 2): OpenGL's lighting in
-floats of 14 significant bits, with rational functions in place of powers.
+"""The NV10's lighting unit, which the NV20 family keeps (docs/numbers.md, section 2).
+
+It computes OpenGL's lighting in floats of 14 significant bits, with rational functions in place of powers.
 
 Source: envytools' model of the unit (nvhw/pgraph_celsius_xfrm.c: pgraph_celsius_lt_full). Measured: the
-spotlight, which that model lacks, and what is the NV2A's own (Lighting_*, Specular captures).
+spotlight, which that model lacks, and the NV2A's own features (Lighting_*, Specular captures).
 """
 
 from dataclasses import dataclass
@@ -59,7 +60,7 @@ def _plus(*terms):
 
 
 def _plus_scalar(a, b):
-    """The sum of the unit's scalar half, which keeps no guard bits."""
+    """A sum in the unit's scalar half, which keeps no guard bits."""
     return total((a, b), LIGHTING_BITS, 0)
 
 
@@ -76,7 +77,7 @@ def _dot(a, b):
 
 
 def _register(values):
-    """Numbers as the unit's registers hold them."""
+    """Numbers in the precision of the unit's registers."""
     return [to_lighting(single(np.float64(value))) for value in values]
 
 
@@ -85,8 +86,10 @@ def _register(values):
 
 @dataclass(frozen=True)
 class _Geometry:
-    """What the transform unit hands over, in 14 bits: normal and unit vector to the viewer (3 columns each),
-    and the vertex's eye coordinates, still in 24 bits.
+    """What the lighting unit gets from the transform unit.
+
+    - ``normal``, ``viewer``: the normal and the unit vector to the viewer, 3 columns each, in 14 bits.
+    - ``point``: the vertex's eye coordinates, in 24 bits.
     """
 
     normal: list
@@ -95,7 +98,7 @@ class _Geometry:
 
 
 def unit_vector(v):
-    """A vector of 24-bit columns made a unit vector; its length; its length's square."""
+    """The unit vector of a vector of 24-bit columns, its length, and the square of its length."""
     square = transform_dot(v, v)
     root = transform_inverse_root(square)
     return [product(c, root, TRANSFORM_BITS) for c in v], product(square, root, TRANSFORM_BITS), square
@@ -106,7 +109,7 @@ def _difference(a, b):
 
 
 def _normal_by(matrix, vertex, given):
-    """A normal by a modelview matrix's inverse, rescaled."""
+    """A normal transformed by the inverse of a modelview matrix, and rescaled if the state asks for it."""
     inverse = invert_upper_left(matrix)
     columns = [[single(inverse[row][j]) for row in range(3)] for j in range(3)]
     normal = [transform_dot(given, column) for column in columns]
@@ -137,7 +140,7 @@ def _geometry(lighting, vertex, position, normal, weight):
 
 @dataclass(frozen=True)
 class _Strengths:
-    """How much of one light's ambient, diffuse and specular colour a vertex gets."""
+    """The factors of one light's ambient, diffuse and specular colour at a vertex."""
 
     ambient: Column
     diffuse: Column
@@ -175,10 +178,10 @@ def _strengths(light, material, lighting, geometry, normal):
 
 
 def _spot(spot, vector, strength):
-    """Attenuation times the cone's factor, and where that is not positive or x is negative.
+    """Attenuation times the cone's factor, and where no light falls: the factor is not positive or x < 0.
 
     Measured: its reciprocal comes last (Lighting_spotlight captures). Inferred: nothing is lit where x is
-    negative, for a driver's cone would end nowhere else (docs/numbers.md N2.26).
+    negative, because a driver's cone would not end there otherwise (docs/numbers.md N2.26).
     """
     x = transform_dot((*vector, ONE), [single(np.float64(c)) for c in spot.axis])
     x = np.minimum(to_lighting(x), ONE)
@@ -189,7 +192,7 @@ def _spot(spot, vector, strength):
 
 
 def _highlight(light, material, lighting, geometry, normal, direction):
-    """The specular factor, above its denominator's reciprocal (or None), and where it is zero."""
+    """The specular factor's numerator, its denominator's reciprocal or None, and where it is zero."""
     coefficients = material.specular_coefficients
     if light.position[3] == 0 and not lighting.local_viewer:
         half = light.half_vector
@@ -219,7 +222,7 @@ def _highlight(light, material, lighting, geometry, normal, direction):
 
 
 def sources_of(lighting, side):
-    """Where a face's material colours come from: the unit's own setting, or color material's."""
+    """The sources of a face's material colours: the unit's own setting, or color material's."""
     given = lighting.front_sources if side == Face.FRONT else lighting.back_sources
     if given is not None:
         return given
@@ -230,7 +233,7 @@ def sources_of(lighting, side):
 
 
 def _light_color(light, name, side, material):
-    """The register of a light's colour: times the material's, or as it is where that is None."""
+    """The register of a light's colour, multiplied by the material's colour unless ``material`` is None."""
     back = getattr(light, f"back_{name}") if side == Face.BACK else None
     given = [np.float64(value) for value in (getattr(light, name) if back is None else back)[:3]]
     if material is not None:
@@ -242,9 +245,9 @@ def _light_color(light, name, side, material):
 def _start(lighting, material, side, sources, vertex_colors):
     """The primary colour before any light: emission plus ambient times the scene's.
 
-    The unit has two registers for this and multiplies the second by a vertex colour. Measured: of emission
-    that its own setting takes from the vertices, too (Material_color_source, 15 of 15 captures); color
-    material's driver has 1 there.
+    The unit has two registers for this, and multiplies the second by a vertex colour. Where its own setting
+    takes emission from the vertices, it multiplies that too (Measured: Material_color_source, 15 of 15
+    captures). Color material's driver has 1 in that register.
     """
     scene = lighting.model_ambient
     if side == Face.BACK and lighting.back_model_ambient is not None:
@@ -289,11 +292,15 @@ def _face(lighting, side, geometry, color, secondary, folded):
 def light_vertices(vertex, position, normal, color, secondary, weight=ONE):
     """Light every vertex.
 
-    vertex: VertexState; position, normal: object coordinates, 4 and 3 columns; color, secondary: of the
-    vertex, 4 columns each; weight: a column (EXT_vertex_weighting). Raises ValueError where there are lights
-    and float64 cannot hold a modelview matrix's determinant.
-    Returns two lists, front and back, of 8 columns each: primary and secondary colour, not clamped; what is
-    not a number (infinity minus infinity) is 1. Without two-sided lighting both are the same list.
+    - ``vertex``: VertexState.
+    - ``position``, ``normal``: object coordinates, 4 and 3 columns.
+    - ``color``, ``secondary``: of the vertex, 4 columns each.
+    - ``weight``: a column (EXT_vertex_weighting).
+
+    Returns two lists, front and back, of 8 columns each: primary and secondary colour. They are not clamped;
+    NaN (infinity minus infinity) becomes 1. Without two-sided lighting both are the same list.
+
+    Raises ValueError where there are lights and float64 cannot hold a modelview matrix's determinant.
     """
     lighting = vertex.lighting
     geometry = _geometry(lighting, vertex, position, normal, weight) if lighting.lights else None
@@ -308,7 +315,7 @@ def light_vertices(vertex, position, normal, color, secondary, weight=ONE):
 
 
 def secondary_output(colors, output):
-    """Eight columns with the secondary colour that the machine hands on."""
+    """The eight colour columns with the secondary colour that ``output`` selects."""
     if output == SecondaryColor.FROM_VERTEX:
         return colors
     if output == SecondaryColor.OPAQUE:

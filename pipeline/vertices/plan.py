@@ -1,8 +1,7 @@
-"""Rows that ``fixedpipe.raster.primitives.vertices`` reads: what one pass over a mesh's vertices has to
-compute, and what of it the mesh has already.
+"""Plans: the arguments by which ``fixedpipe.raster.primitives.vertices`` transforms a mesh's vertices.
 
-A Mesh cannot change, so what follows from it alone is made once and kept as long as it lives. Nothing that a
-matrix touches is kept.
+A Mesh cannot change. Data that follow from the mesh alone are computed once and kept as long as the mesh
+lives. Transformed vertices are never kept.
 """
 
 import weakref
@@ -20,22 +19,25 @@ from fixedpipe.raster.primitives import vertices as V
 from fixedpipe.raster.primitives.meshes import unit_coordinates
 
 _LINEAR_MODES = frozenset({TexGenMode.NONE, TexGenMode.OBJECT_LINEAR, TexGenMode.EYE_LINEAR})
-_NONE = np.zeros((0, 0))  # the set of a unit that takes none
-_PLANS_KEPT = 32  # of one mesh: a state that is made anew for every frame is never found again
+_NONE = np.zeros((0, 0))  # stands for the coordinate set of a disabled unit
+_PLANS_KEPT = 32  # for one mesh; a program that makes a new state for every frame never finds an old plan
 
 
 @dataclass(eq=False, slots=True)
 class MeshColumns:
-    """What follows from a Mesh alone, as far as it was asked for. The arrays are shared: write to none.
+    """Data that follow from a Mesh alone, computed at first use. The arrays are shared: never write to them.
 
-    triangles    by provoking vertex: ``fixedpipe.pipeline.vertices.assembly.assemble``
-    coordinates  by each unit's texture coordinate set, None where it is disabled: float64 [n, units, 4], and
-                 for each unit whether some q is not 1
-    given        by texture coordinate sets: float64 [c, n], the positions' components, then the sets'
-    colors       of vertices without lighting, by how they become bytes (``colors.stacked_colors``)
-    unrounded    the same before they become bytes: float64 [n, 8] or [n, 16]; [1, ...] where they are equal
-    plans        by what of the state they follow from, the profile and the framebuffer's size
-    no_fog       float64 [n], zeros
+    - ``triangles``: {provoking vertex: rows of ``fixedpipe.pipeline.vertices.assembly.assemble``}.
+    - ``coordinates``: {each unit's texture coordinate set, None where the unit is disabled: (float64 [n,
+      units, 4], for each unit whether some q is not 1)}.
+    - ``given``: {texture coordinate sets: float64 [c, n]}, the components of the positions, then of the sets.
+    - ``colors``: colours of vertices without lighting, by the way they become bytes
+      (``colors.stacked_colors``).
+    - ``unrounded``: the same colours before they become bytes: float64 [n, 8] or [n, 16]; [1, ...] where all
+      vertices have the same.
+    - ``plans``: Plans by the parts of the state that they follow from, the profile and the framebuffer's
+      size.
+    - ``no_fog``: float64 [n], zeros.
     """
 
     no_fog: np.ndarray
@@ -90,14 +92,14 @@ def _given(mesh, columns, sets):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Plan:
-    """The arguments of ``transform_vertices`` that a mesh and a state settle.
+    """The arguments of ``transform_vertices`` that follow from a mesh and a state.
 
-    triangles     int32 [k, 4], the mesh's
-    rows          how many columns a chunk needs
-    units         how many units' coordinates the kernel writes: all, or none
-    coordinates   what the mesh has of them (MeshColumns), if that is all; else None
-    keeps_eye     whether eye coordinates are the kernel's last four results
-    clip          ``results`` for the kernel that keeps clip coordinates alone
+    - ``triangles``: int32 [k, 4], the mesh's.
+    - ``rows``: the number of columns that a chunk needs.
+    - ``units``: the number of units whose coordinates the kernel writes: all, or 0.
+    - ``coordinates``: the mesh's own (MeshColumns) where no unit changes them; else None.
+    - ``keeps_eye``: whether eye coordinates are the kernel's last four results.
+    - ``clip``: ``results`` for a kernel run that keeps only clip coordinates.
     """
 
     triangles: np.ndarray
@@ -114,13 +116,13 @@ class Plan:
 
 
 class _Sums:
-    """Weighted sums, each in a row of its own behind the rows of what is given."""
+    """Weighted sums; each has its own row after the given rows."""
 
     def __init__(self, given):
         self.rows, self.sums, self.coefficients = V.FIRST_GIVEN + given, [], []
 
     def add(self, coefficients, rows):
-        """The row of what ``arithmetic.weighted_sum`` gives for columns in ``rows``."""
+        """The row of the weighted sum of the columns in ``rows`` (``arithmetic.weighted_sum``)."""
         terms = [(c, row) for c, row in zip(coefficients, rows, strict=True) if c != 0]
         if not terms:
             return V.ZEROS
@@ -133,12 +135,12 @@ class _Sums:
         return self.rows - 1
 
     def transform(self, matrix, rows):
-        """Rows of what ``arithmetic.transform`` gives."""
+        """The rows of the transformed vector (``arithmetic.transform``)."""
         return [self.add(row, rows) for row in matrix]
 
 
 def _vector(first, components):
-    """Rows of a vector with so many components, the first in row ``first``; the others are 0, 0 and 1."""
+    """Rows of a vector whose first component is in row ``first``; missing components are 0, 0 and 1."""
     return [first + k if k < components else (V.ONES if k == 3 else V.ZEROS) for k in range(4)]
 
 
@@ -182,8 +184,10 @@ def _is_covered(mesh, state):
 
 
 def _linear_coordinates(widths, units, sets, first, sums, position, eye):
-    """Rows of s, t, r, q of every unit; ``widths``: of all texture coordinate sets; ``first``: the row of the
-    first of ``sets``.
+    """Rows of s, t, r, q of every unit.
+
+    - ``widths``: the number of components of each texture coordinate set.
+    - ``first``: the row of the first component of ``sets``.
     """
     at = {}
     for number in sets:
@@ -205,9 +209,10 @@ def _linear_coordinates(widths, units, sets, first, sums, position, eye):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Formula:
-    """What of a Plan follows from a state and from how wide a mesh's arrays are: members as of Plan.
+    """The part of a Plan that follows from a state and the widths of a mesh's arrays; members as in Plan.
 
-    sets  texture coordinate sets that the kernel reads; units  whose coordinates are the mesh's own, or None
+    - ``sets``: the texture coordinate sets that the kernel reads.
+    - ``own``: each unit's texture coordinate set where no unit changes coordinates; else None.
     """
 
     sums: np.ndarray
@@ -223,7 +228,7 @@ class _Formula:
 
 
 def _formula(widths, state, profile, width, height):
-    """``widths``: of positions and of each texture coordinate set."""
+    """The _Formula for ``widths``: the components of positions and of each texture coordinate set."""
     components, *of_sets = widths
     units, vertex = state.texture_units, state.vertex
     modes = {gen.mode for unit in units if unit is not None for gen in unit.gen}
@@ -259,9 +264,7 @@ def _formula(widths, state, profile, width, height):
 
 
 def _laid_out(sums, results, eye):
-    """As the kernel takes them: sums, coefficients, results, how many rows, and the results for clip
-    coordinates alone.
-    """
+    """The arrays that the kernel takes: sums, coefficients, results, number of rows, and ``clip``."""
     return (
         np.array(sums.sums, np.int32).reshape(-1, 6),
         np.array(sums.coefficients, np.float64).reshape(-1, 4),
@@ -272,8 +275,10 @@ def _laid_out(sums, results, eye):
 
 
 def _transforms(modelview, projection, components, keeps_eye):
-    """``_laid_out`` of a vertex by two matrices. Matrices with zeros and ones at the same places share all
-    but the coefficients: a program moves things in every frame.
+    """``_laid_out`` for a vertex transformed by two matrices.
+
+    Matrices with zeros and ones at the same places share everything except the coefficients. A program that
+    moves things in every frame therefore reuses the arrays.
     """
     entries = [*chain.from_iterable(modelview), *chain.from_iterable(projection)]
     pattern = tuple([c if c in (0, 1) else None for c in entries])
@@ -283,8 +288,9 @@ def _transforms(modelview, projection, components, keeps_eye):
 
 @lru_cache(256)
 def _pattern(pattern, components, keeps_eye):
-    """``_laid_out`` for matrices that are 0, 1 or anything (None) where ``pattern`` says, with the places of
-    the coefficients in (0, 1, the matrices' entries) instead of them.
+    """``_laid_out`` for matrices whose entries are 0, 1 or anything (None), as ``pattern`` says.
+
+    In place of the coefficients it has their places in (0, 1, the matrices' entries).
     """
     places = [place if entry is None else int(entry) for place, entry in enumerate(pattern, 2)]
     rows = [places[at : at + 4] for at in range(0, 32, 4)]
@@ -295,14 +301,14 @@ def _pattern(pattern, components, keeps_eye):
     return sums, where.astype(np.int64), *others
 
 
-# By the widths of a mesh's arrays and what of the state they follow from, whatever the mesh: the _Formula,
-# and what the ids name.
+# Keyed by the widths of a mesh's arrays and the parts of the state, for any mesh: the _Formula, and the
+# objects whose ids are in the key.
 _formulas = {}
 _FORMULAS_KEPT = 1024
 
 
 def _plan(mesh, columns, state, profile, size, key):
-    """``key``: of what of the state and the machine the plan follows from."""
+    """The Plan under ``key``, the ids of the parts of state and machine that it follows from, or None."""
     if not _is_covered(mesh, state):
         return None
     widths = mesh.positions.shape[1], *[array.shape[1] for array in mesh.texture_coordinates]
@@ -329,18 +335,18 @@ def _plan(mesh, columns, state, profile, size, key):
 
 
 def plan_of(mesh, columns, state, profile, width, height):
-    """The Plan for drawing a mesh in a state, or None if ``fixedpipe.raster.primitives.vertices`` cannot.
+    """The Plan for drawing a mesh in a state, or None if ``raster.primitives.vertices`` cannot do it.
 
-    ``columns``: the mesh's.
+    ``columns`` are the mesh's MeshColumns.
     """
     vertex, units, polygon = state.vertex, state.texture_units, state.polygon
-    # All that a plan follows from: states that differ in nothing else share it.
+    # The key has everything that a plan follows from, so states that differ in other parts share the plan.
     key = (
         id(vertex), id(units), id(polygon), id(profile), width, height, state.fog is None,
         state.depth_clamp is None, state.perspective_correction,
     )  # fmt: skip
     found = columns.plans.get(key)
-    # The entry holds what the ids name, so that they name nothing else while it is there.
+    # The entry holds the objects whose ids are in the key, so that no other object gets these ids meanwhile.
     if found is None:
         plan = _plan(mesh, columns, state, profile, (width, height), key)
         if len(columns.plans) >= _PLANS_KEPT:

@@ -1,4 +1,4 @@
-"""What the vertex stage hands to rasterization: triangles, lines and points in window coordinates."""
+"""The vertex stage's results: triangles, lines and points in window coordinates."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -28,7 +28,7 @@ def _digest(*columns):
 def is_constant(colors):
     """Whether all vertices have the same ``colors``."""
     words = colors.view(np.uint64)
-    # Mostly one of the first already varies.
+    # Usually one of the first vertices already differs.
     return all((some == words[:1]).all() for some in (words[:_FEW], words[_FEW:]))
 
 
@@ -36,25 +36,27 @@ def is_constant(colors):
 class WindowPrimitives:
     """Primitives after transformation, lighting, clipping, projection, viewport and snapping.
 
-    x, y           int32 [n], device window coordinates, 1/16 pixel, y down from the framebuffer's top row
-    z              float64 [n], window depth, in [0, 1] where nothing clamps it later; a vertex program's, in
-                   depth-buffer units
-    inverse_w      float64 [n], 1 / clip w; a vertex program's may be negative, all others are positive
-    colors         uint8 [n, 2, 8]: front and back colour; red, green, blue, alpha of the primary colour, then
-                   of the secondary; float64, not clamped, if the profile is exact
-    coordinates    float64 [n, units, 4]: s, t, r, q of each texture unit, after generation and matrix
-    fog            float64 [n]: fog coordinate
-    triangles      int32 [k, 4]: three vertices in the order of docs/numbers.md and the provoking vertex
-    dropped        primitives dropped because a position was not finite after projection, or w was 0
-    two_side       whether back-facing triangles take the back colour
-    strokes        int32 [k, 8], or [0, 8] where all are triangles: what each row of ``triangles`` is
-                   (codes.PRIMITIVE_...), whether it takes the back colour, and the three
-                   vertices of the polygon that it came from, -1 if none; of a line the first pixel along its
-                   longer axis, the one behind the last, and the line stipple's counter at the first. A line's
-                   row is its second vertex, then its first, twice. A point's row is three corners of its
-                   square: lower left, lower right, upper right.
+    - ``x``, ``y``: int32 [n], device window coordinates, 1/16 pixel, y down from the framebuffer's top row.
+    - ``z``: float64 [n], window depth, in [0, 1] unless a later stage clamps it. A vertex program's is in
+      depth-buffer units.
+    - ``inverse_w``: float64 [n], 1 / clip w. A vertex program's may be negative; all others are positive.
+    - ``colors``: uint8 [n, 2, 8], front and back colour: red, green, blue, alpha of the primary colour, then
+      of the secondary. If the profile is exact they are float64 and not clamped.
+    - ``coordinates``: float64 [n, units, 4], s, t, r, q of each texture unit, after generation and matrix.
+    - ``fog``: float64 [n], fog coordinate.
+    - ``triangles``: int32 [k, 4], three vertices in the order of docs/numbers.md and the provoking vertex.
+    - ``dropped``: the number of primitives dropped because a position was not finite after projection, or w
+      was 0.
+    - ``two_side``: whether back-facing triangles take the back colour.
+    - ``strokes``: int32 [k, 8], or [0, 8] where all rows are triangles. For each row of ``triangles``: its
+      kind (codes.PRIMITIVE_...); whether it takes the back colour; the three vertices of the polygon that it
+      came from, or -1; of a line, the first pixel along its longer axis, the pixel after the last, and the
+      line stipple's counter at the first.
 
-    Arrays may belong to several primitives, and to what is kept of a mesh: read them only.
+    A line's row in ``triangles`` is its second vertex, then its first, twice. A point's row is three corners
+    of its square: lower left, lower right, upper right.
+
+    Several primitives may share an array, also with the kept data of a mesh: only read them.
     """
 
     x: np.ndarray
@@ -69,7 +71,7 @@ class WindowPrimitives:
     two_side: bool
     strokes: np.ndarray = field(default_factory=no_strokes)
 
-    # What follows from the columns is computed when it is asked for, unless ``knowing`` has said it.
+    # These properties are computed at first use, unless ``knowing`` has set them.
 
     @cached_property
     def constant_color(self):
@@ -78,13 +80,15 @@ class WindowPrimitives:
 
     @cached_property
     def projective(self):
-        """For each texture unit whether some vertex's q is not 1."""
+        """For each texture unit, whether some vertex's q is not 1."""
         return tuple((self.coordinates[:, :, 3] != 1.0).any(axis=0).tolist())
 
     @property
     def orderly(self):
-        """Whether every row names vertices that exist, every 1/w is positive and ordinary, and no two
-        positions lie 2**31 or more apart. Not remembered: what could be written outside its arrays asks.
+        """Whether a kernel can draw the primitives without writing outside its arrays.
+
+        Every row names existing vertices, every 1/w is positive and in the usual range, and no two positions
+        lie 2**31 or more apart. The result is not cached, because it guards against writes outside arrays.
         """
         if "known_orderly" in self.__dict__:
             return self.known_orderly
@@ -94,8 +98,10 @@ class WindowPrimitives:
         return bool(in_range and near and ((w >= W_SMALLEST) & (w <= W_LARGEST)).all())
 
     def places(self):
-        """Digests of where the corners of all primitives are: of depths, 1/w and what strokes are; and of x
-        and y, which depend on the subpixel grid as well. Equal digests are equal primitives in one order.
+        """Two digests of the places of all primitives' corners.
+
+        The first covers depths, 1/w and the kinds of strokes. The second covers x and y, which also depend on
+        the subpixel grid. Equal digests mean equal primitives in the same order.
         """
         corners = self.triangles[:, :3].ravel()
         kinds = self.strokes[:, KIND].copy()

@@ -18,7 +18,7 @@ def viewport_transform(viewport, width, height):
 
 
 def window_coordinates(clip_coordinates, viewport, half_size, center):
-    """Section 2.10.1: window x, y (up), z as they come, and 1 / w."""
+    """Section 2.10.1: window x, y (up) and z, not rounded, and 1 / w."""
     x, y, z, w = clip_coordinates
     near, far = np.float64(viewport.near), np.float64(viewport.far)
     return (
@@ -30,9 +30,9 @@ def window_coordinates(clip_coordinates, viewport, half_size, center):
 
 
 def composite_coordinates(clip_coordinates, offset, height):
-    """Window x, y (up), depth units and 1 / w; product and sum in single precision, truncated.
+    """Window x, y (up), depth units and 1 / w; product and sum are truncated to single precision.
 
-    The reciprocal is the transform unit's; weights take w itself. Measured: Depth_buffer_fixed_function
+    The reciprocal is the transform unit's; weights use w itself. Measured: Depth_buffer_fixed_function
     z24_Cn_FZn_Mffffff, its 48089 depths that a truncated quotient makes too large, 62 of 64 colours beside
     it; W_buffering FloorQuad_V0, 230809 texels, of which 33 are others with the reciprocal's w.
     """
@@ -45,15 +45,17 @@ def composite_coordinates(clip_coordinates, offset, height):
 
 
 def program_reciprocal(w):
-    """1/w of what a vertex program wrote, clamped as RCC clamps it: an infinite w weighs next to nothing, a w
-    of 0 more than all else; a zero has a sign. Source: NV_vertex_program1_1; Measured: Front_face, W_param.
+    """1/w of a w that a vertex program wrote, clamped as RCC clamps it.
+
+    An infinite w has next to no weight; a w of 0 outweighs all others. A zero keeps its sign. Source:
+    NV_vertex_program1_1; Measured: Front_face, W_param.
     """
     clamped = np.fmin(np.fmax(np.abs(ONE / w), np.float64(2.0**-64)), np.float64(2.0**64))
     return np.where(np.isnan(w), w, np.copysign(clamped, w))
 
 
 def snap(device, extent, profile):
-    """Truncate toward zero to the subpixel grid, after clamping (and a NaN) to the guard band."""
+    """Clamp to the guard band, NaN too, then truncate toward zero to the subpixel grid."""
     low, high = np.float64(-profile.arithmetic.guard_band), np.float64(extent + profile.arithmetic.guard_band)
     steps = np.float64(1 << profile.arithmetic.subpixel_bits)
     return np.trunc(np.fmin(np.fmax(device, low), high) * steps)

@@ -17,11 +17,12 @@ from fixedpipe.pipeline.vertices.weighting import eye_coordinates, weight_of
 
 
 class RasterVertex(NamedTuple):
-    """The current raster position (section 2.12): window coordinates as they come, y up, and what is
-    associated with them.
+    """The current raster position (section 2.12) and its associated data.
 
-    x, y, z, inverse_w  floats; colors float64 [8], primary and secondary, and coordinates float64
-    [units, 4], as in WindowPrimitives before they become whole numbers; fog: the fog coordinate
+    - ``x``, ``y``, ``z``, ``inverse_w``: floats, window coordinates, not rounded, y up.
+    - ``colors``: float64 [8], primary and secondary, as in WindowPrimitives before they are rounded.
+    - ``coordinates``: float64 [units, 4].
+    - ``fog``: the fog coordinate.
     """
 
     x: float
@@ -34,7 +35,7 @@ class RasterVertex(NamedTuple):
 
 
 def raster_vertex(position, state, profile, width, height):
-    """The RasterVertex where a rectangle of pixels begins, moved; None: it is not valid."""
+    """The RasterVertex at which a rectangle of pixels begins, after ``move``; None if it is not valid."""
     if position.window:
         found = _given(position, state, profile)
     else:
@@ -46,8 +47,10 @@ def raster_vertex(position, state, profile, width, height):
 
 
 def _given(position, state, profile):
-    """Window coordinates as they are given. Source: ARB_window_pos: no transformation, lighting or texture
-    coordinate generation; depth in the depth range; the eye distance is zero.
+    """The RasterVertex of a position in window coordinates.
+
+    Source: ARB_window_pos: no transformation, lighting or texture coordinate generation; the depth lies in
+    the depth range; the eye distance is zero.
     """
     x, y, z, _ = (float(c) for c in position.position)
     viewport = state.vertex.viewport
@@ -73,10 +76,10 @@ def _given(position, state, profile):
 
 
 def process_raster_position(mesh, state, profile, width, height):
-    """The RasterVertex of a mesh's one vertex, or None where it is clipped away as a point is.
+    """The RasterVertex of a mesh's single vertex, or None where clipping discards it.
 
-    Parameters and errors as ``process``'s; the vertex stage is the fixed function, without a composite.
-    Source: OpenGL 1.2.1 section 2.12; clipped by the view volume itself, without a guard band.
+    Parameters and errors are those of ``process``. The vertex stage is the fixed function, without a
+    composite. Source: OpenGL 1.2.1 section 2.12; the view volume itself clips, without a guard band.
     """
     vertex = state.vertex
     position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))

@@ -1,6 +1,6 @@
 """The fixed-function vertex stage (OpenGL 1.2.1, chapter 2): vertex arrays in, window primitives out.
 
-docs/numbers.md sections 1 and 2 fix every operation and its order; this package is that text on columns.
+docs/numbers.md sections 1 and 2 fix every operation and its order; this package computes them on columns.
 """
 
 from dataclasses import replace
@@ -56,41 +56,26 @@ _COLUMNS = ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog")  # of Wi
 
 
 def process(mesh, state, profile, width, height, sample=(0, 0), *, rounded=True):
-    """Transform, light, clip, project and snap a mesh.
+    """Transform, light, clip, project and snap a mesh; returns WindowPrimitives.
 
-    Parameters
-    ----------
-    mesh : fixedpipe.pipeline.commands.Mesh
-        Object coordinates; checked by ``fixedpipe.pipeline.validation``.
-    state : fixedpipe.pipeline.state.PassState
-    profile : fixedpipe.pipeline.profiles.profile.Profile
-        Read are ``subpixel_bits``, ``guard_band``, ``device_origin``, ``color_mantissa_bits``, ``exact``: an
-        exact profile's colours are not rounded; ``clamps``: whether VERTEX_COLOR is on.
-    width, height : int
-        The framebuffer's size in pixels.
-    sample : tuple of int
-        The place in a pixel that pixels are drawn for, (x, y) in 1/16 pixel from the middle, y up.
-    rounded : bool
-        Whether colours become bytes; else they stay float64.
+    - ``mesh``: a Mesh in object coordinates, checked by ``fixedpipe.pipeline.validation``.
+    - ``state``: PassState.
+    - ``profile``: the machine. The stage reads ``subpixel_bits``, ``guard_band``, ``device_origin``,
+      ``color_mantissa_bits``, ``clamps`` (whether VERTEX_COLOR is on) and ``exact`` (an exact profile's
+      colours are not rounded).
+    - ``width``, ``height``: the framebuffer's size in pixels.
+    - ``sample``: (x, y), the place in a pixel that pixels are drawn for, in 1/16 pixel from the middle, y up.
+    - ``rounded``: whether colours become bytes; else they stay float64.
 
-    Returns
-    -------
-    fixedpipe.pipeline.vertices.primitives.WindowPrimitives
+    Raises ValueError if normals are needed and float64 cannot hold the modelview matrix's determinant.
 
-    Raises
-    ------
-    ValueError
-        If normals are needed and float64 cannot hold the modelview matrix's determinant.
-
-    Notes
-    -----
-    A vertex outside a clipping plane keeps its place in the columns, where no triangle names it.
-    Source: OpenGL 1.2.1 sections 2.6 to 2.13; EXT_texture_cube_map; NV_texgen_reflection; EXT_fog_coord.
+    A vertex outside a clipping plane keeps its place in the columns, but no triangle names it. Source: OpenGL
+    1.2.1 sections 2.6 to 2.13; EXT_texture_cube_map; NV_texgen_reflection; EXT_fog_coord.
     """
     columns, bits = mesh_columns(mesh), kept_color_bits(state.vertex, profile) if rounded else None
     plan = plan_of(mesh, columns, state, profile, width, height)
-    # Huge finite input may overflow to infinity and on to NaN. Such a triangle is dropped and counted below,
-    # and colours and integers are made from clamped values only, so no warning is due.
+    # Huge finite input may overflow to infinity and then to NaN. Such a triangle is dropped and counted
+    # below. Colours and integers come from clamped values only. So no warning is needed.
     with np.errstate(all="ignore"):
         if plan is None:
             return process_columns(mesh, state, profile, width, height, sample, rounded=rounded)
@@ -100,9 +85,9 @@ def process(mesh, state, profile, width, height, sample=(0, 0), *, rounded=True)
 
 
 def _planned(mesh, columns, plan, state, profile, bits):
-    """What kernels compute, with lighting, fog and coordinates generated from normals column by column.
+    """The primitives from kernels, with lighting, fog and coordinates from normals computed column by column.
 
-    ``bits``: ``kept_color_bits``, or None.
+    ``bits`` is the result of ``kept_color_bits``, or None.
     """
     count = len(mesh.positions)
     x, y, z, inverse_w = _window_columns(count)
@@ -157,9 +142,10 @@ def _planned(mesh, columns, plan, state, profile, bits):
 
 
 def _clipped(primitives, known, plan, chosen, colors, color_bits):
-    """The primitives and what is known of them after clipping the triangles that are ``chosen``.
+    """The primitives after clipping the ``chosen`` triangles, and what is known of them.
 
-    colors: before they became bytes of ``color_bits``, columns, or one array for all vertices or of each.
+    ``colors`` are those before they became bytes of ``color_bits``: columns, or an array with one row for all
+    vertices or one for each.
     """
     vertices, count = plan.triangles[chosen, :3].ravel(), len(chosen)
     n = len(vertices)
@@ -204,12 +190,12 @@ def _clipped(primitives, known, plan, chosen, colors, color_bits):
 
 
 def _window_columns(count):
-    """Arrays for x, y, z and 1/w."""
+    """Empty arrays for x, y, z and 1/w."""
     return np.empty(count, np.int32), np.empty(count, np.int32), np.empty(count), np.empty(count)
 
 
 def _seen_from(primitives, sample, subpixel_bits):
-    """Primitives moved so that ``sample`` lies where pixels have their middle."""
+    """Primitives moved so that ``sample`` lies at the middle of pixels."""
     across, up = ((offset << subpixel_bits) >> 4 for offset in sample)
     if not (across or up):
         return primitives
@@ -226,8 +212,9 @@ def process_columns(mesh, state, profile, width, height, sample=(0, 0), *, round
 
 
 def eye_and_clip(vertex, position, weight):
-    """Eye and clip coordinates of object coordinates, four columns each (sections 2.10.2, 2.11); ``weight``:
-    a column (EXT_vertex_weighting).
+    """Eye and clip coordinates of object coordinates, four columns each (sections 2.10.2, 2.11).
+
+    ``weight`` is a column (EXT_vertex_weighting).
     """
     eye = eye_coordinates(vertex, position, weight)
     if vertex.composite is not None:
@@ -238,8 +225,10 @@ def eye_and_clip(vertex, position, weight):
 
 
 def _vertex_columns(mesh, state, profile, position):
-    """What is clipped, a column each (clip coordinates, eye coordinates where planes clip, colours, fog,
-    texture coordinates, sizes of points), and whether back colours are others than the front's.
+    """The columns that clipping interpolates, and whether back colours differ from front colours.
+
+    The columns are: clip coordinates, eye coordinates where user planes clip, colours, fog, texture
+    coordinates and sizes of points.
     """
     vertex = state.vertex
     eye, clip_coordinates = eye_and_clip(vertex, position, weight_of(mesh))
@@ -263,15 +252,16 @@ def _offset(composite):
 
 
 def _half_size_and_center(vertex, width, height):
-    """Of the viewport, (x, y) each."""
+    """Half the viewport's size and its middle, (x, y) each."""
     if vertex.composite is None:
         return viewport_transform(vertex.viewport, width, height)
     return [ONE, ONE], _offset(vertex.composite)[:2]
 
 
 def _clipped_columns(mesh, triangles, columns, state, profile, width, height):
-    """The rows of triangles after clipping, the columns with the vertices that it made, which row each came
-    from, and how many were dropped. What a vertex program wrote is not clipped.
+    """Clipped rows, the columns with new vertices, the row that each came from, and the number dropped.
+
+    A vertex program's results are not clipped.
     """
     vertex = state.vertex
     polygons = mesh.primitive.is_polygons
@@ -290,7 +280,7 @@ def _clipped_columns(mesh, triangles, columns, state, profile, width, height):
 
 
 def _window(vertex, position, clip_coordinates, width, height):
-    """Window x and y (up), z and 1/w: a vertex program's results, or of clip coordinates."""
+    """Window x and y (up), z and 1/w, from a vertex program's results or from clip coordinates."""
     if vertex.stage == VertexStage.PROGRAM_RESULTS:
         return *position[:3], program_reciprocal(position[3])
     if vertex.composite is not None:
@@ -300,8 +290,10 @@ def _window(vertex, position, clip_coordinates, width, height):
 
 
 def _process(mesh, triangles, state, profile, width, height, bits):
-    """The primitives of a mesh, without strokes; which of ``triangles``, its rows, each came from; the rows
-    as clipping left them; and the sizes of points, a column. ``bits``: ``kept_color_bits``, or None.
+    """The primitives of a mesh, without strokes, and what their strokes need.
+
+    Also returns the row of ``triangles`` that each came from, the rows after clipping, and the sizes of
+    points, a column. ``bits`` is the result of ``kept_color_bits``, or None.
     """
     vertex, position = state.vertex, columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
     columns, two_side = _vertex_columns(mesh, state, profile, position)
@@ -311,7 +303,7 @@ def _process(mesh, triangles, state, profile, width, height, bits):
     first_color = 8 if vertex.clip_planes else 4
     fog = first_color + (16 if two_side else 8)
     x, y, z, inverse_w = _window(vertex, position, columns[:4], width, height)
-    programmed = vertex.stage == VertexStage.PROGRAM_RESULTS  # which clips nothing: w has either sign
+    programmed = vertex.stage == VertexStage.PROGRAM_RESULTS  # It clips nothing, so w has either sign.
     drawable = (inverse_w != 0 if programmed else inverse_w > 0) & np.isfinite(inverse_w)
     drawable &= np.isfinite(x) & np.isfinite(y) & np.isfinite(z)
     if not np.all(drawable):
@@ -352,10 +344,10 @@ def _wrap_modes(sampler):
 
 
 def _cylinder_wrapped(primitives, state):
-    """The same triangles, none sharing a vertex, with the coordinates that ``cylinder_wrap`` names brought
-    within one half of the first vertex's, by whole numbers, where they repeat.
+    """The same triangles without shared vertices, with the coordinates that ``cylinder_wrap`` names wrapped.
 
-    Measured: s under REPEAT is, t under MIRRORED_REPEAT is not (CylinderWrapping capture).
+    Where they repeat, whole numbers bring them within one half of the first vertex's coordinate. Measured: s
+    under REPEAT is, t under MIRRORED_REPEAT is not (CylinderWrapping capture).
     """
     corners = primitives.triangles.reshape(-1)
     separate = {name: getattr(primitives, name)[corners] for name in _COLUMNS}

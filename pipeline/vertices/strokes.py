@@ -1,4 +1,4 @@
-"""Points and lines on their way to rasterization: sizes, outlines of polygons, and the squares of points.
+"""Points and lines before rasterization: sizes, outlines of polygons, and the squares of points.
 
 docs/numbers.md section 11 fixes the rules. A row is one of ``WindowPrimitives.triangles``;
 ``fixedpipe.raster.codes`` has the codes of its kinds.
@@ -38,7 +38,7 @@ def point_sizes(mesh, state, profile, eye):
     """The size of every vertex's point in pixels: a column.
 
     Measured: Point_params Scale_0_0_1_FF, 192 of 192 points; Detailed_FF: the inverse square root of 4 makes
-    a point smaller than one half does, as the lighting unit's table without a Newton step has it.
+    a point smaller than one half does, as in the lighting unit's table without a Newton step.
     """
     point = state.point
     if state.vertex.stage == VertexStage.PROGRAM_RESULTS:
@@ -57,12 +57,17 @@ def point_sizes(mesh, state, profile, eye):
 
 
 def outlined(triangles, boundary, x, y, inverse_w, polygon):
-    """Rows and their strokes of triangles in the modes of their faces, and which triangle each came from;
-    those that are culled are left out.
+    """Rows and strokes of triangles in their faces' polygon modes, and the triangle of each.
 
-    triangles int32 [k, 4]; boundary uint8 [k]: bit j for the edge ``_EDGES[j]``; x, y int32 [n], inverse_w
-    float64 [n]. A triangle without area faces as a counter-clockwise one does. Measured: Front_face
-    FrontFace_LM captures. Each negative w turns a triangle. Measured: W_param w_neg_strip captures.
+    Culled points and lines are left out; the kernels cull filled triangles.
+
+    - ``triangles``: int32 [k, 4].
+    - ``boundary``: uint8 [k], bit j for the edge ``_EDGES[j]``.
+    - ``x``, ``y``: int32 [n].
+    - ``inverse_w``: float64 [n].
+
+    A triangle without area faces as a counter-clockwise one does. Measured: Front_face FrontFace_LM captures.
+    Each negative w turns a triangle. Measured: W_param w_neg_strip captures.
     """
     corner_x, corner_y = x[triangles[:, :3]].astype(np.int64), y[triangles[:, :3]].astype(np.int64)
     (x0, x1, x2), (y0, y1, y2) = corner_x.T, corner_y.T
@@ -88,7 +93,7 @@ def outlined(triangles, boundary, x, y, inverse_w, polygon):
 
 
 def with_strokes(primitives, kind):
-    """The same primitives, whose rows are all lines or all points."""
+    """The same primitives with strokes whose rows are all lines or all points."""
     strokes = np.array([(kind, *_NO_SOURCE)], np.int32).repeat(len(primitives.triangles), axis=0)
     return replace(primitives, strokes=strokes)
 
@@ -96,17 +101,18 @@ def with_strokes(primitives, kind):
 def whole_size(size):
     """A line's width or a point's size as OpenGL rounds it: to the nearest integer, at least 1.
 
-    Source: OpenGL 1.2.1 sections 3.3 and 3.4.2; Assumed: halves up. ``size``: a number or a column, pixels.
+    ``size`` is a number or a column, in pixels. Source: OpenGL 1.2.1 sections 3.3 and 3.4.2; Assumed: halves
+    up.
     """
     return np.fmax(np.floor(size + 0.5), 1.0).astype(np.int64)
 
 
 def _left_from(major, minor, toward_major, toward_minor, y_is_major, at_major, at_minor):
-    """The first step of a line, in its direction, whose diamond it leaves behind a point of it.
+    """The first step of a line, in its direction, whose diamond the line has not left at a given point.
 
-    All int64 [k], 1/16 pixel, y down: a point of the line, its direction, whether y is the longer axis, and
-    the point in question. Points are moved left by next to nothing, and down by next to nothing of that.
-    Source: OpenGL 1.2.1 section 3.4.1.
+    All arguments are int64 [k], in 1/16 pixel, y down: a point of the line, its direction, whether y is the
+    longer axis, and the given point. Points are shifted left by an infinitesimal, and down by a far smaller
+    one. Source: OpenGL 1.2.1 section 3.4.1.
     """
     sign, length = np.where(toward_major < 0, -1, 1), np.maximum(abs(toward_major), 1)
     rise = sign * toward_minor
@@ -114,7 +120,8 @@ def _left_from(major, minor, toward_major, toward_minor, y_is_major, at_major, a
     sides = toward_major + toward_minor, toward_major - toward_minor
     step = (at_major >> 4) - sign
     for _ in range(2):
-        # The pixel of that step whose diamond the line crosses, and the two sides through which it may leave.
+        # The pixel at this step whose diamond the line crosses, and the two sides through which the line may
+        # leave it.
         center = 16 * step + 8
         crossed = (minor * length + (center - major) * rise - tie) // (16 * length)
         ahead, beside = at_major - center, at_minor - (16 * crossed + 8)
@@ -128,9 +135,9 @@ def _left_from(major, minor, toward_major, toward_minor, y_is_major, at_major, a
 
 
 def with_steps(primitives, groups, line, profile):
-    """The same primitives, whose lines know their steps and where in the line stipple they begin.
+    """The same primitives whose lines know their steps and their first place in the line stipple.
 
-    groups int64 [k]: rows that follow each other with the same number share a counter; ``line``: a LineState.
+    ``groups`` is int64 [k]: consecutive rows of one number share a counter. ``line`` is a LineState.
     """
     strokes = primitives.strokes.copy()
     rows = np.flatnonzero(strokes[:, KIND] == C.PRIMITIVE_LINE)
@@ -145,7 +152,8 @@ def with_steps(primitives, groups, line, profile):
         toward = np.where(y_is_major, [down, across], [across, down])
         first, end = (_left_from(major[0], minor[0], *toward, y_is_major, major[k], minor[k]) for k in (0, 1))
     else:
-        # On a boundary between rows the upper one's. Measured: 20 of 20 ends (Smoothing_control 0xFFFF0000).
+        # A boundary between rows belongs to the upper one. Measured: 20 of 20 ends (Smoothing_control
+        # 0xFFFF0000).
         first, end = np.where(y_is_major, y.T - 1, x.T) >> 4
     strokes[rows, FIRST_STEP], strokes[rows, END_STEP] = first, end
     if line.stipple is not None and len(rows):
@@ -157,16 +165,18 @@ def with_steps(primitives, groups, line, profile):
 
 
 def with_squares(primitives, sizes, units, profile):
-    """The same primitives, in which a point's row says its square (``raster.primitives.strokes``).
+    """The same primitives, with each point's row as its square (``raster.primitives.strokes``).
 
-    sizes: a column, pixels; a machine with ``diamond_exit_lines`` rounds them, and moves the point to the
-    middle of a pixel or to a corner (Source: OpenGL 1.2.1 section 3.3). units: the texture units whose
-    coordinates sprites replace: s runs from left to right and t from top to bottom, each from its 1/2 in the
-    middle. Measured: Point_sprite AlphaTest, 305506 of 305506 pixels; Point_params Detailed_FF, in which
-    texels' exact boundaries right of and below the middle, not those before it, are off by the last bit.
+    - ``sizes``: a column, pixels. A machine with ``diamond_exit_lines`` rounds them, and moves the point to
+      the middle of a pixel or to a corner (Source: OpenGL 1.2.1 section 3.3).
+    - ``units``: the texture units whose coordinates sprites replace. s runs from left to right and t from top
+      to bottom, each with 1/2 in the middle.
+
+    Measured: Point_sprite AlphaTest, 305506 of 305506 pixels; Point_params Detailed_FF: texels' exact
+    boundaries right of and below the middle are off by the last bit, those before it are not.
     """
     points = np.flatnonzero(primitives.strokes[:, KIND] == C.PRIMITIVE_POINT)
-    at = primitives.triangles[points, 0].repeat(3)  # a place to the right, the middle, one below
+    at = primitives.triangles[points, 0].repeat(3)  # a place to the right, the middle, a place below
     sizes = np.broadcast_to(sizes, len(primitives.x))[at]
     half = (8 * whole_size(sizes) if profile.arithmetic.diamond_exit_lines else np.trunc(sizes * 8.0)).astype(
         np.int32
@@ -181,8 +191,8 @@ def with_squares(primitives, sizes, units, profile):
         odd, x, y = (half & 8) != 0, primitives.x[at], primitives.y[at]
         grown["x"][first:] = np.where(odd, (x & -16) + 8, (x + 8) & -16)
         grown["y"][first:] = np.where(odd, -(-y & -16) - 8, -((8 - y) & -16))  # window y runs upwards
-    # Below an eighth of a pixel a point is the pixel that it lies in. Measured: size 0, through a program
-    # and the fixed functions (Point_size PointSmoothOff_01_VS, SmallestPointSize_FF).
+    # A point smaller than an eighth of a pixel covers the pixel that it lies in. Measured: size 0, through a
+    # program and the fixed functions (Point_size PointSmoothOff_01_VS, SmallestPointSize_FF).
     nothing = half == 0
     half = np.where(nothing, np.int32(8), half)
     for name, steps in (("x", across), ("y", down)):
@@ -207,8 +217,9 @@ def sprite_units(state):
 def stroked(primitives, mesh, state, profile, clipped, origin, sizes):
     """The same primitives with their lines and points made.
 
-    clipped int32 [k, 4]: the rows as clipping left them; origin int64 [k]: what it made them of; sizes: of
-    points, a column.
+    - ``clipped``: int32 [k, 4], the rows after clipping.
+    - ``origin``: int64 [k], the row that each came from.
+    - ``sizes``: of points, a column.
     """
     if mesh.primitive == PrimitiveType.POINTS:
         primitives = with_strokes(primitives, C.PRIMITIVE_POINT)
@@ -231,7 +242,7 @@ def stroked(primitives, mesh, state, profile, clipped, origin, sizes):
 
 
 def _boundary(mesh, triangles, origin):
-    """Which edges of each triangle bound a polygon; what clipping left of one is outlined whole."""
+    """The edges of each triangle that bound a polygon; a clipped triangle's outline is its whole boundary."""
     boundary = boundary_edges(mesh)[origin]
     clipped = np.isin(origin, origin[(triangles[:, :3] >= len(mesh.positions)).any(axis=1)])
     begins, ends = np.diff(origin, prepend=-1) != 0, np.diff(origin, append=-1) != 0

@@ -66,7 +66,7 @@ def _reflection(eye, normal):
 
 
 def _sphere_map(reflection):
-    """s and t of a sphere map; both are 1/2 where m is 0, in the direction that the map does not hold."""
+    """s and t of a sphere map; both are 1/2 where m is 0, in the one direction that the map lacks."""
     m = length([reflection[0], reflection[1], reflection[2] + ONE]) * np.float64(2.0)
     divisor = np.where(m == 0, ONE, m)
     return [reflection[axis] / divisor + np.float64(0.5) for axis in range(2)]
@@ -75,7 +75,7 @@ def _sphere_map(reflection):
 def _transform_unit_reflection(eye, normal):
     """The reflection vector in 24 significant bits.
 
-    Measured: Texgen_with_texture_matrix ReflectionMap_RotateX, in which exact roots lose a pixel.
+    Measured: Texgen_with_texture_matrix ReflectionMap_RotateX, where exact roots lose a pixel.
     """
     u, _, _ = unit_vector([single(component) for component in eye[:3]])
     normal = [single(component) for component in normal]
@@ -86,7 +86,10 @@ def _transform_unit_reflection(eye, normal):
 
 
 def _transform_unit_sphere_map(reflection):
-    """s and t of a sphere map likewise. Measured: Texgen_with_texture_matrix SphereMap_Double."""
+    """s and t of a sphere map in 24 significant bits.
+
+    Measured: Texgen_with_texture_matrix SphereMap_Double.
+    """
     half = [reflection[0], reflection[1], total((reflection[2], ONE), TRANSFORM_BITS)]
     root = transform_inverse_root(transform_dot(half, half)) * np.float64(0.5)
     return [

@@ -1,6 +1,6 @@
-"""Powers of two and logarithms of the transform unit, which vertex programs' EXP, LOG and LIT read.
+"""Powers of two and logarithms of the transform unit, for vertex programs' EXP, LOG and LIT.
 
-Source: envytools (nvhw/xf.c), whose tables these are: 32 pieces of a line each; a piece begins where the one
+Source: envytools (nvhw/xf.c), whose tables these are: 32 linear pieces each; a piece begins where the one
 before ends.
 """
 
@@ -20,13 +20,13 @@ LOGARITHM_SLOPES = (
 _EXPONENTIAL, _LOGARITHM = np.array(EXPONENTIAL_SLOPES), np.array(LOGARITHM_SLOPES)
 _EXPONENTIAL_STARTS = np.concatenate([[0], np.cumsum(EXPONENTIAL_SLOPES)])
 _LOGARITHM_STARTS = np.concatenate([[0], np.cumsum(LOGARITHM_SLOPES)])
-_POWER_STEPS = 1 << 13  # of an exponent's one
-_LAST_BIT = 2.0 ** (1 - SINGLE_BITS)  # of one
+_POWER_STEPS = 1 << 13  # in one unit of an exponent
+_LAST_BIT = 2.0 ** (1 - SINGLE_BITS)  # of the number one
 _LOGARITHM_STEPS = 1 << 26
 
 
 def _exponential_of_steps(steps):
-    """2^(steps / 8192), ``steps`` whole numbers as int64."""
+    """2^(steps / 8192); ``steps`` are whole numbers, int64."""
     whole, piece, rest = steps >> 13, steps >> 8 & 31, steps & 255
     fraction = _EXPONENTIAL_STARTS[piece] * 256 + _EXPONENTIAL[piece] * rest
     value = np.ldexp(((fraction << 1) + (1 << 23)).astype(np.float64), np.clip(whole, -200, 200) - 23)
@@ -34,8 +34,10 @@ def _exponential_of_steps(steps):
 
 
 def _steps(column):
-    """An exponent in steps, toward minus infinity; beyond single precision's it stays just beyond. What is
-    smaller than a single's last bit of one is 0, what is no number more than any.
+    """An exponent in steps, rounded toward minus infinity.
+
+    It is limited just beyond single precision's range. A magnitude below the last bit of a single-precision
+    one gives 0; NaN counts as infinity.
     """
     column = np.where(np.abs(column) < _LAST_BIT, 0.0, np.where(np.isnan(column), np.inf, column))
     return np.floor(np.clip(column, -512.0, 512.0) * _POWER_STEPS).astype(np.int64)
@@ -69,7 +71,7 @@ def _logarithm_steps(column):
 
 
 def logarithm(column):
-    """log2 of a column without negative numbers, cut to 24 bits; of 0 minus infinity."""
+    """log2 of a column without negative numbers, cut to 24 bits; that of 0 is minus infinity."""
     some = np.isfinite(column) & (column > 0)
     steps = _logarithm_steps(np.where(some, column, 1.0))
     value = keep_significant_bits(steps / _LOGARITHM_STEPS, SINGLE_BITS)
@@ -77,7 +79,7 @@ def logarithm(column):
 
 
 def lit_power(base, exponent):
-    """LIT's z where its x is positive: 2^(exponent log2(base)), the exponent within -128 and 128."""
+    """LIT's z where its x is positive: 2^(exponent log2(base)), with the exponent within -128 and 128."""
     some = np.isfinite(base) & (base > 0)
     steps = _logarithm_steps(np.where(some, base, 1.0))
     power = np.clip(_steps(exponent), -(1 << 20), (1 << 20) - 1)

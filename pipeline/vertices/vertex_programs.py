@@ -3,10 +3,11 @@
     program = vertex_program("MUL o[HPOS], v[OPOS], c[0].x; MOV o[COL0], v[COL0];")
     results = program.run({"OPOS": positions, "COL0": colors}, {0: (2.0, 0.0, 0.0, 0.0)})
 
-The results are what ``VertexStage.PROGRAM_RESULTS`` draws. Beside the extension's a program has the NV2A's:
-192 constants; R12, which reads what was written to o[HPOS]; and two instructions at a time, ``ADD R0, v[3],
-v[4] + RCP R1.x, v[3].x;``, that read their operands before either writes. Numbers are the transform unit's
-(docs/numbers.md, section 2). Source: NV_vertex_program, NV_vertex_program1_1; envytools (nvhw/xf.c).
+``VertexStage.PROGRAM_RESULTS`` draws the results. The NV2A adds to the extension: 192 constants; R12, which
+reads the value written to o[HPOS]; and pairs of instructions, ``ADD R0, v[3], v[4] + RCP R1.x, v[3].x;``,
+that read their operands before either writes. Numbers are the transform unit's (docs/numbers.md, section 2).
+
+Source: NV_vertex_program, NV_vertex_program1_1; envytools (nvhw/xf.c).
 """
 
 import re
@@ -26,20 +27,20 @@ from fixedpipe.pipeline.vertices.transform_tables import exponential, exponentia
 from fixedpipe.raster.floats import LEAST_SINGLE
 
 TEMPORARIES, CONSTANTS = 12, 192
-# By name, the number of each input register. Source: NV097_SET_VERTEX_DATA_ARRAY_FORMAT's order.
+# The number of each input register. Source: NV097_SET_VERTEX_DATA_ARRAY_FORMAT's order.
 INPUTS = {
     "OPOS": 0, "WGHT": 1, "NRML": 2, "COL0": 3, "COL1": 4, "FOGC": 5, "PSIZ": 6, "BFC0": 7, "BFC1": 8,
     "TEX0": 9, "TEX1": 10, "TEX2": 11, "TEX3": 12,
 }  # fmt: skip
 OUTPUTS = ("HPOS", "COL0", "COL1", "FOGC", "PSIZ", "BFC0", "BFC1", "TEX0", "TEX1", "TEX2", "TEX3")
 _COMPONENTS = {"x": 0, "y": 1, "z": 2, "w": 3}
-_DEFAULT = (0.0, 0.0, 0.0, 1.0)  # of an input's components that are not given, and of inputs
+_DEFAULT = (0.0, 0.0, 0.0, 1.0)  # the components that an input lacks, and the missing inputs
 
 # ------------------------------------------------------------------------------------------- instructions
 
 
 def _pattern(column):
-    """An integer that orders numbers as the unit does: -0 before 0. Source: envytools (xf_islt)."""
+    """An integer that orders numbers as the unit does, with -0 before 0. Source: envytools (xf_islt)."""
     bits = np.asarray(column, np.float64).astype(np.float32).view(np.int32).astype(np.int64)
     return np.where(bits < 0, -(bits & 0x7FFFFFFF) - 1, bits)
 
@@ -49,7 +50,7 @@ def _less(a, b):
 
 
 def _add(*terms):
-    """The terms' sum; infinities keep their signs. Source: envytools (xf_sum)."""
+    """The sum of the terms; infinities keep their signs. Source: envytools (xf_sum)."""
     exact = sum(terms)
     return np.where(np.isfinite(exact), total(terms, TRANSFORM_BITS), exact)
 
@@ -89,7 +90,7 @@ def _lit(a):
     return one, lit, np.where(lit != 0, lit_power(y, power), 0.0), one
 
 
-# By name: how many operands, whether they are scalars, and the four components of the result.
+# By name: the number of operands, and a function from them to the four components of the result.
 _VECTORS = {
     "MOV": (1, lambda a: a),
     "MUL": (2, lambda a, b: [transform_product(x, y) for x, y in zip(a, b, strict=True)]),
@@ -119,7 +120,7 @@ _ADDRESS = "ARL"
 
 @dataclass(frozen=True)
 class Operand:
-    """A register that is read. ``relative``: A0.x is added to the number of a constant."""
+    """A register that an instruction reads. ``relative``: A0.x is added to the number of a constant."""
 
     file: str
     number: int
@@ -130,7 +131,7 @@ class Operand:
 
 @dataclass(frozen=True)
 class Instruction:
-    """One operation. ``file``: R, o, or A of the address register."""
+    """One operation. ``file`` is R, o, or A for the address register."""
 
     name: str
     file: str
@@ -210,7 +211,7 @@ def _instruction(text):
 def vertex_program(text: str) -> "VertexProgram":
     """The program of a text: instructions, each with a semicolon; ``#`` begins a comment.
 
-    Raises ValueError for what is no instruction or register.
+    Raises ValueError for text that is no instruction or register.
     """
     lines = " ".join(line.partition("#")[0] for line in text.splitlines())
     statements = [" ".join(statement.split()) for statement in lines.split(";")]
@@ -237,26 +238,26 @@ class VertexProgram:
     ) -> dict[str, np.ndarray]:
         """Outputs by name, float64 [n, 4]; FOGC and PSIZ are the scalars [n] that reach the rasterizer.
 
-        inputs     by name or number arrays [n, 1..4], or 1 to 4 numbers for all vertices; components that are
-                   missing, and inputs, are (0, 0, 0, 1)
-        constants  four numbers each, by number; others are 0
+        - ``inputs``: {name or number: array [n, 1..4], or 1 to 4 numbers for all vertices}. Missing
+          components and missing inputs are (0, 0, 0, 1).
+        - ``constants``: {number: four numbers}; the others are 0.
 
-        What is never written is not among the outputs; of a vector of which some components are, the others
-        are (0, 0, 0, 1) (undefined in the extension). Numbers may be infinite or none. Raises ValueError for
-        an input or constant that there is not.
+        Outputs that the program never writes are absent. Where it writes only some components of a vector,
+        the others are (0, 0, 0, 1) (undefined in the extension). Numbers may be infinite or NaN. Raises
+        ValueError for an input or constant that does not exist.
         """
         with np.errstate(all="ignore"):
             return _Run(self, inputs, constants or {}).results()
 
 
 def _normal(values):
-    """Numbers in single precision, denormal ones as zeros of their sign, as every operation takes them."""
+    """Numbers in single precision, with signed zeros for denormal ones, as every operation takes them."""
     found = np.asarray(values).astype(np.float32).astype(np.float64)
     return np.where(np.abs(found) < LEAST_SINGLE, np.copysign(0.0, found), found)
 
 
 def _filled(values, count):
-    """Four columns of an array [n, 1..4] or of 1 to 4 numbers, in single precision."""
+    """Four columns from an array [n, 1..4] or from 1 to 4 numbers, in single precision."""
     values = np.asarray(values, np.float64)
     given = values.T if values.ndim == 2 else np.atleast_1d(values)
     columns = [np.full(count, column) for column in _normal(given)]
@@ -293,7 +294,7 @@ class _Run:
         if not operand.relative:
             return [np.full(self.count, value) for value in self.constants[operand.number]]
         at = operand.number + (np.zeros(self.count) if self.address is None else self.address)
-        inside = (at >= 0) & (at < CONSTANTS)  # others read 0. Source: NV_vertex_program
+        inside = (at >= 0) & (at < CONSTANTS)  # numbers outside read 0. Source: NV_vertex_program
         rows = self.constants[np.where(inside, at, 0).astype(np.int64)]
         return [np.where(inside, column, 0.0) for column in rows.T]
 

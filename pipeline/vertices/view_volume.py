@@ -1,12 +1,11 @@
 """The sides of the view volume (OpenGL 1.2.1 section 2.11), which are the viewport's in the window.
 
-Filled polygons are not cut there. Cutting would leave the part of a polygon that lies in the viewport. The
-viewport's sides run between pixels, so a pixel's middle lies in that part if it lies in the polygon and in
-the viewport. Polygons are therefore drawn in the viewport alone, as by a scissor box, and no bit inside
-changes.
+Clipping a filled polygon there leaves the part of it inside the viewport. The viewport's sides run between
+pixels, so a pixel's middle lies in that part if it lies in the polygon and in the viewport. A scissor box
+around the viewport therefore replaces the clipping, and no bit inside changes.
 
-Points, lines, and polygons' outlines may draw pixels beyond the viewport. So lines and outlined polygons are
-cut by the planes of the view volume, and a point whose middle lies outside is left out.
+Points, lines and polygons' outlines may draw pixels beyond the viewport. So the planes of the view volume
+clip lines and outlined polygons, and a point whose middle lies outside is discarded.
 """
 
 from dataclasses import replace
@@ -15,30 +14,31 @@ from functools import lru_cache
 from fixedpipe.pipeline.enums import PolygonMode, VertexStage
 from fixedpipe.pipeline.state import Scissor
 
-_known: dict = {}  # by a state's identity and the framebuffer's size: that state, and what stands for it
+_known: dict = {}  # by a state's identity and the framebuffer's size: that state, and its replacement
 _MOST = 4096
 
 
 def is_filled(mesh, polygon):
-    """Whether a mesh is drawn as filled polygons alone."""
+    """Whether a mesh is drawn only as filled polygons."""
     both = polygon.front_mode, polygon.back_mode
     return mesh.primitive.is_polygons and both == (PolygonMode.FILL, PolygonMode.FILL)
 
 
 def has_sides(vertex):
-    """Whether a vertex state has a view volume. A vertex program's results and a composite matrix's are the
-    bare chip's: window coordinates, which it does not clip at the sides. Measured: off-screen vertices are
-    left alone (tex_diff_pers captures).
+    """Whether the sides of the view volume clip what a vertex state draws.
+
+    A vertex program's results, and a composite matrix's, are window coordinates of the bare chip, which does
+    not clip them at the sides. Measured: off-screen vertices are left alone (tex_diff_pers captures).
     """
     return vertex.stage == VertexStage.FIXED_FUNCTION and vertex.composite is None
 
 
 def within_viewport(mesh, state, width, height):
-    """The state in which filled polygons are drawn in the viewport alone: a PassState whose scissor box is
-    the part of its own that lies in the viewport. It is ``state`` itself where that changes nothing, and for
-    one state and size always the same object.
+    """The PassState that draws filled polygons inside the viewport alone.
 
-    ``width``, ``height``: of the framebuffer, pixels.
+    Its scissor box is the intersection of the state's own with the viewport. Where nothing changes, the
+    result is ``state`` itself. For one state and size it is always the same object. ``width`` and ``height``
+    are the framebuffer's, in pixels.
     """
     viewport = state.vertex.viewport
     if viewport.x == viewport.y == 0 and viewport.width is None is viewport.height:
@@ -70,5 +70,5 @@ def _confined(state, width, height):
 
 @lru_cache(1024)
 def _scissor(*box):
-    """One object for equal boxes: rows of a pass are kept by it."""
+    """One object for equal boxes, because the rows of a pass are cached by its identity."""
     return Scissor(*box)

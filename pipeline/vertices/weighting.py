@@ -1,5 +1,4 @@
-"""Eye coordinates by one modelview matrix, or by two and a vertex's weight (EXT_vertex_weighting): the rule
-of docs/numbers.md N2.28.
+"""Eye coordinates by one modelview matrix, or by two and a vertex's weight (docs/numbers.md N2.28).
 
 Source: EXT_vertex_weighting; envytools' model of the NV10 (nvhw/pgraph_celsius_xfrm.c).
 """
@@ -20,7 +19,7 @@ def weight_of(mesh):
 
 
 def weighted(vectors, weight):
-    """One vector as it is, or two vectors of columns as one; a fourth component is the first's."""
+    """A single vector unchanged, or two vectors of columns blended; a fourth component is the first's."""
     first, *others = vectors
     for second in others:
         rest = ONE - weight
@@ -30,7 +29,7 @@ def weighted(vectors, weight):
 
 
 def transform_weighted(vectors, weight):
-    """``weighted`` in the transform unit."""
+    """``weighted`` in the transform unit's arithmetic."""
     first, *others = vectors
     for second in others:
         weight = single(weight)
@@ -49,5 +48,5 @@ def eye_coordinates(vertex, position, weight):
 
 
 def transform_eye(vertex, position, weight):
-    """``eye_coordinates`` in the transform unit."""
+    """``eye_coordinates`` in the transform unit's arithmetic."""
     return transform_weighted([transform_matrix(matrix, position) for matrix in vertex.modelviews], weight)
