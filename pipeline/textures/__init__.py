@@ -1,1 +1,1 @@
-"""Texels as images and as words of memory."""
+"""Textures: their images, and the words of memory that they come from."""

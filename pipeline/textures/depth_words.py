@@ -1,4 +1,4 @@
-"""Depth formats: the words and the depths that a buffer or a texture of each holds."""
+"""Depth formats: the words of a buffer or a texture, and the depths that they hold."""
 
 from typing import NamedTuple
 
@@ -10,9 +10,10 @@ from fixedpipe.raster.float_depths import FLOAT_16, FLOAT_24, FloatDepth, farthe
 class DepthWords(NamedTuple):
     """The words of a depth format.
 
-    code      of ``raster/codes.py``, the kind
-    largest   word, and ``farthest``: its depth
-    form      how a float's word is made; None: it is fixed
+    - ``code``: the format's kind, a code of ``raster/codes.py``.
+    - ``largest``: the largest word.
+    - ``farthest``: the depth of the largest word.
+    - ``form``: how a floating-point word is made; None: the format is fixed.
     """
 
     code: int

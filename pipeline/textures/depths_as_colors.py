@@ -1,8 +1,8 @@
-"""Depth textures that are read without a comparison: textures of colours, as every engine samples those.
+"""Depth textures that a unit reads without a comparison become textures of colours for every engine.
 
 Source: ARB_shadow section 3.8.13.1 (TEXTURE_COMPARE_MODE NONE gives the depth itself); ARB_depth_texture
-section 3.8.5 (as LUMINANCE, INTENSITY or ALPHA); NV_register_combiners table 2 (where register combiners are
-enabled 0, 0, 0 and the depth, whatever the mode). docs/numbers.md, N12.23, has the arithmetic.
+section 3.8.5 (as LUMINANCE, INTENSITY or ALPHA); NV_register_combiners table 2 (with register combiners
+enabled 0, 0, 0 and the depth, in every mode). docs/numbers.md, N12.23, has the arithmetic.
 """
 
 from dataclasses import replace
@@ -23,14 +23,14 @@ _FORMATS = {
     BaseFormat.INTENSITY: InternalFormat.INTENSITY8,
     BaseFormat.ALPHA: InternalFormat.ALPHA8,
 }
-_made = WeakKeyDictionary()  # of each depth texture: the textures of colours, by base format and width
+_made = WeakKeyDictionary()  # {depth texture: {(base format, width): texture of colours}}
 
 
 def depths_as_colors(state, textures, profile):
     """(PassState, textures by name) in which units that read depths without a comparison read colours.
 
-    ``textures``: name to Texture, at least those that the state's units read. A texture that is made here is
-    not named by a string, which a frame's own textures are, and is made once for each depth texture.
+    ``textures`` maps names to Textures, at least to those that the state's units read. Names in a frame are
+    strings; the name of a new texture is a tuple. Each depth texture is converted once.
     """
     units, held = list(state.texture_units), None
     for number, unit in enumerate(units):
@@ -54,7 +54,7 @@ def depths_as_colors(state, textures, profile):
 
 
 def _colors_of(texture, base, bits):
-    """The depth texture as one of a base format, with components of ``bits`` bits."""
+    """The depth texture as a texture of a base format, with components of ``bits`` bits."""
     made = _made.setdefault(texture, {})
     if (base, bits) not in made:
         unread = DEPTH_TEXELS[texture.internal_format].largest.bit_length() - bits

@@ -1,9 +1,9 @@
 """Texture images: texels at the internal format's resolution, expanded to the bytes that registers read.
 
-A texture keeps, per level, ``uint8[faces, height, width, 4]``: what a combiner's texture register receives
-from one texel, RGBA. An internal format's own components are quantised to its bits and widened to a byte by
-bit replication (Measured: Texture_format captures, distinct levels), and the base format decides where they
-go (Source: NV_register_combiners table 2). Rows run bottom first, as TexImage2D reads them.
+A texture keeps ``uint8[faces, height, width, 4]`` for each level: the RGBA bytes that a combiner's texture
+register receives from a texel. An internal format's own components are quantised to its bits and widened to a
+byte by bit replication (Measured: Texture_format captures, distinct levels). The base format decides their
+places (Source: NV_register_combiners table 2). The bottom row is first, as TexImage2D reads rows.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ from fixedpipe.pipeline.textures.pixels import (
     refused_type,
 )
 
-# Component resolutions in the order of the base format's components, of the formats that store an image's
+# Component resolutions of the formats that store an image's components, in the order of the base format's
 # components. Source: OpenGL 1.2.1 table 3.16.
 COMPONENT_BITS = {
     InternalFormat.ALPHA4: (4,),
@@ -45,7 +45,7 @@ COMPONENT_BITS = {
     InternalFormat.RGBA8: (8, 8, 8, 8),
 }
 
-# Formats of machines whose components have twelve bits.  Source: OpenGL 1.2.1 table 3.16.
+# Formats for machines whose components have twelve bits. Source: OpenGL 1.2.1 table 3.16.
 _TWELVE_BIT_COMPONENTS = {
     InternalFormat.ALPHA12: (12,),
     InternalFormat.LUMINANCE12: (12,),
@@ -72,17 +72,17 @@ def _base_format(internal_format):
     return BaseFormat.RGBA if len(_ALL_COMPONENT_BITS[internal_format]) == 4 else BaseFormat.RGB
 
 
-# Formats that are only made from words count as RGBA: nothing but a border colour asks.
-# Source: OpenGL 1.2.1 table 3.16. Assumed: a border colour reaches the registers whole with the others.
+# Formats that only words make count as RGBA, because only a border colour uses their base format. Source:
+# OpenGL 1.2.1 table 3.16. Assumed: a border colour reaches the registers whole, as the others do.
 BASE_FORMAT = {f: _base_format(f) for f in InternalFormat}
 
-# Formats whose texels are two words of 16 bits, alpha and red, green and blue: filters take a word whole, and
+# Formats whose texels are two words of 16 bits: alpha and red, green and blue. Filters take a word whole, and
 # its sign is that of its high byte. Measured: Bump_map's R16B16 captures and BumpMap_Y16.
 FORMATS_OF_WORDS = frozenset(
     {InternalFormat.HILO16, InternalFormat.SIGNED_HILO16, InternalFormat.LUMINANCE16}
 )
 
-# Formats that are no colours: what NV_texture_shader has for dot products and offsets alone.
+# Formats without colours: NV_texture_shader has them for dot products and offsets alone.
 COLORLESS_FORMATS = frozenset(
     {
         InternalFormat.HILO16,
@@ -92,8 +92,8 @@ COLORLESS_FORMATS = frozenset(
     }
 )
 
-# Which components a format's texels hold as two's complement, whatever the sampler says.
-# Source: NV_texture_shader table 3.16. Assumed: a copy of a signed component is signed.
+# The components that a format's texels hold as two's complement, for every sampler. Source: NV_texture_shader
+# table 3.16. Assumed: a copy of a signed component is signed.
 _SIGNED = {
     InternalFormat.SIGNED_HILO16: ("green", "alpha"),
     InternalFormat.DSDT8: ("red", "green", "blue", "alpha"),
@@ -102,7 +102,7 @@ _SIGNED = {
 }
 SIGNED_FORMATS = frozenset(_SIGNED)
 
-# Depth textures: their words.  Source: ARB_depth_texture.
+# The words of depth textures. Source: ARB_depth_texture.
 DEPTH_TEXELS = {
     InternalFormat.DEPTH_COMPONENT16: DEPTH_WORDS[DepthFormat.FIXED_16],
     InternalFormat.DEPTH_COMPONENT24: DEPTH_WORDS[DepthFormat.FIXED_24],
@@ -110,7 +110,7 @@ DEPTH_TEXELS = {
     InternalFormat.DEPTH_COMPONENT24_FLOAT: DEPTH_WORDS[DepthFormat.FLOAT_24],
 }
 
-# Which RGBA components of an image a base format keeps.  Source: OpenGL 1.2.1 table 3.15.
+# The RGBA components of an image that a base format keeps. Source: OpenGL 1.2.1 table 3.15.
 KEPT = {
     BaseFormat.ALPHA: (3,),
     BaseFormat.LUMINANCE: (0,),
@@ -120,7 +120,7 @@ KEPT = {
     BaseFormat.RGBA: (0, 1, 2, 3),
 }
 
-# Where a base format's components go in a texture register: an index into them, or the constant 0 or 1.
+# The places of a base format's components in a texture register: an index into them, or the constant 0 or 1.
 # Source: NV_register_combiners table 2.
 REGISTER_COMPONENTS: dict[BaseFormat, tuple[str | int, ...]] = {
     BaseFormat.ALPHA: ("0", "0", "0", 0),
@@ -131,7 +131,7 @@ REGISTER_COMPONENTS: dict[BaseFormat, tuple[str | int, ...]] = {
     BaseFormat.RGBA: (0, 1, 2, 3),
 }
 
-# Where they go in a pixel group that GetTexImage returns, likewise.  Source: OpenGL 1.2.1 table 6.1.
+# Their places in a pixel group that GetTexImage returns. Source: OpenGL 1.2.1 table 6.1.
 RETURNED_COMPONENTS: dict[BaseFormat, tuple[str | int, ...]] = {
     BaseFormat.ALPHA: ("0", "0", "0", 0),
     BaseFormat.LUMINANCE: (0, "0", "0", "1"),
@@ -143,14 +143,14 @@ RETURNED_COMPONENTS: dict[BaseFormat, tuple[str | int, ...]] = {
 
 
 def depth_texture_mode(sampler, profile):
-    """The BaseFormat as which a depth texture reaches the registers (ARB_depth_texture)."""
+    """The BaseFormat of a depth texture in the registers (ARB_depth_texture)."""
     if sampler.depth_texture_mode is not None:
         return sampler.depth_texture_mode
     return profile.textures.depth_texture_modes[0]
 
 
 def with_signs(state, textures):
-    """The PassState, its units' samplers with the signs that their textures' formats have."""
+    """The PassState whose units' samplers have the signs that their textures' formats require."""
     units = tuple(_with_signs(unit, textures) for unit in state.texture_units)
     return state if units == state.texture_units else replace(state, texture_units=units)
 
@@ -167,7 +167,7 @@ def _with_signs(unit, textures):
 def widen_to_byte(component, bits):
     """An n-bit component (0 .. 2**bits - 1) as a byte, by bit replication.
 
-    Measured: Texture_format captures for 4, 5 and 6 bits; 1, 2 and 3 bits Inferred from them.
+    Measured: Texture_format captures for 4, 5 and 6 bits; Inferred from them: 1, 2 and 3 bits.
     """
     shift, value = 8 - bits, component << (8 - bits)
     while shift > 0:
@@ -183,7 +183,8 @@ def register_components(
     one: Any,
     places: dict[BaseFormat, tuple[str | int, ...]] = REGISTER_COMPONENTS,
 ) -> NDArray[Any]:
-    """Base-format components [..., c] to register components [..., 4], or by RETURNED_COMPONENTS to groups;
+    """Base-format components [..., c] as register components [..., 4], or as groups with RETURNED_COMPONENTS.
+
     ``one`` is full intensity.
     """
     out = np.empty((*components.shape[:-1], 4), components.dtype)
@@ -193,7 +194,7 @@ def register_components(
 
 
 def _quantised(unit, bits):
-    """Components in [0, 1] at n bits, as bytes."""
+    """Components in [0, 1], rounded to n bits, as bytes."""
     return widen_to_byte(np.floor(unit * (2**bits - 1) + 0.5).astype(np.uint8), bits)
 
 
@@ -213,10 +214,10 @@ def widen(component, bits, to):
 
 
 def stored_widths(internal_format, profile):
-    """(bits of a texture's components, bits that the format keeps of each) on a machine; None for a format
-    that only words make, which has bytes everywhere.
+    """(bits of a texture's components, bits that the format keeps of each) on a machine.
 
-    The machine's widest formats have its ``texture_bits``, narrower ones their own, at most as many.
+    The machine's widest formats have its ``texture_bits``. Narrower formats have their own bits, at most as
+    many. The result is None for a format that only words make; its components are bytes on every machine.
     """
     own = _ALL_COMPONENT_BITS.get(internal_format)
     if own is None:
@@ -228,8 +229,9 @@ def stored_widths(internal_format, profile):
 
 
 def texels_at(registers, internal_format, bits, kept):
-    """Register components in [0, 1], [..., 4], as a texture's of ``bits`` bits, of which the format keeps
-    ``kept``: uint8 if 8, else uint16.
+    """Register components in [0, 1], [..., 4], as texels of ``bits`` bits: uint8 for 8 bits, else uint16.
+
+    ``kept`` is the number of bits that the format keeps of each component.
     """
     base, one = BASE_FORMAT[internal_format], (1 << bits) - 1
     out = np.empty(registers.shape, np.uint8 if bits == 8 else np.uint16)
@@ -244,7 +246,7 @@ def texels_at(registers, internal_format, bits, kept):
 
 
 def at_machine_width(texture, profile):
-    """The texture with its components as wide as the machine keeps them, from ``ideal`` where it has that."""
+    """The texture with components of the machine's width, made from ``ideal`` where the texture has it."""
     widths = stored_widths(texture.internal_format, profile)
     if widths is None or (texture.bits, _ALL_COMPONENT_BITS[texture.internal_format]) == widths:
         return texture
@@ -255,7 +257,7 @@ def at_machine_width(texture, profile):
 
 
 def stored_texels(rgba, internal_format, profile):
-    """(RGBA [..., 4], bytes or floats, as a machine's texels of a format, their bits)."""
+    """(texels of a format on a machine, their bits) from RGBA [..., 4], bytes or floats."""
     bits, kept = stored_widths(internal_format, profile)
     if (bits, kept) == (8, COMPONENT_BITS.get(internal_format)):
         return store_texels(rgba, internal_format), 8
@@ -265,10 +267,10 @@ def stored_texels(rgba, internal_format, profile):
 
 
 def store_texels(rgba: NDArray[Any], internal_format: InternalFormat) -> NDArray[np.uint8]:
-    """RGBA in [0, 1] or bytes, [..., 4], to register bytes uint8 [..., 4] at the format's resolution.
+    """RGBA [..., 4], bytes or in [0, 1], as register bytes uint8 [..., 4] at the format's resolution.
 
     Conversion to n bits rounds to nearest (Source: OpenGL 1.2.1 section 2.13.9). Raises ValueError for a
-    format that holds no such components.
+    format without such components, and for numbers that are neither bytes nor floats.
     """
     if internal_format not in COMPONENT_BITS:
         raise ValueError(
@@ -295,7 +297,10 @@ def depth_texels(words: NDArray[np.integer]) -> NDArray[np.uint8]:
 
 
 def _frozen_levels(levels):
-    """The levels, read-only: writable arrays are copied. What is no tuple of arrays, validate refuses."""
+    """The levels, read-only; writable arrays are copied.
+
+    ``validate`` refuses values that are no tuple of arrays.
+    """
     if not isinstance(levels, tuple):
         return levels
     frozen = []
@@ -311,16 +316,18 @@ def _frozen_levels(levels):
 class Texture:
     """A texture object's images.
 
-    levels  tuple of uint8 [faces, height, width, 4], level 0 first: register bytes, bottom row first. The
-            faces are a cube map's six or a 3D texture's layers. A depth component's four bytes are its depth
-            units, lowest byte first; HILO formats have HI in alpha and red, LO in green and blue.
-    ideal   the same shapes in float64 before any quantisation, or None: the ideal evaluator then reads the
-            stored texels divided by their value of one
-    bits    how wide a component is, 2**bits - 1 its value of one: 8, or else the levels are uint16
-    border  texels of a border on either side of each axis, in every level (OpenGL 1.2.1, section 3.8.1): the
-            levels hold them, and no width counts them. A 1D texture has them along s, a 3D one along r too
+    - ``levels``: tuple of uint8 [faces, height, width, 4], level 0 first: register bytes, bottom row first.
+      The faces are a cube map's six or a 3D texture's layers. A depth texel's four bytes are its depth units,
+      lowest byte first. HILO formats have HI in alpha and red, LO in green and blue.
+    - ``ideal``: the same shapes in float64 before any quantisation. None: the ideal evaluator reads the
+      stored texels divided by their value of one.
+    - ``bits``: the width of a component; 2**bits - 1 is one. If it is not 8, the levels are uint16.
+    - ``border``: the number of border texels on either side of each axis, in every level (OpenGL 1.2.1,
+      section 3.8.1). The levels hold them; ``width``, ``height`` and ``depth`` leave them out. A 1D texture
+      has them along s alone; a 3D texture also has them along r.
 
-    Writable arrays are copied and made read-only: what is made from a texture is kept as long as it lives.
+    Writable arrays are copied and made read-only, because results computed from a texture are kept as long as
+    it lives.
     """
 
     target: TextureTarget
@@ -346,7 +353,7 @@ class Texture:
 
     @property
     def depth(self) -> int:
-        """Texels along r of level 0: 1 but for 3D textures."""
+        """Texels along r of level 0; 1 unless the texture is 3D."""
         layered = self.target is TextureTarget.TEXTURE_3D
         return self.levels[0].shape[0] - 2 * self.border if layered else 1
 
@@ -358,7 +365,7 @@ class Texture:
 
 
 def _as_rgba(image, what, axes):
-    """An image as RGBA, bytes or floats: ``axes`` are the names of its axes but the last, its components."""
+    """An image as RGBA, bytes or floats; ``axes`` names its axes before the components."""
     image = bytes_or_floats(image, what)
     if 0 in image.shape:
         raise ValueError(
@@ -379,11 +386,12 @@ def _as_rgba(image, what, axes):
 
 
 def halve(level: NDArray[Any], layered: bool = False) -> NDArray[Any]:
-    """The next mipmap level of whole numbers or float64 [faces, h, w, 4], boxes of 2x2 (or 2x1, 1x2) texels;
-    of 2x2x2 where the faces are a 3D texture's layers (``layered``).
+    """The next mipmap level of whole numbers or float64 [faces, h, w, 4], from boxes of 2x2 texels.
 
-    Whole numbers: (a + b + c + d + 2) >> 2, as the arithmetic's rule for generated mipmaps says, or (the
-    eight + 4) >> 3; an edge of one texel counts it twice.
+    Along an edge of one texel boxes are 2x1 or 1x2, and count a texel twice. With ``layered`` the faces are a
+    3D texture's layers, and boxes have 2x2x2 texels. Whole numbers become (a + b + c + d + 2) >> 2, as the
+    rule for generated mipmaps says, or (the eight + 4) >> 3. Raises ValueError for odd edges longer than one
+    texel.
     """
     d, h, w = level.shape[:3]
     if (h % 2 and h > 1) or (w % 2 and w > 1) or (layered and d % 2 and d > 1):
@@ -403,7 +411,7 @@ def halve(level: NDArray[Any], layered: bool = False) -> NDArray[Any]:
 
 
 def pyramid(base: NDArray[Any], layered: bool = False) -> tuple[NDArray[Any], ...]:
-    """Every mipmap level from level 0 down to one texel: a tuple, each by ``halve``, read-only."""
+    """Every mipmap level from level 0 down to one texel, each by ``halve``: a tuple of read-only arrays."""
     levels = [base]
     while max(levels[-1].shape[0 if layered else 1 : 3]) > 1:
         levels.append(halve(levels[-1], layered))
@@ -419,8 +427,10 @@ def build_texture(
     mipmaps: bool,
     border: int = 0,
 ) -> Texture:
-    """A texture from RGBA images [faces, h, w, 4], bottom row first: bytes, or floats, which the ideal
-    evaluator gets too. Raises ValueError for mipmaps of an image with a border.
+    """A texture from RGBA images [faces, h, w, 4], bottom row first: bytes, or floats.
+
+    The ideal evaluator reads floats before quantisation. Raises ValueError for mipmaps of an image with a
+    border.
     """
     if mipmaps and border:
         raise ValueError(
@@ -451,7 +461,7 @@ def texture_1d(
     mipmaps: bool = False,
     border: int = 0,
 ) -> Texture:
-    """A 1D texture from [width, 1..4 components], bytes or floats in [0, 1], as ``texture_2d`` takes them."""
+    """A 1D texture from [width, 1..4 components], bytes or floats in [0, 1]; see ``texture_2d``."""
     row = _as_rgba(image, "A 1D texture's image", ("width",))
     return build_texture(TextureTarget.TEXTURE_1D, row[None, None], internal_format, mipmaps, border)
 
@@ -463,13 +473,14 @@ def texture_2d(
     mipmaps: bool = False,
     border: int = 0,
 ) -> Texture:
-    """A 2D texture from [height, width, 1..4 components], bottom row first: bytes, which are uint8 alone, or
-    floats in [0, 1]. A Pillow image is a picture, top row first, and is turned over.
+    """A 2D texture from [height, width, 1..4 components], bottom row first: uint8 bytes, or floats in [0, 1].
 
-    Floats are kept as the ideal evaluator's source (unclamped) beside the quantised texels. ``border``: how
-    many texels of the image on either side of each axis are a border (``Texture``).
-    Raises ValueError for another type of numbers, booleans too, zero sizes, NaN, another shape, or mipmaps of
-    an image with a border.
+    A Pillow image, whose top row is first, is flipped. The ideal evaluator reads floats before quantisation
+    and not clamped. ``border`` is the number of texels on either side of each axis that are a border
+    (``Texture``).
+
+    Raises ValueError for other types of numbers, booleans too, for zero sizes, NaN or another shape, and for
+    mipmaps of an image with a border.
     """
     image = bottom_row_first(image, "A 2D texture's image")
     rgba = _as_rgba(image, "A 2D texture's image", ("height", "width"))
@@ -483,8 +494,9 @@ def texture_3d(
     mipmaps: bool = False,
     border: int = 0,
 ) -> Texture:
-    """A 3D texture from [layers, height, width, 1..4 components], bytes or floats in [0, 1], each layer as
-    ``texture_2d`` takes it, r growing from layer to layer.
+    """A 3D texture from [layers, height, width, 1..4 components], bytes or floats in [0, 1].
+
+    r grows from layer to layer. ``texture_2d`` describes the images.
     """
     rgba = _as_rgba(image, "A 3D texture's image", ("layers", "height", "width"))
     return build_texture(TextureTarget.TEXTURE_3D, rgba, internal_format, mipmaps, border)
@@ -497,8 +509,9 @@ def texture_cube_map(
     mipmaps: bool = False,
     border: int = 0,
 ) -> Texture:
-    """A cube map from [6, size, size, components], faces +x, -x, +y, -y, +z, -z; rows as EXT_texture_cube_map
-    orders t (row 0 is t = 0).
+    """A cube map from [6, size, size, components], faces +x, -x, +y, -y, +z, -z; see ``texture_2d``.
+
+    Rows follow EXT_texture_cube_map's t: row 0 is t = 0. Raises ValueError for other shapes too.
     """
     rgba = _as_rgba(faces, "A cube map's image", ("6", "size", "size"))
     if rgba.shape[0] != 6 or rgba.shape[1] != rgba.shape[2]:

@@ -1,11 +1,11 @@
-"""The formats in which images lie in a client's memory, and which textures read a surface's words."""
+"""The formats of images in a client's memory, and the textures that can read a surface's words."""
 
 from typing import NamedTuple
 
 from fixedpipe.pipeline.enums import ColorFormat, DepthFormat, InternalFormat
 
-# Which of R, G, B and A each element of an image's group is: L is all three colours.
-# Source: OpenGL 1.2.1 table 3.6 and section 3.6.4, Conversion to RGB and Final Expansion to RGBA.
+# The component, of R, G, B and A, of each element of an image's group; L is all three colours. Source: OpenGL
+# 1.2.1 table 3.6 and section 3.6.4, Conversion to RGB and Final Expansion to RGBA.
 IMAGE_FORMATS = {
     "RGBA": ("R", "G", "B", "A"),
     "RGB": ("R", "G", "B"),
@@ -21,9 +21,9 @@ IMAGE_FORMATS = {
 DEPTH_FORMAT, STENCIL_FORMAT, COLOR_INDEX_FORMAT = "DEPTH_COMPONENT", "STENCIL_INDEX", "COLOR_INDEX"
 INDEX_FORMATS = (STENCIL_FORMAT, COLOR_INDEX_FORMAT)
 
-# What ReadPixels reads colours as.  Source: OpenGL 1.2.1 section 4.3.2.
+# The formats in which ReadPixels reads colours. Source: OpenGL 1.2.1 section 4.3.2.
 READ_FORMATS = tuple(IMAGE_FORMATS)
-# What it returns them as, and what NumPy type holds it. Source: OpenGL 1.2.1 table 4.7.
+# The types in which it returns them, and the NumPy types of these. Source: OpenGL 1.2.1 table 4.7.
 COMPONENT_TYPES = {
     "UNSIGNED_BYTE": "uint8",
     "BYTE": "int8",
@@ -36,8 +36,10 @@ COMPONENT_TYPES = {
 
 
 class PackedType(NamedTuple):
-    """A type whose words hold a whole group: the NumPy type of a word, and the lowest bit and the bits of the
-    first component, the second and so on.
+    """A type whose words hold a whole group.
+
+    - ``word``: the NumPy type of a word.
+    - ``fields``: (lowest bit, number of bits) of the first component, the second and so on.
     """
 
     word: str
@@ -67,8 +69,8 @@ def packed_formats(packed: str) -> tuple[str, ...]:
     return ("RGB",) if len(PACKED_TYPES[packed].fields) == 3 else ("RGBA", "BGRA")
 
 
-# Which internal formats read a surface's words: those of its width and components.
-# Source: WGL_ARB_render_texture (BIND_TO_TEXTURE_RGB_ARB and RGBA_ARB).
+# The internal formats that can read a surface's words: those of its width and components. Source:
+# WGL_ARB_render_texture (BIND_TO_TEXTURE_RGB_ARB and RGBA_ARB).
 READABLE_AS = {
     **dict.fromkeys(
         (
@@ -85,7 +87,7 @@ READABLE_AS = {
     ColorFormat.X1R5G5B5_O1R5G5B5: (InternalFormat.RGB5, InternalFormat.RGB5_A1),
 }
 
-# Which depth format reads a surface's depth words. Source: WGL_NV_render_depth_texture.
+# The depth format that can read a surface's depth words. Source: WGL_NV_render_depth_texture.
 DEPTH_READABLE_AS = {
     DepthFormat.FIXED_16: InternalFormat.DEPTH_COMPONENT16,
     DepthFormat.FIXED_24: InternalFormat.DEPTH_COMPONENT24,

@@ -1,9 +1,9 @@
-"""What numbers of pixels mean, at every door that takes them.
+"""The meaning of pixels' numbers, in every function that takes pixels.
 
-uint8 are bytes, of which 255 is one; floats are what they say, of which 1.0 is one. Nothing else says what
-its one is: int64 may hold bytes, uint16 may be of 16 bits or of 12, and a boolean may be one or the byte 1;
-they are refused. OpenGL's own images are the exception (``PixelImage``): their unsigned integers are
-fractions of their type's largest value (OpenGL 1.2.1 table 2.6).
+For uint8 bytes 255 is one, and for floats 1.0 is one. No other type says which value is one: int64 may hold
+bytes, uint16 may have 16 bits or 12, and a boolean may be one or the byte 1. So other types are refused.
+OpenGL's own images are the exception (``PixelImage``): their unsigned integers are fractions of their type's
+largest value (OpenGL 1.2.1 table 2.6).
 """
 
 from typing import Any, Protocol
@@ -17,7 +17,7 @@ class PillowImage(Protocol):
 
     @property
     def mode(self) -> str:
-        """What its pixels are: "RGB"."""
+        """The kind of its pixels, for instance "RGB"."""
 
     def getbands(self) -> tuple[str, ...]:
         """The names of its components."""
@@ -26,7 +26,8 @@ class PillowImage(Protocol):
         """The same picture with pixels of another mode."""
 
 
-# Of Pillow's modes, those whose pixels are components in bytes, and those that are one of these in short.
+# Pillow's modes whose pixels are components in bytes, or indices or bits for these, and the mode to convert
+# to.
 _MODES = {"L": "L", "LA": "LA", "RGB": "RGB", "RGBA": "RGBA", "1": "L", "P": "RGBA", "PA": "RGBA"}
 
 _ADVICE = {
@@ -37,8 +38,10 @@ _ADVICE = {
 
 
 def bottom_row_first(image: ArrayLike | PillowImage, what: str) -> Any:
-    """A Pillow image, whose top row is first, as uint8 [height, width, 1..4] with its bottom row first;
-    anything else as it is. Raises ValueError, about ``what``, for a mode whose components are no bytes.
+    """A Pillow image, whose top row is first, as uint8 [height, width, 1..4] with its bottom row first.
+
+    Other values are returned unchanged. Raises ValueError, about ``what``, for a mode whose components are no
+    bytes.
     """
     if not hasattr(image, "getbands"):
         return image
@@ -60,13 +63,14 @@ def array_of(values: ArrayLike, what: str) -> NDArray[Any]:
 
 
 def refused_type(values: NDArray[Any], what: str, allowed: str) -> ValueError:
-    """The error that an array's type is none of the ``allowed`` ones, with what to do."""
+    """The ValueError for an array whose type is not among the ``allowed``, with advice."""
     return ValueError(f"{what} holds {values.dtype}; give {allowed}{_ADVICE.get(values.dtype.kind, '')}.")
 
 
 def bytes_or_floats(values: ArrayLike, what: str) -> NDArray[np.uint8] | NDArray[np.float64]:
-    """Pixels as uint8 (255 is one) or float64 (1.0 is one). Raises ValueError, about ``what``, for other
-    types, NaN and infinity.
+    """Pixels as uint8 (255 is one) or float64 (1.0 is one).
+
+    Raises ValueError, about ``what``, for other types, NaN and infinity.
     """
     array = array_of(values, what)
     if array.dtype == np.uint8:
@@ -80,11 +84,11 @@ def bytes_or_floats(values: ArrayLike, what: str) -> NDArray[np.uint8] | NDArray
 
 
 def unit_numbers(values: ArrayLike, what: str) -> NDArray[np.float64]:
-    """Factors or components of vectors as float64, 1.0 is one: floats of any size, booleans, and the whole
-    numbers -1, 0 and 1.
+    """Factors or components of vectors as float64, where 1.0 is one.
 
-    Raises ValueError, about ``what``, for other whole numbers, which are bytes or words of a picture, for
-    other types, NaN and infinity.
+    They may be floats of any size, booleans, and the whole numbers -1, 0 and 1. Raises ValueError, about
+    ``what``, for other whole numbers, which are bytes or words of a picture, for other types, NaN and
+    infinity.
     """
     array = array_of(values, what)
     if array.dtype.kind not in "biuf":
@@ -101,7 +105,10 @@ def unit_numbers(values: ArrayLike, what: str) -> NDArray[np.float64]:
 
 
 def whole_numbers(values: ArrayLike, what: str) -> NDArray[np.int64]:
-    """Words of memory, or indices, as int64. Raises ValueError, about ``what``, for what is no integer."""
+    """Words of memory, or indices, as int64.
+
+    Raises ValueError, about ``what``, for arrays of other types than integers.
+    """
     array = array_of(values, what)
     if array.dtype.kind not in "iu":
         raise ValueError(f"{what} holds {array.dtype}; give whole numbers, as uint8, uint16 or uint32.")

@@ -1,13 +1,12 @@
-"""A texture as a unit samples it: from its base level on, without what a color key takes from its texels.
+"""A texture as a unit samples it: from its base level on, with a color key applied to its texels.
 
-Engines see a texture whose level 0 is the base level. That is the rule itself. The scale factor, filters
-without mipmaps, magnification and completeness go by the base level. The equations that choose levels have it
-as an addend alone.
+Engines see a texture whose level 0 is the base level. That equals the rule: the scale factor, filters without
+mipmaps, magnification and completeness use the base level, and the equations that choose levels only add it.
 Source: OpenGL 1.2.1 sections 3.8.5 and 3.8.6, equations 3.15 and 3.21 to 3.23; SGIS_texture_lod.
 
-A color key is compared with single texels, and a unit that has one reads the nearest. So engines see a
-texture whose texels are what the key leaves. Of a key that ends fragments they ask a second one, of zeros.
-Measured: 2727494 of 2727494 pixels (Color_key captures).
+A color key is compared with single texels, and a unit with a color key reads the nearest texel. So engines
+see a texture with the key applied. For a key that discards fragments, they read a second texture of zeros and
+ones. Measured: 2727494 of 2727494 pixels (Color_key captures).
 """
 
 from collections.abc import Mapping
@@ -22,13 +21,14 @@ from fixedpipe.pipeline.enums import ColorKeyOperation, InternalFormat, WrapMode
 from fixedpipe.pipeline.state import ColorKey, Sampler, SignedComponents, TextureUnit
 from fixedpipe.pipeline.textures.images import Texture, store_texels
 
-# By texture, and what of a unit makes another of it. What is kept holds arrays, and not the texture.
+# By texture, and by the unit's fields that change it. The values hold arrays, and not the key texture.
 _sampled: WeakKeyDictionary[Texture, dict[Any, Texture]] = WeakKeyDictionary()
 
 
 def sampled_texture(unit: TextureUnit, textures: Mapping[str, Texture]) -> Texture:
-    """The unit's texture of those by name, from the unit's base level on, with texels that its color key
-    leaves: the same object each time.
+    """The unit's texture, from the unit's base level on, with its color key applied to the texels.
+
+    ``textures`` are by name. Repeated calls return the same object.
     """
     texture, lowest, key = textures[unit.texture], unit.sampler.base_level, unit.color_key  # type: ignore[index]
     if key is not None and key.operation is ColorKeyOperation.KILL:
@@ -47,7 +47,7 @@ def sampled_texture(unit: TextureUnit, textures: Mapping[str, Texture]) -> Textu
 
 
 def _equal_to(key: ColorKey, texture: Texture, lowest: int) -> list[NDArray[np.bool_]]:
-    """Which texels of each level, from the lowest on, equal a key: those stored, on the ideal too."""
+    """Which stored texels of each level, from the lowest on, equal a key; the ideal uses these too."""
     stored = store_texels(np.array(key.color, np.float64), texture.internal_format)
     return [(level == stored).all(axis=-1) for level in texture.levels[lowest:]]
 
@@ -55,7 +55,7 @@ def _equal_to(key: ColorKey, texture: Texture, lowest: int) -> list[NDArray[np.b
 def _without(
     levels: tuple[NDArray[Any], ...], equal: list[NDArray[np.bool_]], operation: ColorKeyOperation
 ) -> tuple[NDArray[Any], ...]:
-    """Levels in which texels that equal the key have an alpha of 0, or nothing but zeros."""
+    """Levels in which the texels that equal the key have an alpha of 0, or four zeros."""
     out = []
     for level, chosen in zip(levels, equal, strict=True):
         left = level.copy()
@@ -65,8 +65,9 @@ def _without(
 
 
 def key_unit(unit: TextureUnit, textures: Mapping[str, Texture]) -> tuple[TextureUnit, Texture]:
-    """A unit and its texture that tell where the unit's color key ends fragments: there all four components
-    are zeros, elsewhere ones. The border colour is no key (Assumed).
+    """A unit and its texture that show where the unit's color key discards fragments.
+
+    The texture's four components are 0 there and 1 elsewhere. The border colour is no key (Assumed).
     """
     texture, lowest = textures[unit.texture], unit.sampler.base_level  # type: ignore[index]
     key = unit.color_key
@@ -86,7 +87,7 @@ def key_unit(unit: TextureUnit, textures: Mapping[str, Texture]) -> tuple[Textur
 
 
 def face_modes(sampler: Sampler, texture: Texture) -> tuple[WrapMode, WrapMode, WrapMode]:
-    """The wrap modes of a cube map's faces: a face with a border has those of its sampler that read it.
+    """The wrap modes of a cube map's faces; with a border they are the sampler's modes that read it.
 
     Measured: CLAMP_TO_BORDER (Cube_BorderTex_SZ_2x2, _16x16, _32x32). Inferred: CLAMP likewise.
     """

@@ -1,4 +1,4 @@
-"""Textures from the words that memory holds: packed and signed pixels, palettes, YCbCr pairs, S3TC blocks.
+"""Textures from words of memory: packed and signed pixels, palettes, YCbCr pairs, S3TC blocks.
 
 ``images`` makes textures from components. Arrays of words are [rows, columns], or [faces or layers, rows,
 columns]; the first row is t = 0.
@@ -12,15 +12,15 @@ from fixedpipe.pipeline.enums import InternalFormat, TexelWord, TextureTarget
 from fixedpipe.pipeline.textures.images import Texture, at_machine_width, widen_to_byte
 from fixedpipe.pipeline.textures.pixels import whole_numbers
 
-ONE = None  # a component that is full intensity
+ONE = None  # a component of full intensity
 
-# What each word is stored as, and its red, green, blue and alpha as (lowest bit, bits).
-# Measured: every pixel of the formats' captures (Texture_format; Volume_texture, Y16's low byte too).
-# Source: NV_texture_shader (HILO16). From V8U8 on, Source: Direct3D 8's D3DFORMAT, U in the lowest bits; the
-# Xbox's Direct3D, where V8U8, L6V5U5, X8L8V8U8 and Q8W8V8U8 are other names of G8B8, R6G5B5, X8R8G8B8 and
-# A8B8G8R8; wined3d, which hands V8U8, Q8W8V8U8 and V16U16 to NV_texture_shader as DSDT8, SIGNED_RGBA8 and
+# How each word is stored: the format, and its red, green, blue and alpha as (lowest bit, bits). Measured:
+# every pixel of the formats' captures (Texture_format; Volume_texture, Y16's low byte too). Source:
+# NV_texture_shader (HILO16). From V8U8 on, Source: Direct3D 8's D3DFORMAT, U in the lowest bits; the Xbox's
+# Direct3D, where V8U8, L6V5U5, X8L8V8U8 and Q8W8V8U8 are other names of G8B8, R6G5B5, X8R8G8B8 and A8B8G8R8;
+# wined3d, which hands V8U8, Q8W8V8U8 and V16U16 to NV_texture_shader as DSDT8, SIGNED_RGBA8 and
 # SIGNED_HILO16, where U is HI. Measured: five signed bits are widened by replication, 606476 pixels of 606476
-# (BumpEnvLum_R6G5B5_B, _B_R90; as wined3d widens them 25,000 are missed).
+# (BumpEnvLum_R6G5B5_B, _B_R90; wined3d's widening misses 25,000).
 _FIELDS = {
     TexelWord.A8R8G8B8: (InternalFormat.RGBA8, (16, 8), (8, 8), (0, 8), (24, 8)),
     TexelWord.X8R8G8B8: (InternalFormat.RGB8, (16, 8), (8, 8), (0, 8), ONE),
@@ -46,7 +46,7 @@ _FIELDS = {
     TexelWord.Q8W8V8U8: (InternalFormat.SIGNED_RGBA8, (0, 8), (8, 8), (16, 8), (24, 8)),
     TexelWord.V16U16: (InternalFormat.SIGNED_HILO16, (0, 8), (24, 8), (16, 8), (8, 8)),
 }
-# Depth words: what they are stored as, and how far the depth lies above bit 0.
+# How depth words are stored: the format, and the lowest bit of the depth.
 _DEPTHS = {
     TexelWord.X8_Y24_FIXED: (InternalFormat.DEPTH_COMPONENT24, 8),
     TexelWord.X8_Y24_FLOAT: (InternalFormat.DEPTH_COMPONENT24_FLOAT, 8),
@@ -70,10 +70,10 @@ def ycbcr_to_rgb(y, u, v):
 
 
 def ycbcr_of_words(words, kind):
-    """Y, Cb, Cr and 255, uint8 [..., 4], of words of 16 bits, pairs along the rows: what units read whose
-    results a pass converts (``PassState.ycbcr_conversion``). ``kind``: TexelWord.YUY2 or UYVY.
+    """Y, Cb, Cr and 255, uint8 [..., 4], of words of 16 bits, in pairs along the rows.
 
-    Raises ValueError for another kind, and where rows are not pairs.
+    Units read these where a pass converts their results (``PassState.ycbcr_conversion``). ``kind`` is
+    TexelWord.YUY2 or UYVY. Raises ValueError for another kind, and where rows are not pairs.
     """
     words = whole_numbers(words, "The array of words")
     if kind not in (TexelWord.YUY2, TexelWord.UYVY):
@@ -91,7 +91,7 @@ def ycbcr_of_words(words, kind):
 
 
 def texels_of_words(words, kind):
-    """Register bytes uint8 [..., 4] of an array of words: see Texture for what depths and HILO are."""
+    """Register bytes uint8 [..., 4] of an array of words; ``Texture`` says what depths and HILO are."""
     words = whole_numbers(words, "The array of words")
     if kind in (TexelWord.YUY2, TexelWord.UYVY):
         texels = ycbcr_of_words(words, kind)
@@ -109,7 +109,7 @@ def texels_of_words(words, kind):
 
 
 def internal_format_of(kind):
-    """What words of that kind are stored as."""
+    """The InternalFormat in which words of this kind are stored."""
     if kind in (TexelWord.YUY2, TexelWord.UYVY):
         return InternalFormat.YCBCR
     return _DEPTHS[kind][0] if kind in _DEPTHS else _FIELDS[kind][0]
@@ -120,9 +120,9 @@ def _levels(images):
 
 
 def texture_of_words(images, kind, target=TextureTarget.TEXTURE_2D):
-    """A texture from words, one array per level, level 0 first; or one array, which is level 0.
+    """A texture from words: an array for each level, level 0 first, in a tuple or list; or level 0 alone.
 
-    Of a cube map or 3D texture an array is [faces or layers, rows, columns].
+    An array for a cube map or a 3D texture is [faces or layers, rows, columns].
     """
     images = images if isinstance(images, (tuple, list)) else (images,)
     levels = _levels([texels_of_words(image, kind) for image in images])
@@ -132,8 +132,8 @@ def texture_of_words(images, kind, target=TextureTarget.TEXTURE_2D):
 def paletted_texture(indices, palette, target=TextureTarget.TEXTURE_2D):
     """EXT_paletted_texture with its color table: ``indices`` into ``palette``, words A8R8G8B8.
 
-    A table of n colours, n a power of two, is asked for the index modulo n (Source: EXT_paletted_texture:
-    the high bits of an index are ignored).
+    A table of n colours, n a power of two, takes the index modulo n (Source: EXT_paletted_texture: the high
+    bits of an index are ignored). Raises ValueError for a palette of another size.
     """
     colors = texels_of_words(palette, TexelWord.A8R8G8B8)
     if len(colors) & (len(colors) - 1) or not len(colors):
@@ -161,9 +161,9 @@ def _unpacked(block_bytes, bits):
 
 
 def _s3tc_colors(blocks, punch_through):
-    """RGBA bytes int64 [..., 16, 4] of color blocks uint8 [..., 8]: thirds as ``(2a + b + 1) // 3``.
+    """RGBA bytes int64 [..., 16, 4] of color blocks uint8 [..., 8]; thirds are ``(2a + b + 1) // 3``.
 
-    Measured: 1024 of 1024 texels (DXT3_plasma). Assumed: a half as ``(a + b + 1) // 2``.
+    Measured: 1024 of 1024 texels (DXT3_plasma). Assumed: a half is ``(a + b + 1) // 2``.
     """
     blocks = blocks.astype(np.int64)
     ends = [blocks[..., k] | (blocks[..., k + 1] << 8) for k in (0, 2)]
@@ -177,7 +177,7 @@ def _s3tc_colors(blocks, punch_through):
 
 
 def _s3tc_alphas(blocks):
-    """Alpha bytes int64 [..., 16] of DXT5's alpha blocks uint8 [..., 8], sevenths and fifths to the nearest.
+    """Alpha bytes int64 [..., 16] of DXT5's alpha blocks uint8 [..., 8], with rounded sevenths and fifths.
 
     Measured: all pixels of DXT5_plasma_alpha and MIPDXT5_plasma_alpha.
     """
@@ -199,10 +199,9 @@ def _s3tc_alphas(blocks):
 
 
 def texels_of_blocks(blocks, internal_format, width, height):
-    """Register bytes uint8 [height, width, 4] of S3TC blocks uint8 [rows, columns, bytes of a block]; the
-    first row is t = 0.
+    """Register bytes uint8 [height, width, 4] of S3TC blocks uint8 [rows, columns, bytes of a block].
 
-    DXT3's four bits of alpha become a byte by replication.
+    The first row is t = 0. DXT3's four bits of alpha become a byte by replication.
     """
     if internal_format is InternalFormat.COMPRESSED_RGBA_S3TC_DXT1:
         texels = _s3tc_colors(blocks, True)
@@ -217,8 +216,8 @@ def texels_of_blocks(blocks, internal_format, width, height):
     return squares.reshape(rows * 4, columns * 4, 4)[:height, :width].astype(np.uint8)
 
 
-# Ordered dithering of decoded DXT1 colours: what is taken off a texel by its place in a square of 4x4, and
-# the step. Measured: 2048 of 2048 texels (Texture_DXT captures).
+# Ordered dithering of decoded DXT1 colours: the amount subtracted from a texel, by its place in a square of
+# 4x4, and the step. Measured: 2048 of 2048 texels (Texture_DXT captures).
 _DITHER_RED = np.array([[0, 4, 1, 5], [2, 6, 3, 7], [5, 1, 4, 0], [7, 3, 6, 2]])
 _DITHER_GREEN = np.array([[3, 1, 2, 0], [2, 0, 1, 3], [1, 3, 0, 2], [0, 2, 3, 1]])
 _DITHER = ((_DITHER_RED, 8), (_DITHER_GREEN, 4), (_DITHER_RED[::-1], 8))
@@ -227,9 +226,10 @@ _DITHER = ((_DITHER_RED, 8), (_DITHER_GREEN, 4), (_DITHER_RED[::-1], 8))
 def dithered_level(level):
     """A level uint8 [layers, height, width, 4] with red, green and blue dithered to 5, 6 and 5 bits.
 
-    With d of the texel's place and step s, m is v - d cut to the bits that are kept: 0 is 0, the largest 255,
-    and others are given d back, and half a step: ``s*m + d + s/2 - 1``. Measured: every byte that the texels
-    of Texture_DXT and of the volume's four layers have (Volume_texture DXT1, 305890 of 305890 pixels).
+    A texel v with the amount d of its place and the step s has m, which is v - d cut to the kept bits. Its
+    byte is 0 for m = 0, 255 for the largest m, and ``s*m + d + s/2 - 1`` for the others. Measured: every byte
+    that the texels of Texture_DXT and of the volume's four layers have (Volume_texture DXT1, 305890 of 305890
+    pixels).
     """
     y, x = np.ogrid[: level.shape[1], : level.shape[2]]
     out = level.copy()
@@ -242,7 +242,7 @@ def dithered_level(level):
 
 
 def stored_texture(texture, profile):
-    """The texture as a machine holds it: components at its width; DXT1 dithered, where it does that."""
+    """The texture as a machine holds it: with components of its width, and DXT1 dithered if it does so."""
     dxt1 = texture.internal_format is InternalFormat.COMPRESSED_RGBA_S3TC_DXT1
     if not (dxt1 and profile.arithmetic.dithered_s3tc_dxt1):
         return at_machine_width(texture, profile)
@@ -250,14 +250,17 @@ def stored_texture(texture, profile):
 
 
 def _bytes_of(data):
-    """What bytes, or an array of uint8, hold. Raises ValueError for an array of anything else."""
+    """The bytes of a bytes object or an array of uint8. Raises ValueError for another array."""
     if isinstance(data, np.ndarray) and data.dtype != np.uint8:
         raise ValueError(f"The compressed data is an array of {data.dtype}; give bytes: .astype(np.uint8).")
     return np.frombuffer(data, np.uint8)
 
 
 def compressed_texture(data, internal_format, width, height, levels=1):
-    """CompressedTexImage2D: a 2D texture from the bytes of its levels behind one another, level 0 first."""
+    """CompressedTexImage2D: a 2D texture from the bytes of its levels, one after the other, level 0 first.
+
+    Raises ValueError where the bytes do not hold all levels.
+    """
     size, images, at = S3TC_BLOCK_BYTES[internal_format], [], 0
     data = _bytes_of(data)
     for level in range(levels):
@@ -277,8 +280,9 @@ def compressed_texture(data, internal_format, width, height, levels=1):
 def compressed_volume(data, internal_format, width, height, depth):
     """CompressedTexImage3D: a 3D texture of one level from its bytes.
 
-    A block's four layers lie behind one another, and only then the next block of the row; a last brick of
-    fewer layers is as much shorter. Source: NV_texture_compression_vtc; Assumed: the NV2A keeps to it.
+    The four layers of a block follow one another, then comes the next block of the row. A last brick with
+    fewer layers is shorter by the missing ones. Raises ValueError where the bytes are too few. Source:
+    NV_texture_compression_vtc; Assumed: the NV2A follows it.
     """
     size, rows, columns = S3TC_BLOCK_BYTES[internal_format], -(-height // 4), -(-width // 4)
     data, layers = _bytes_of(data), []
