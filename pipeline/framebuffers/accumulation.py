@@ -8,30 +8,30 @@ from fixedpipe.raster.pixels.accumulation import added, from_colors, from_value,
 
 
 def _full(profile):
-    """The buffer's 1.0."""
+    """The buffer's word for 1.0."""
     return 2 ** (profile.framebuffers.accumulation_bits - 1) - 1
 
 
 def accumulation_of(framebuffer):
-    """The window's accumulation buffer, made when it is asked for first: zero."""
+    """The window's accumulation buffer, created with zeros at first use."""
     if framebuffer.accumulation is None:
         framebuffer.accumulation = np.zeros(framebuffer.color.shape, np.int32)
     return framebuffer.accumulation
 
 
 def clear_accumulation(framebuffer, command, profile):
-    """What a Clear with ``accumulation`` does to it."""
+    """Clear the accumulation buffer, for a Clear with ``accumulation``."""
     box = scissored_part(command.scissor, framebuffer.width, framebuffer.height)
     full = _full(profile)
     accumulation_of(framebuffer)[box] = [from_value(component, full) for component in command.accumulation]
 
 
 def accumulate(framebuffer, command, profile):
-    """An Accum. ``framebuffer``: the window's."""
+    """Execute an Accum; ``framebuffer`` is the window's."""
     box = scissored_part(command.scissor, framebuffer.width, framebuffer.height)
     buffer, full, value = accumulation_of(framebuffer)[box], _full(profile), float(command.value)
     one = 2**framebuffer.color_bits - 1
-    with np.errstate(over="ignore"):  # what overflows is clamped
+    with np.errstate(over="ignore"):  # Values that overflow are clamped.
         match command.operation:
             case AccumOperation.LOAD | AccumOperation.ACCUM:
                 colors = framebuffer.buffer(command.read_buffer).color[box]

@@ -8,7 +8,7 @@ def device_edges(box, height):
 
 
 def scissored(box, width, height):
-    """(x0, y0, x1, y1) in device pixels, half open: the window cut by a scissor box; None: all of it."""
+    """(x0, y0, x1, y1) in device pixels, half open: the window cut by a scissor box, or by None."""
     if box is None:
         return 0, 0, width, height
     left, top, right, bottom = device_edges(box, height)
@@ -18,7 +18,7 @@ def scissored(box, width, height):
 
 
 def scissored_part(box, width, height):
-    """The same as slices of rows, counted from the top, and of columns."""
+    """``scissored`` as slices of rows, counted from the top, and of columns."""
     left, top, right, bottom = scissored(box, width, height)
     return slice(top, bottom), slice(left, right)
 

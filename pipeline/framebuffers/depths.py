@@ -7,8 +7,7 @@ from fixedpipe.raster.primitives.vertices import single_depths
 
 
 def _single(depths, scale=1.0):
-    """Depths times ``scale`` as the chip has them: single precision, nothing between 0 and the least normal
-    number.
+    """Depths times ``scale`` in the chip's single precision, without numbers below the least normal one.
 
     Measured: vertices below 2**-126 have depth 0 (DepthFmt_z24 FZy captures); Assumed: to nearest.
     """
@@ -18,10 +17,12 @@ def _single(depths, scale=1.0):
 
 
 def depth_units(state, framebuffer, primitives):
-    """Every vertex's depth in depth units: clip w, z in these units, or window z, which a fixed format's
-    farthest scales. Source: NV_depth_buffer_float (floats hold window z itself).
+    """Every vertex's depth in depth units: clip w, z in these units, or scaled window z.
+
+    A fixed format multiplies window z by its farthest depth. Source: NV_depth_buffer_float (floats hold
+    window z itself).
     """
-    with np.errstate(all="ignore"):  # what overflows is limited; what is no number becomes one
+    with np.errstate(all="ignore"):  # Overflow is clamped later, and NaN becomes a number.
         if state.w_buffering:
             return _single(1.0 / primitives.inverse_w)
         if framebuffer.depth_format.is_float or state.vertex.depth_units:

@@ -34,10 +34,9 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns.numbers import convert
 from fixedpipe.raster.pixels.transfer import fixed
 
-# A surface's 32-bit words, red in the low byte, each component at the top of its byte: the bits that it
-# keeps, those that are always one, and its alpha as a factor (seven bits:
-# replicated).
-# Measured: Blend_surface captures (16 of 16 pictures of 16384 pixels; DstAlpha pictures).
+# A surface's 32-bit words, with red in the low byte and each component at the top of its byte. For each
+# format: the bits that it keeps, the bits that are always one, and its alpha as a factor (seven bits:
+# replicated). Measured: Blend_surface captures (16 of 16 pictures of 16384 pixels; DstAlpha pictures).
 SURFACE_WORDS = {
     ColorFormat.A8R8G8B8: (0xFFFFFFFF, 0, C.SURFACE_ALPHA_STORED),
     ColorFormat.X8R8G8B8_Z8R8G8B8: (0x00FFFFFF, 0, C.SURFACE_ALPHA_ONE),
@@ -51,7 +50,7 @@ SURFACE_WORDS = {
 
 
 def surface_word(rgba: Sequence[int], color_format: ColorFormat) -> int:
-    """A colour as a surface stores it, a word with red in the low byte. ``rgba``: four bytes."""
+    """The word that a surface stores for a colour of four bytes, with red in the low byte."""
     keep, pad, alpha = SURFACE_WORDS[color_format]
     red, green, blue, a = rgba
     stored = a >> 1 if alpha == C.SURFACE_ALPHA_SEVEN_BITS else a
@@ -60,7 +59,7 @@ def surface_word(rgba: Sequence[int], color_format: ColorFormat) -> int:
 
 
 def _write(words, value, mask, all_bits):
-    """``value`` where ``mask`` has a bit into an array of words or bytes."""
+    """Write the bits of ``value`` that ``mask`` selects into an array of words or bytes."""
     if mask == all_bits:
         words[...] = value
     elif mask:
@@ -68,23 +67,29 @@ def _write(words, value, mask, all_bits):
 
 
 def to_code(value: float, one: int = 255) -> int:
-    """``floor(255 c + 1/2)`` of c clamped to [0, 1], or of another value of ``one``. Source: OpenGL 1.2.1
-    section 2.13.9.
+    """``floor(255 c + 1/2)`` of c clamped to [0, 1], or with another value of ``one``.
+
+    Source: OpenGL 1.2.1 section 2.13.9.
     """
     return int(one * min(max(value, 0.0), 1.0) + 0.5)
 
 
 @dataclass(eq=False)
 class Framebuffer:
-    """color uint8 [h, w, 4] RGBA, or int32 (below); depth uint32 [h, w], 0 .. 2**depth_bits - 1; stencil
-    uint8 [h, w]. Top row first.
+    """The colours, depths and stencil values of a window or pbuffer, top row first.
 
-    A new one holds zero colour, the farthest depth and stencil zero. A component narrower than a byte has its
-    bits at the top of one, zeros below. Where components have another number of bits, ``color_bits``, or
-    blending does not clamp, colours are int32, 2**color_bits - 1 is one, and only where it does not clamp do
-    values leave [0, one]. ``accumulation``: int32 [h, w, 4] (docs/numbers.md, section 16), None until
-    something is stored there. ``samples``: how many a pixel has, of which colours are then the means.
-    ``shares_depth``, ``depth_of``: as the MakeCurrent said; ``take_depths`` keeps such framebuffers alike.
+    - ``color``: uint8 [h, w, 4] RGBA, or int32 (below). A component narrower than a byte has its bits at the
+      top of the byte, with zeros below.
+    - ``depth``: uint32 [h, w], 0 .. 2**depth_bits - 1.
+    - ``stencil``: uint8 [h, w].
+    - ``color_bits``: the number of bits of a colour component.
+    - ``accumulation``: int32 [h, w, 4] (docs/numbers.md, section 16); None until a command stores in it.
+    - ``samples``: the number of samples of a pixel; with several, colours are their means.
+    - ``shares_depth``, ``depth_of``: from the MakeCurrent. ``take_depths`` keeps such framebuffers equal.
+
+    A new framebuffer holds zero colour, the farthest depth and stencil zero. Colours are int32 where
+    ``color_bits`` is not 8 or blending does not clamp; 2**color_bits - 1 is then one. Values leave [0, one]
+    only where blending does not clamp.
     """
 
     color: NDArray[np.uint8 | np.int32]
@@ -127,30 +132,30 @@ class Framebuffer:
         )
 
     def take_depths(self, other: "Framebuffer") -> None:
-        """The depths and stencil values of another become this one's, where both have a pixel as far from the
-        left and from the top.
-        """
+        """Copy another's depths and stencil values to the pixels at the same distances from left and top."""
         both = slice(min(self.height, other.height)), slice(min(self.width, other.width))
         self.depth[both], self.stencil[both] = other.depth[both], other.stencil[both]
 
     @property
     def depth_bits(self) -> int:
-        """How wide a word of the depth buffer is."""
+        """The number of bits of a word of the depth buffer."""
         return self.depth_format.bits
 
     @property
     def width(self) -> int:
-        """Pixels in a row."""
+        """The number of pixels in a row."""
         return self.color.shape[1]
 
     @property
     def height(self) -> int:
-        """Rows."""
+        """The number of rows."""
         return self.color.shape[0]
 
     def buffer(self, which: ColorBuffer) -> "Framebuffer":
-        """What a draw or read buffer, a ColorBuffer, stands for: this framebuffer, or one with an auxiliary
-        buffer's colours, zero at first, and the same depths and stencil values.
+        """The framebuffer for a ColorBuffer: this one, or one with an auxiliary buffer's colours.
+
+        An auxiliary buffer's colours are zero at first. Its framebuffer has the same depths and stencil
+        values.
         """
         if which == ColorBuffer.BACK:
             return self
@@ -159,7 +164,7 @@ class Framebuffer:
         return self._auxiliary[which]
 
     def copy(self) -> "Framebuffer":
-        """A framebuffer that holds the same, auxiliary buffers as well, and keeps it."""
+        """A framebuffer with copies of all contents, including auxiliary buffers."""
         depth, stencil = self.depth.copy(), self.stencil.copy()
         held = {
             which: replace(other, color=other.color.copy(), depth=depth, stencil=stencil, _auxiliary={})
@@ -175,7 +180,7 @@ class Framebuffer:
         )
 
     def image(self) -> NDArray[np.uint8]:
-        """A copy of the colours for saving: uint8 [h, w, 4], top row first, clamped and to nearest."""
+        """A copy of the colours for saving: uint8 [h, w, 4], top row first, clamped, rounded to nearest."""
         return self.as_bytes(self.color).copy()
 
     @property
@@ -195,9 +200,10 @@ class Framebuffer:
         return slice(self.height - y - height, self.height - y), slice(x, x + width)
 
     def clear_words(self, command: Clear) -> tuple[tuple[int, int, int, int], int, int, int, int, int, int]:
-        """What a Clear (section 4.2.3) writes: (x0, y0, x1, y1) in device pixels, half open; which buffers
-        (bits: codes.BUFFER_...); the colour's word and its mask, the depth's word, the stencil's byte and its
-        mask. ``command``: a Clear.
+        """The words and masks that a Clear writes (section 4.2.3).
+
+        Returns, in order: the box (x0, y0, x1, y1) in device pixels, half open; the buffers (bits:
+        codes.BUFFER_...); the colour's word and its mask; the depth's word; the stencil's byte and its mask.
         """
         buffers, color, color_mask, depth = 0, 0, 0, 0
         if command.color is not None:
@@ -215,12 +221,12 @@ class Framebuffer:
         return box, buffers, color, color_mask, depth, stencil, mask
 
     def saturate(self, command: Saturate) -> None:
-        """Clamp what the scissor box holds to [0, 1]; bytes always are."""
+        """Clamp the colours in the scissor box to [0, 1]; bytes already are."""
         color = self.color[scissored_part(command.scissor, self.width, self.height)]
         np.clip(color, 0, 2**self.color_bits - 1, out=color)
 
     def clear(self, command: Clear) -> None:
-        """Section 4.2.3: through the scissor box and the masks."""
+        """Clear the buffers (section 4.2.3), through the scissor box and the masks."""
         (x0, y0, x1, y1), buffers, color, color_mask, depth, stencil, mask = self.clear_words(command)
         where = slice(y0, y1), slice(x0, x1)
         if buffers & C.BUFFER_COLOR and not self.is_bytes:
@@ -236,12 +242,13 @@ class Framebuffer:
             _write(self.stencil[where], stencil, mask, 0xFF)
 
     def rectangle(self, x: int, y: int, width: int, height: int) -> NDArray[np.uint8 | np.int32]:
-        """Colours of a window rectangle, uint8 [h, w, 4], bottom row first."""
+        """Colours of a window rectangle, [h, w, 4] of the buffer's type, bottom row first."""
         return self.color[self._rows(x, y, width, height)][::-1]
 
     def groups(self, x: int, y: int, width: int, height: int) -> Words:
-        """Colours of a window rectangle as pixel groups [h, w, 4], bottom row first (section 4.3.2,
-        Conversion of RGBA values).
+        """Colours of a window rectangle as pixel groups [h, w, 4], bottom row first.
+
+        Section 4.3.2, Conversion of RGBA values.
         """
         return Words(self.rectangle(x, y, width, height), (2**self.color_bits - 1,) * 4)
 
@@ -252,18 +259,19 @@ class Framebuffer:
     def box_of(
         self, command: ReadPixels | CopyPixels | CopyTexImage | CopyTexSubImage
     ) -> tuple[int, int, int, int]:
-        """The box that a command reads."""
+        """The box that a command reads: (x, y, width, height) in window coordinates."""
         return box_read(command, self.width, self.height)
 
     def part(
         self, plane: NDArray[Any], command: ReadPixels | CopyPixels | CopyTexImage | CopyTexSubImage
     ) -> NDArray[Any]:
-        """What a command reads of a buffer of this size, bottom row first: a view."""
+        """A view of the part of a buffer of this size that a command reads, bottom row first."""
         return plane[self._rows(*self.box_of(command))][::-1]
 
     def read(self, command: ReadPixels, profile: Profile, statistics: PixelStatistics) -> NDArray[Any] | None:
-        """Section 4.3.2: what ``fixedpipe.pipeline.commands.ReadPixels`` returns; None where a sink took it.
-        ``statistics``: the machine's PixelStatistics.
+        """Section 4.3.2: the pixels that ReadPixels returns; None where a sink took them.
+
+        ``statistics`` are the machine's PixelStatistics.
         """
         box, transfer = self.box_of(command), command.transfer
         if command.format == DEPTH_FORMAT:
@@ -280,5 +288,5 @@ class Framebuffer:
 
 
 def color_codes(color: Iterable[float], one: int = 255) -> list[int]:
-    """A colour's components in [0, 1] as whole numbers: bytes, or of another value of ``one``."""
+    """A colour's components in [0, 1] as whole numbers: bytes, or with another value of ``one``."""
     return [to_code(component, one) for component in color]

@@ -1,10 +1,10 @@
-"""Multisampling (SGIS_multisample's and later ARB_multisample's effect): several samples in each pixel.
+"""Multisampling (SGIS_multisample, later ARB_multisample): several samples in each pixel.
 
-Every sample is a framebuffer of its own, colour, depth and stencil: a Draw is drawn into each. On a machine
-that shades samples it is shifted so that the sample's place lies where pixels have their middle, and
-everything of a fragment is computed there; on another the sample's place says which pixels are drawn, and no
-more. What reads colours reads the mean of a pixel's samples; what reads depths and stencil values reads the
-first sample's (docs/numbers.md has the rule).
+Every sample is a framebuffer of its own, with colour, depth and stencil, and a Draw is drawn into each. A
+machine that shades samples shifts the Draw so that the sample's place lies at the middle of pixels, and
+computes everything of a fragment there. On another machine the sample's place only decides which pixels are
+drawn. Commands that read colours get the mean of a pixel's samples. Commands that read depths and stencil
+values get the first sample's. docs/numbers.md has the rule.
 """
 
 from dataclasses import replace
@@ -13,9 +13,9 @@ import numpy as np
 
 from fixedpipe.pipeline.framebuffers.accumulation import accumulation_of
 
-# Places in a pixel, 1/16 pixel from its middle, x to the right and y up. Of four and eight no two in a row or
-# column, their mean the middle. Assumed; InfiniteReality's manual would settle it. Of two, the NV2A's: its
-# middle and its upper left corner. Measured: Swath_width captures.
+# Places in a pixel, in 1/16 pixel from its middle, x to the right and y up. Of four and eight samples, no two
+# share a row or a column, and their mean is the middle. Assumed; InfiniteReality's manual would settle it.
+# Two samples are the NV2A's: its middle and its upper left corner. Measured: Swath_width captures.
 SAMPLE_POSITIONS = {
     1: ((0, 0),),
     2: ((-8, 8), (0, 0)),
@@ -25,8 +25,9 @@ SAMPLE_POSITIONS = {
 
 
 def sampled(place, profile):
-    """(what a Draw is shifted by, the sample that draws its pixels) for a sample's place, each in 1/16 pixel
-    with y up; None: the window has one sample, in its pixels' middle.
+    """(shift of a Draw, sample that decides its pixels) for a sample's place, in 1/16 pixel with y up.
+
+    A place of None means that the window has one sample, at its pixels' middle.
     """
     if place is None or profile.framebuffers.shades_samples:
         return place or SAMPLE_POSITIONS[1][0], None
@@ -34,16 +35,16 @@ def sampled(place, profile):
 
 
 def mean(colors):
-    """The mean of integer arrays, rounded to nearest, a half up: of their type."""
+    """The mean of integer arrays in their type, rounded to nearest, halves up."""
     total = sum(color.astype(np.int64) for color in colors)
     return ((2 * total + len(colors)) // (2 * len(colors))).astype(colors[0].dtype)
 
 
 class Samples:
-    """A window's samples. ``targets``: (framebuffer, position) of each.
+    """A window's samples. ``targets`` has (framebuffer, position) of each.
 
-    ``window``: the Framebuffer whose colours are the samples' means as soon as ``resolve`` has been called,
-    and whose depths and stencil values are the first sample's.
+    ``resolve`` sets the colours of the Framebuffer ``window`` to the samples' means. The window's depths and
+    stencil values are the first sample's.
     """
 
     def __init__(self, window, count):
@@ -64,25 +65,25 @@ class Samples:
         self._written = set()
 
     def write(self, which):
-        """Colours of the buffer ``which``, a ColorBuffer, are about to change in every sample."""
+        """Note that a command changes colours of the buffer ``which``, a ColorBuffer, in every sample."""
         self._written.add(which)
 
     def side_by_side(self):
-        """Colours of the back buffer as the chip's memory has them: [h, samples w, 4], each pixel's in a row.
+        """Colours of the back buffer in the chip memory's layout: [h, samples w, 4], a pixel's in a row.
 
-        Measured: of two (Swath_width captures).
+        Measured: with two samples (Swath_width captures).
         """
         colors = np.stack([sample.color for sample, _ in self.targets], axis=2)
         return colors.reshape(self._window.height, -1, 4)
 
     def resolve(self):
-        """Make the window's colours the means of what was written."""
+        """Set the window's colours to the means of the buffers that were written."""
         for which in self._written:
             colors = [sample.buffer(which).color for sample, _ in self.targets]
             self._window.buffer(which).color[...] = mean(colors)
         self._written.clear()
 
     def share_accumulation(self):
-        """Every sample's framebuffer names the window's accumulation buffer."""
+        """Give every sample's framebuffer the window's accumulation buffer."""
         for sample, _ in self.targets:
             sample.accumulation = accumulation_of(self._window)

@@ -1,4 +1,4 @@
-"""Pictures as the bytes of PNG files, and what shows itself as one."""
+"""Pictures as the bytes of PNG files, and the base class of objects that have a picture."""
 
 import io
 import os
@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def png(image: NDArray[Any]) -> bytes:
-    """A picture as the bytes of a PNG file: uint8 or uint16 [h, w, 3 or 4], or grey [h, w], top row first;
-    alpha is left out. Raises ValueError for an array of anything else.
+    """The bytes of a PNG file without alpha, from uint8 or uint16 [h, w, 3 or 4] or grey [h, w].
 
-    A framebuffer's alpha holds whatever a pass kept there (a gate, a factor) and is no transparency.
+    The top row is first. A framebuffer's alpha holds a pass's own values (a gate, a factor), and is no
+    transparency. Raises ValueError for other arrays.
     """
     is_shaped = image.ndim == 2 or image.shape[2:] in ((3,), (4,))
     if image.dtype not in (np.uint8, np.uint16) or not is_shaped or 0 in image.shape:
@@ -28,23 +28,23 @@ def png(image: NDArray[Any]) -> bytes:
         return whole_png(picture.reshape(*picture.shape[:2], -1))
     from PIL import Image
 
-    # Of zlib's ways this is a third of the time, and a twentieth more bytes.
+    # Of zlib's strategies, RLE takes a third of the time for a twentieth more bytes.
     buffer, way = io.BytesIO(), zlib.Z_RLE
     Image.fromarray(picture).save(buffer, "PNG", compress_type=way)
     return buffer.getvalue()
 
 
-# PNG's numbers of grey, grey with alpha, colour, colour with alpha. Source: PNG specification, second
+# PNG's numbers for grey, grey with alpha, colour, colour with alpha. Source: PNG specification, second
 # edition, section 11.2.2.
 _COLOR_TYPES = {1: 0, 2: 4, 3: 2, 4: 6}
 
 
 def whole_png(pixels: NDArray[Any]) -> bytes:
-    """Pixels as the bytes of a PNG file that keeps every bit: uint8 or uint16 [h, w, 1 to 4] (grey, grey and
-    alpha, colour, colour and alpha), top row first.
+    """The bytes of a PNG file that keeps every bit of uint8 or uint16 [h, w, 1 to 4], top row first.
 
-    Chunk by chunk, because Pillow writes no colours of 16 bits. Source: PNG specification, second edition,
-    sections 5 (chunks), 7.2 (most significant byte first) and 9.2 (filter 2, Up).
+    The components are grey, grey and alpha, colour, or colour and alpha. The function writes the chunks
+    itself, because Pillow writes no colours of 16 bits. Source: PNG specification, second edition, sections 5
+    (chunks), 7.2 (most significant byte first) and 9.2 (filter 2, Up).
     """
     height, width, components = pixels.shape
     rows = pixels.astype(pixels.dtype.newbyteorder(">")).reshape(height, -1).view(np.uint8)
@@ -65,18 +65,19 @@ def whole_png(pixels: NDArray[Any]) -> bytes:
 
 
 def to_codes(values: ArrayLike, bits: int) -> NDArray[np.int32]:
-    """Reals to codes of ``bits`` bits: clamped to [0, 1], then the nearest of 0 .. 2**bits - 1, halves up.
+    """Reals as codes of ``bits`` bits: clamped to [0, 1], then the nearest of 0 .. 2**bits - 1, halves up.
 
     Source: OpenGL 1.2.1 section 2.13.9.
     """
     codes = np.clip(values, 0.0, 1.0) * (2.0**bits - 1.0)
     codes += 0.5
-    return codes.astype(np.int32)  # what is not negative is cut as floor would
+    return codes.astype(np.int32)  # truncation equals floor for numbers that are not negative
 
 
 def deep_picture(codes: NDArray[Any], bits: int) -> NDArray[np.uint8 | np.uint16]:
-    """Codes of ``bits`` bits as a picture that keeps them apart: uint8 for 8 bits or fewer, else uint16, each
-    scaled to the full range and to nearest, halves up.
+    """Codes of ``bits`` bits as a picture that keeps them distinct: uint8 for 8 bits or fewer, else uint16.
+
+    Each code is scaled to the full range and rounded to nearest, halves up.
     """
     if bits == 8:
         return np.asarray(codes).astype(np.uint8)
@@ -86,21 +87,21 @@ def deep_picture(codes: NDArray[Any], bits: int) -> NDArray[np.uint8 | np.uint16
 
 
 class Pictured:
-    """What has a picture, ``image()``: notebooks show it, ``save`` writes it with all bits that it has."""
+    """An object with a picture, ``image()``: notebooks show it, and ``save`` writes it with all its bits."""
 
     def image(self) -> NDArray[np.uint8]:
         """The picture, uint8 [h, w, 4], top row first."""
         raise NotImplementedError
 
     def deep_image(self) -> NDArray[np.uint8 | np.uint16]:
-        """``image()``, or where a component has more than 8 bits the same as uint16, 65535 = full."""
+        """``image()``, or, where a component has more than 8 bits, the picture as uint16, 65535 = full."""
         return self.image()
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the picture as a PNG file, top row first, without the alpha of ``image()`` (see ``png``): 16
-        bits a component where the machine has more than 8.
+        """Write the picture as a PNG file, top row first, without the alpha of ``image()`` (see ``png``).
 
-        Raises ValueError when the name does not end in .png, OSError when the file cannot be written.
+        The file has 16 bits a component where the machine has more than 8. Raises ValueError when the name
+        does not end in .png, OSError when the file cannot be written.
         """
         path = Path(path)
         if path.suffix.lower() != ".png":
@@ -109,5 +110,5 @@ class Pictured:
         path.write_bytes(png(self.deep_image()))
 
     def _repr_png_(self) -> bytes | None:
-        """What a notebook shows: the bytes that ``save`` writes; None where there is nothing to show."""
+        """The PNG bytes that a notebook shows, those of ``save``; None where there is no picture."""
         return png(self.deep_image())

@@ -1,5 +1,6 @@
-"""Rectangles of pixels as machines and the ideal both see them: which pixels they cover, and what their
-fragments take of raster position, pixel texture and volumes.
+"""Rectangles of pixels for machines and the ideal: covered pixels, and data of their fragments.
+
+The data come from the raster position, the pixel texture and its volumes.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ from fixedpipe.raster.pixels import rectangles as arithmetic
 
 
 def takes_raster_color(texture):
-    """(whether the RGB, whether the alpha of a pixel texture's fragments is the raster position's)."""
+    """(RGB, alpha): whether each of a pixel texture's fragments comes from the raster position."""
     if texture.mode is not None:
         mode = PixelTexGenMode
         return texture.mode in (mode.RGB, mode.RGBA), texture.mode in (mode.ALPHA, mode.RGBA)
@@ -22,8 +23,10 @@ def takes_raster_color(texture):
 
 @dataclass(frozen=True, eq=False)
 class Pixels:
-    """Device pixels x and y, int64 [k] each, row by row from the lowest, and the number of each one's group,
-    counted likewise.
+    """Device pixels and the numbers of their groups.
+
+    - ``x``, ``y``: int64 [k] each, row by row from the lowest.
+    - ``numbers``: int64 [k], the number of each pixel's group; groups are counted in the same order.
     """
 
     x: np.ndarray
@@ -31,13 +34,13 @@ class Pixels:
     numbers: np.ndarray
 
     def of(self, groups):
-        """What the groups [h, w, ...] give to each pixel, [k, ...]."""
+        """The values of the groups [h, w, ...] at each pixel, [k, ...]."""
         values = groups.reshape(-1, *groups.shape[2:])
         each_its_own = len(values) == len(self.numbers) and (np.diff(self.numbers, prepend=-1) == 1).all()
         return values if each_its_own else values[self.numbers]
 
     def only(self, chosen):
-        """Some of the pixels."""
+        """The pixels that ``chosen`` selects."""
         return Pixels(self.x[chosen], self.y[chosen], self.numbers[chosen])
 
 
@@ -48,7 +51,7 @@ def covered_pixels(command, where, shape, framebuffer):
 
 
 def set_bits(command, where, framebuffer):
-    """The Pixels whose bit is set in a Bitmap. Source: section 3.7; PixelZoom takes no part."""
+    """The Pixels whose bit is set in a Bitmap. Source: section 3.7; PixelZoom does not apply."""
     (ox, oy), bits = command.origin, np.asarray(command.bits, np.bool_)
     across, up = (np.floor(where.x - ox), 1.0), (np.floor(where.y - oy), 1.0)
     at = _pixels(across, up, bits.shape, command.state, framebuffer)
@@ -56,8 +59,9 @@ def set_bits(command, where, framebuffer):
 
 
 def _pixels(across, up, shape, state, framebuffer):
-    """The Pixels of [h, w] groups inside scissor box and window clip. ``across``, ``up``: where groups begin
-    and how wide they are.
+    """The Pixels of [h, w] groups inside scissor box and window clip.
+
+    ``across`` and ``up`` are (where groups begin, how wide they are) in x and in y.
     """
     (height, width), total = shape[:2], framebuffer.height
     x0, y0, x1, y1 = scissor_box(state, framebuffer)
@@ -70,7 +74,7 @@ def _pixels(across, up, shape, state, framebuffer):
 
 
 def _kept(clip, x, y):
-    """Which pixels of columns x and rows y, y up, a WindowClip keeps: bool [rows, columns]."""
+    """The pixels of columns x and rows y, y up, that a WindowClip keeps: bool [rows, columns]."""
     inside = np.zeros((len(y), len(x)), np.bool_)
     for box in clip.rectangles:
         columns, rows = (x >= box.x) & (x < box.x + box.width), (y >= box.y) & (y < box.y + box.height)
@@ -81,14 +85,14 @@ def _kept(clip, x, y):
 def divided(coordinates):
     """(s/q, t/q, r/q, 1) of the raster position's. Assumed: q counts as 1 where it is 0 or less."""
     q = coordinates[:, 3:]
-    with np.errstate(all="ignore"):  # a small q may lead beyond every float, where textures end
+    with np.errstate(all="ignore"):  # a small q may overflow, which reads a texture's edge
         divided = coordinates / np.where(q > 0, q, 1.0)
     divided[:, 3] = 1.0
     return divided
 
 
 def without_footprints(state):
-    """The same state for fragments whose coordinates do not change from pixel to pixel: one texel each."""
+    """The state for fragments whose coordinates are the same at every pixel: one texel for each fragment."""
     units = tuple(
         unit
         if unit is None or unit.sampler.max_anisotropy <= 1 >= unit.sampler.max_probes
@@ -99,6 +103,6 @@ def without_footprints(state):
 
 
 def volume_levels(levels, volumes, number):
-    """Level 0 of one of the volumes that lie behind one another: lambda is zero."""
+    """Level 0 of volume ``number`` of a texture's consecutive volumes; lambda is zero."""
     layers = len(levels[0]) // volumes
     return (levels[0][number * layers : (number + 1) * layers],)

@@ -16,13 +16,16 @@ from fixedpipe.pipeline.textures.images import Texture
 
 @dataclass(frozen=True, eq=False)
 class Fragments:
-    """Fragments as columns, all int32 [n]: primitive number, device pixel x and y (y down), and 1 where the
-    fragment passed the per-fragment tests (0 where not; coverage alone says 1). A rectangle of pixels has
-    the group's number instead, counted row by row from the lower left.
+    """Fragments as columns, all int32 [n], in draw order for each pixel.
 
-    ``covered``: how many of the machine's samples a primitive covers where it is smooth; None, or 0: it is
-    not. Per pixel they are in draw order. ``places``: where the Draw's primitives are, as
-    ``WindowPrimitives.places`` digests it; None: a rectangle of pixels, or nothing is left to draw.
+    - ``triangle``: the primitive's number. For a rectangle of pixels: the group's number, counted row by row
+      from the lower left.
+    - ``x``, ``y``: the device pixel, y down.
+    - ``passed``: 1 where the fragment passed the per-fragment tests, else 0; coverage alone says 1.
+    - ``covered``: the number of the machine's samples that a smooth primitive covers; None or 0: it is not
+      smooth.
+    - ``places``: the digests of the Draw's primitives, ``WindowPrimitives.places``. None: a rectangle of
+      pixels, or nothing is left to draw.
     """
 
     triangle: NDArray[np.int32]
@@ -35,20 +38,20 @@ class Fragments:
 
 @dataclass(frozen=True, eq=False)
 class Result(Pictured):
-    """What running commands gave. A notebook shows its picture, ``save`` writes it.
+    """The results of running commands. A notebook shows its picture, and ``save`` writes it.
 
-    profile       the machine that drew
-    framebuffer   the window's framebuffer, top row first (the same object in every Result of one Machine)
-    surfaces      the pbuffers' framebuffers by name (the same objects likewise)
-    textures      texture objects by name, as they are afterwards, bottom row first
-    pixels        what each ReadPixels and GetTexImage read, by its name, bottom row first
-    fragments     how many fragments the Draws and rectangles of pixels made
-    dropped       how many primitives were dropped because a projected position was not usable
-    undefined     how many groups of pixel textures had no positive q, which then counted as 1
-    trace         a Snapshot after every command, those that a HostStep issued among them, when asked for
-    records       the Fragments of every Draw and rectangle of pixels, when asked for
-    histograms    the machine's histograms by name, as they are afterwards
-    minmaxes      its minmaxes likewise
+    - ``profile``: the machine that drew.
+    - ``framebuffer``: the window's, top row first (the same object in every Result of one Machine).
+    - ``surfaces``: the pbuffers' framebuffers by name (the same objects likewise).
+    - ``textures``: texture objects by name, in their final state, bottom row first.
+    - ``pixels``: the pixels that each ReadPixels and GetTexImage read, by its name, bottom row first.
+    - ``fragments``: the number of fragments of the Draws and rectangles of pixels.
+    - ``dropped``: the number of primitives dropped because a projected position was not usable.
+    - ``undefined``: the number of pixel texture groups without a positive q, which then counted as 1.
+    - ``trace``: a Snapshot after every command, also after those that a HostStep issued, when requested.
+    - ``records``: the Fragments of every Draw and rectangle of pixels, when requested.
+    - ``histograms``: the machine's histograms by name, in their final state.
+    - ``minmaxes``: the machine's minmaxes likewise.
     """
 
     profile: Profile
@@ -66,21 +69,23 @@ class Result(Pictured):
 
     @property
     def bits(self) -> int:
-        """How many bits a component of a colour has: 8, InfiniteReality's 12."""
+        """The number of bits of a colour component: 8, or InfiniteReality's 12."""
         return self.framebuffer.color_bits
 
     def image(self) -> NDArray[np.uint8]:
-        """The framebuffer's colours as bytes, uint8 [h, w, 4], top row first: of components of other widths
-        the nearest byte (``codes`` has them as they are).
+        """The framebuffer's colours as bytes, uint8 [h, w, 4], top row first.
+
+        Components of other widths are rounded to the nearest byte; ``codes`` has their own values.
         """
         return self.framebuffer.image()
 
     def codes(self) -> NDArray[np.int32]:
-        """The framebuffer's colours as they are, int32 [h, w, 4], top row first; 0 .. 2**bits - 1, even where
-        the machine does not clamp.
+        """The framebuffer's colours at their own width, int32 [h, w, 4], top row first, in 0 .. 2**bits - 1.
+
+        They are clamped also where the machine does not clamp.
         """
         return np.clip(self.framebuffer.color, 0, 2**self.bits - 1).astype(np.int32)
 
     def deep_image(self) -> NDArray[np.uint8 | np.uint16]:
-        """``image()``, or of more than 8 bits a component uint16, 65535 = full, to nearest."""
+        """``image()``, or, with more than 8 bits a component, uint16 rounded to nearest, 65535 = full."""
         return self.image() if self.bits <= 8 else deep_picture(self.codes(), self.bits)

@@ -1,4 +1,4 @@
-"""A trace: what the framebuffer held after each command, as pictures."""
+"""A trace: pictures of the framebuffer's contents after each command."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,13 @@ from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 class Snapshot:
     """The framebuffer, or the current pbuffer, after one command.
 
-    label    the command's label; kind: its type's name
-    color    uint8 [h, w, 4], depth uint32 [h, w], stencil uint8 [h, w]; top row first
-    depth_bits
+    - ``label``: the command's label.
+    - ``kind``: the name of the command's type.
+    - ``color``: uint8 [h, w, 4].
+    - ``depth``: uint32 [h, w], words of ``depth_bits`` bits.
+    - ``stencil``: uint8 [h, w].
+
+    The top row is first.
     """
 
     label: str
@@ -28,7 +32,7 @@ class Snapshot:
     def pictures(self) -> dict[str, NDArray[np.uint8]]:
         """{"color": RGB, "alpha": grey, "depth": grey, "stencil": grey}, uint8, for saving.
 
-        Depth shows its full range as 0..255; the stencil's values are shown as they are.
+        Depth shows its full range as 0..255. The stencil's values are unchanged.
         """
         return {
             "color": self.color[..., :3].copy(),
@@ -39,7 +43,7 @@ class Snapshot:
 
 
 def snapshot(command: Command, framebuffer: Framebuffer) -> Snapshot:
-    """Copy the framebuffer, colours of other widths as bytes."""
+    """A copy of the framebuffer; colours of other widths become bytes."""
     return Snapshot(
         command.label,
         type(command).__name__,

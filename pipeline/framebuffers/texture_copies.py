@@ -30,7 +30,7 @@ from fixedpipe.raster.pixels.transfer import fixed
 
 
 def defined_texture(command, profile, statistics, before):
-    """TexImage1D/2D/3D of pixels: the texture. ``before``: the one that had its name, or None."""
+    """TexImage1D/2D/3D of pixels: the texture. ``before`` is the earlier texture of this name, or None."""
     image, target = command.pixels, command.target
     if command.internal_format in DEPTH_TEXELS:
         depths = transfer_depths(image_groups(image), command.transfer)
@@ -50,13 +50,14 @@ def defined_texture(command, profile, statistics, before):
 
 
 def sunk_texture(command, size, before, profile):
-    """The texture after a TexImage or CopyTexImage whose image a histogram's or minmax's sink took: of the
-    command's target, format and ``size`` (faces or layers, width, height). ``before``: the texture that had
-    its name, or None.
+    """The texture after a TexImage or CopyTexImage whose image went into a histogram's or minmax's sink.
+
+    It has the command's target and format and ``size`` (faces or layers, width, height). ``before`` is the
+    earlier texture of this name, or None.
 
     Source: OpenGL 1.2.1 section 3.6.5, Histogram and Minmax: texture memory stays, the object's state
-    changes. Assumed: a level that was there with this target, format and size keeps its texels; all other
-    texels, which the specification leaves undefined, are of zeros.
+    changes. Assumed: an earlier level of this target, format and size keeps its texels. All other texels,
+    which the specification leaves undefined, are zero.
     """
     layers, width, height = size
     zeros = np.zeros((layers, height, width, 4))
@@ -71,14 +72,15 @@ def sunk_texture(command, size, before, profile):
 
 
 def _kept(before, levels):
-    """Levels, where those that are of the size of the level before are that one."""
+    """The levels, replaced by the earlier levels of equal size."""
     kept = [old if old.shape == new.shape else new for old, new in zip(before, levels, strict=False)]
     return (*kept, *levels[len(kept) :])
 
 
 def depth_texture(target, internal_format, depths):
-    """A depth texture of depths in [0, 1], float64 [h, w], bottom row first; each is its ``ideal`` texel's
-    four components.
+    """A depth texture from depths in [0, 1], float64 [h, w], bottom row first.
+
+    A texel's ``ideal`` has the depth in all four components.
     """
     most = DEPTH_TEXELS[internal_format].largest
     texels = depth_texels(fixed(depths, most.bit_length()))
@@ -100,8 +102,9 @@ def _copied_texels(framebuffer, command, box, internal_format, dimensions, profi
 
 
 def copied_texture(framebuffer, command, profile, statistics, before):
-    """CopyTexImage1D/2D: the texture that a framebuffer rectangle defines. ``before``: the one that had its
-    name, or None.
+    """CopyTexImage1D/2D: the texture from a framebuffer rectangle.
+
+    ``before`` is the earlier texture of this name, or None.
     """
     dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
     box = framebuffer.box_of(command)
@@ -117,8 +120,9 @@ def copied_texture(framebuffer, command, profile, statistics, before):
 
 
 def replaced_texture(framebuffer, command, texture, profile, statistics):
-    """CopyTexSubImage1D/2D/3D: the texture with a rectangle of one level replaced; the same where a sink took
-    the pixels.
+    """CopyTexSubImage1D/2D/3D: the texture with a rectangle of one level replaced.
+
+    Where a sink took the pixels, it is the same texture.
     """
     dimensions = 1 if texture.target is TextureTarget.TEXTURE_1D else 2
     box = command.x, command.y, command.width, command.height
@@ -140,8 +144,9 @@ def replaced_texture(framebuffer, command, texture, profile, statistics):
 
 
 def bound_texture(framebuffer, command, samples=None):
-    """BindTexImage: the texture that a pbuffer's colours, or depths, are. ``samples``: the Samples of a
-    pbuffer that has several in a pixel.
+    """BindTexImage: the texture made of a pbuffer's colours or depths.
+
+    ``samples`` are the Samples of a pbuffer that has several in a pixel.
     """
     rows = slice(None, None, 1 if command.origin == WindowOrigin.UPPER_LEFT else -1)
     if command.internal_format in DEPTH_TEXELS:

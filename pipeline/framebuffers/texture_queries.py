@@ -1,6 +1,6 @@
 """GetTexImage: the images of a texture as pixels.
 
-Source: OpenGL 1.2.1 section 6.1.4; ARB_depth_texture for depths. Through pixel transfer: EXT_convolution,
+Source: OpenGL 1.2.1 section 6.1.4; ARB_depth_texture for depths; for pixel transfer EXT_convolution and
 EXT_texture3D.
 """
 
@@ -21,7 +21,7 @@ from fixedpipe.raster.pixels.transfer import fixed
 
 
 def texture_pixels(texture, command, profile, statistics):
-    """What a GetTexImage returns of a machine's texture, [(d, )h, w(, c)]; None where a sink took it."""
+    """The pixels that a GetTexImage returns of a machine's texture, [(d, )h, w(, c)]; None from a sink."""
     level, internal_format = texture.levels[command.level], texture.internal_format
     if internal_format in DEPTH_TEXELS:
         return _depths(level[command.face], internal_format, command.transfer)
@@ -37,8 +37,10 @@ def texture_pixels(texture, command, profile, statistics):
 
 
 def queried_colors(target, level, command, groups_of, returned, profile, statistics):
-    """The images of a ``level`` [faces, h, w, 4] that a GetTexImage reads, as ``returned`` makes them of
-    groups after pixel transfer; None where a sink took them. ``groups_of``: an image's groups before it.
+    """The images of a ``level`` [faces, h, w, 4] that a GetTexImage reads; None where a sink took them.
+
+    - ``groups_of``: gives an image's groups before pixel transfer.
+    - ``returned``: gives the result for an image's groups after pixel transfer.
     """
     layered = target is TextureTarget.TEXTURE_3D
     dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
@@ -53,8 +55,9 @@ def queried_colors(target, level, command, groups_of, returned, profile, statist
 
 
 def _words(image, texture, profile):
-    """A machine's texels [h, w, 4] as groups: the bits that the format keeps of each component, as a fraction
-    of their largest value.
+    """A machine's texels [h, w, 4] as groups of fractions.
+
+    The bits that the format keeps of each component are divided by their largest value.
     """
     base, (bits, kept) = BASE_FORMAT[texture.internal_format], stored_widths(texture.internal_format, profile)
     components = image[..., list(KEPT[base])].astype(np.int64) >> (bits - np.array(kept))

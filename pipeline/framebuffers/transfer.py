@@ -1,9 +1,8 @@
-"""Pixel transfer of images: a PixelTransfer's operations in order, what histograms and minmaxes keep, and the
-conversions of image data to pixel groups and back.
+"""Pixel transfer of images: operations in order, histograms and minmaxes, image data to groups and back.
 
-``fixedpipe.raster.pixels.transfer`` has the arithmetic; here is what of it a state asks for. Colour groups
-are float64 [height, width, 4], RGBA, before final conversion; depths are float64 and indices int64 [height,
-width]. The bottom row is first.
+This module selects the operations that a PixelTransfer asks for; ``fixedpipe.raster.pixels.transfer`` has
+their arithmetic. Colour groups are float64 [height, width, 4], RGBA, before final conversion. Depths are
+float64 and indices int64 [height, width]. The bottom row is first.
 
 Source: OpenGL 1.2.1 sections 3.6.3 to 3.6.5 and 4.3.2.
 """
@@ -28,7 +27,7 @@ from fixedpipe.pipeline.textures.pixel_formats import (
 )
 from fixedpipe.raster.pixels import transfer as arithmetic
 
-# Which component of a table's or filter's entry goes with a pixel's R, G, B and A; None: the pixel's stays.
+# The component of a table's or filter's entry for a pixel's R, G, B and A; None keeps the pixel's component.
 # Source: OpenGL 1.2.1 tables 3.13 and 3.14; SGI_texture_color_table.
 ENTRY_COMPONENTS = {
     BaseFormat.ALPHA: (None, None, None, 3),
@@ -45,7 +44,7 @@ ENTRY_COMPONENTS = {
 
 @dataclass(frozen=True, eq=False)
 class HistogramTable:
-    """What a histogram counted: ``counts`` uint32 [width, components of ``base_format``]."""
+    """The counts of a histogram: ``counts`` is uint32 [width, components of ``base_format``]."""
 
     base_format: BaseFormat
     counts: NDArray[np.uint32]
@@ -53,8 +52,9 @@ class HistogramTable:
 
 @dataclass(frozen=True, eq=False)
 class MinmaxTable:
-    """What a minmax saw: ``extremes`` float64 [2, components of ``base_format``], the least, then the
-    greatest; plus and minus infinity before it saw anything.
+    """The extremes that a minmax found: ``extremes`` is float64 [2, components of ``base_format``].
+
+    The least values come first, then the greatest. Before any pixel they are plus and minus infinity.
     """
 
     base_format: BaseFormat
@@ -69,17 +69,17 @@ class PixelStatistics:
     minmaxes: dict[str, MinmaxTable] = field(default_factory=dict)
 
     def reset_histogram(self, name: str) -> None:
-        """Every count becomes zero. Raises KeyError for an unknown name."""
+        """Set every count to zero. Raises KeyError for an unknown name."""
         kept = self.histograms[name]
         self.histograms[name] = replace(kept, counts=np.zeros_like(kept.counts))
 
     def reset_minmax(self, name: str) -> None:
-        """Nothing was seen. Raises KeyError for an unknown name."""
+        """Set the extremes to their initial infinities. Raises KeyError for an unknown name."""
         kept = self.minmaxes[name]
         self.minmaxes[name] = replace(kept, extremes=_nothing_seen(kept.base_format))
 
     def count(self, groups: NDArray[np.float64], histogram: Histogram) -> None:
-        """Count groups into the histogram that a state names, made new where it is another than before."""
+        """Count groups into the histogram that a state names; a histogram of another shape starts anew."""
         shape = histogram.width, len(KEPT[histogram.base_format])
         kept = self.histograms.get(histogram.name)
         if kept is None or kept.base_format is not histogram.base_format or kept.counts.shape != shape:
@@ -88,7 +88,7 @@ class PixelStatistics:
         self.histograms[histogram.name] = replace(kept, counts=counts)
 
     def compare(self, groups: NDArray[np.float64], minmax: Minmax) -> None:
-        """The same of a minmax."""
+        """Update the minmax that a state names with the groups; a minmax of another format starts anew."""
         kept = self.minmaxes.get(minmax.name)
         if kept is None or kept.base_format is not minmax.base_format:
             kept = MinmaxTable(minmax.base_format, _nothing_seen(minmax.base_format))
@@ -105,10 +105,10 @@ def _nothing_seen(base_format):
 
 
 def transfer_colors(groups, transfer, profile, statistics, dimensions=2):
-    """RGBA groups, float64 or Words, through pixel transfer: the groups, or None where a sink took them.
+    """RGBA groups, float64 or Words, after pixel transfer, or None where a sink took them.
 
-    ``dimensions``: 1 for a one-dimensional texture, 3 for a volume's layer, 2 for all else. ``statistics``:
-    the machine's PixelStatistics, whose tables change.
+    - ``dimensions``: 1 for a one-dimensional texture, 3 for a volume's layer, 2 otherwise.
+    - ``statistics``: the machine's PixelStatistics, whose tables change.
     """
     scale = scaled_words if isinstance(groups, Words) else arithmetic.scaled
     groups = scale(groups, transfer.scale, transfer.bias)
@@ -121,7 +121,7 @@ def transfer_colors(groups, transfer, profile, statistics, dimensions=2):
 
 
 def transfer_color_indices(indices, transfer, profile, statistics, dimensions=2):
-    """Colour indices through pixel transfer, which makes them RGBA groups: as ``transfer_colors``."""
+    """Colour indices after pixel transfer, which makes RGBA groups of them; see ``transfer_colors``."""
     indices = arithmetic.indexed(indices, transfer.index_shift, transfer.index_offset)
     maps = transfer.maps
     tables = (maps.i_to_r, maps.i_to_g, maps.i_to_b, maps.i_to_a)
@@ -130,7 +130,7 @@ def transfer_color_indices(indices, transfer, profile, statistics, dimensions=2)
 
 
 def _from_color_table(groups, transfer, profile, statistics, dimensions):
-    """Color Table Lookup and what follows it, up to Minmax."""
+    """Color Table Lookup and the later operations, up to Minmax."""
     groups = looked_up(groups, transfer.color_table, profile)
     if (kernel := convolution(transfer, dimensions)) is not None:
         groups = _convolved(groups, kernel)
@@ -154,24 +154,25 @@ def _from_color_table(groups, transfer, profile, statistics, dimensions):
 
 
 def _transformed(groups, matrix):
-    """Color Matrix Transformation. Rows that are one object, a dot product for all components, are computed
-    once.
+    """Color Matrix Transformation.
+
+    Rows that are one object, for a dot product in all components, are computed once.
     """
     if all(row is matrix[0] for row in matrix):
         return np.repeat(arithmetic.transformed(groups, matrix[:1]), 4, -1)
     return arithmetic.transformed(groups, matrix)
 
 
-# Entries as they are stored, by the table's identity and their bits: a frame may send thousands of small
-# images through one table. A table is held for as long as it is remembered; all are forgotten when there are
-# so many.
+# Stored entries, by the table's identity and bits, because a frame may send thousands of small images through
+# one table. The dictionary holds each table. It is emptied when it has this many.
 _stored_tables: dict[tuple[int, int | None], tuple[ColorTable, NDArray[np.float64]]] = {}
 _MOST_TABLES = 64
 
 
 def table_entries(table, profile):
-    """A ColorTable's entries as a machine stores them, float64 [n, 4], not to be written to; exactly on an
-    exact one.
+    """A ColorTable's entries as a machine stores them, float64 [n, 4], exact on an exact machine.
+
+    Never write to the array.
     """
     key = id(table), None if profile.arithmetic.exact else table.bits
     found = _stored_tables.get(key)
@@ -183,7 +184,7 @@ def table_entries(table, profile):
 
 
 def looked_up(groups, table, profile):
-    """Groups, float64 [..., 4], through Color Table Lookup in a ColorTable; None: as they are."""
+    """Groups, float64 [..., 4], after Color Table Lookup in a ColorTable; a table of None changes nothing."""
     if table is None:
         return groups
     return arithmetic.looked_up(groups, table_entries(table, profile), ENTRY_COMPONENTS[table.base_format])
@@ -191,7 +192,7 @@ def looked_up(groups, table, profile):
 
 def _convolved(groups, kernel):
     if not groups.size and kernel.border_mode is not ConvolutionBorderMode.REDUCE:
-        return groups  # no pixel that a border could repeat
+        return groups  # There is no pixel for a border to repeat.
     components = ENTRY_COMPONENTS[kernel.base_format]
     row = column = weights = None
     if hasattr(kernel, "row"):
@@ -203,12 +204,12 @@ def _convolved(groups, kernel):
 
 
 def transfer_depths(depths, transfer):
-    """Depths in [0, 1] through Arithmetic on Components, clamped to [0, 1] as final conversion does."""
+    """Depths in [0, 1] after Arithmetic on Components, clamped to [0, 1] as final conversion does."""
     return np.clip(arithmetic.scaled(depths, transfer.depth_scale, transfer.depth_bias), 0.0, 1.0)
 
 
 def transfer_stencil(indices, transfer):
-    """Stencil indices, int64, through arithmetic and Stencil Index Lookup; not masked."""
+    """Stencil indices, int64, after arithmetic and Stencil Index Lookup; not masked."""
     indices = arithmetic.indexed(indices, transfer.index_shift, transfer.index_offset)
     if transfer.map_stencil:
         indices = arithmetic.table_at(np.array(transfer.maps.s_to_s, np.int64), indices)
@@ -219,8 +220,10 @@ def transfer_stencil(indices, transfer):
 
 
 def image_groups(image):
-    """What a PixelImage's elements are before pixel transfer: colours [..., h, w, 4], float64 or Words,
-    depths float64 [..., h, w] or indices int64 [..., h, w], as its format says.
+    """The groups of a PixelImage before pixel transfer, as its format says.
+
+    They are colours [..., h, w, 4], float64 or Words, depths float64 [..., h, w], or indices int64 [..., h,
+    w].
     """
     values = image.values
     if image.format in INDEX_FORMATS:
@@ -243,7 +246,7 @@ def image_groups(image):
 
 
 def _components(image):
-    """The elements of an image's groups: float64, None; or int64, and of each element which is 1.0.
+    """The elements of an image's groups: (float64, None), or (int64, the number that is 1.0 in each element).
 
     Source: OpenGL 1.2.1 table 2.6.
     """
@@ -260,30 +263,29 @@ def _components(image):
 
 
 def _element_of(component, elements):
-    """Which of a format's elements R, G, B or A is; None where it has none."""
+    """The place of R, G, B or A among a format's elements; None where the format lacks it."""
     if component in elements:
         return elements.index(component)
     return elements.index("L") if "L" in elements and component != "A" else None
 
 
 def _one_element(values):
-    """Values of a format with one element, without the axis that only it has."""
+    """Values of a one-element format, without the axis for elements."""
     return values[..., 0] if values.ndim > 2 and values.shape[-1] == 1 else values
 
 
 def transfer_image(image, transfer, profile, statistics, dimensions=2):
-    """A PixelImage of colours or colour indices, [h, w(, c)], bottom row first, through pixel transfer:
-    ``transfer_colors``.
+    """A PixelImage of colours or colour indices, [h, w(, c)], bottom row first, after pixel transfer.
+
+    See ``transfer_colors``.
     """
     convert = transfer_color_indices if image.format == COLOR_INDEX_FORMAT else transfer_colors
     return convert(image_groups(image), transfer, profile, statistics, dimensions)
 
 
 def elements_of(groups, pixel_format):
-    """The elements of a format, [h, w(, c)], of RGBA groups, in their order; L is R + G + B (section
-    4.3.2).
-    """
-    if pixel_format in ("RGBA", "RGB"):  # as they lie
+    """The elements of a format, [h, w(, c)], from RGBA groups, in order; L is R + G + B (section 4.3.2)."""
+    if pixel_format in ("RGBA", "RGB"):  # already in this order
         return groups[..., : len(pixel_format)].copy()
     columns = [
         groups[..., 0] + groups[..., 1] + groups[..., 2] if e == "L" else groups[..., "RGBA".index(e)]
@@ -293,10 +295,10 @@ def elements_of(groups, pixel_format):
 
 
 def packed_colors(groups, pixel_format, pixel_type):
-    """Groups as ReadPixels returns them: Conversion to L and final conversion (section 4.3.2).
+    """Groups in the form that ReadPixels returns: Conversion to L and final conversion (section 4.3.2).
 
-    ``pixel_format``: one of READ_FORMATS; ``pixel_type``: of READ_TYPES. Returns [h, w(, c)] of the type's
-    NumPy type, or a packed type's words [h, w].
+    ``pixel_format`` is one of READ_FORMATS, ``pixel_type`` one of READ_TYPES. Returns [h, w(, c)] of the
+    type's NumPy type, or a packed type's words [h, w].
     """
     values = elements_of(groups, pixel_format)
     if pixel_type in PACKED_TYPES:
@@ -313,7 +315,7 @@ def packed_colors(groups, pixel_format, pixel_type):
 
 
 def packed_bytes(rgba, pixel_format):
-    """The same of bytes as bytes: L is clamped."""
+    """``packed_colors`` for bytes as bytes: L is clamped."""
     if "L" not in IMAGE_FORMATS[pixel_format]:
         return elements_of(rgba, pixel_format)
     return np.minimum(elements_of(rgba.astype(np.uint16), pixel_format), 255).astype(np.uint8)

@@ -1,20 +1,21 @@
-"""How wide fragments' colours are on their way to a buffer, and which widths kernels compute with."""
+"""The widths of fragments' colours and buffers' components, and the widths that kernels compute with."""
 
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.raster.rows import BITS_OF_BYTES, MOST_BITS
 
 
 def fragment_bits(profile, framebuffer):
-    """How wide fragments' colours are: as the combiners; where a buffer is wider than the machine's usual
-    one, as much wider.
+    """The width of fragments' colours in bits.
+
+    It is the combiners' width, plus the number of bits by which the buffer exceeds the machine's usual width.
     """
-    if framebuffer.color_bits not in profile.framebuffers.color_bits:  # a pbuffer's bytes
+    if framebuffer.color_bits not in profile.framebuffers.color_bits:  # a pbuffer of bytes
         return profile.arithmetic.combiner_bits
     return profile.arithmetic.combiner_bits + framebuffer.color_bits - profile.framebuffers.color_bits[0]
 
 
 def widths_of(state, profile, framebuffer, textures):
-    """How wide components are that a pass computes with: fragments', the buffer's and each texture's."""
+    """The widths of all components that a pass computes with: fragments', the buffer's and each texture's."""
     return [
         fragment_bits(profile, framebuffer),
         framebuffer.color_bits,
