@@ -1,1 +1,1 @@
-"""Digests of pictures, and what the pictures were computed with."""
+"""Digests of pictures, and of the versions that the pictures were computed with."""

@@ -1,4 +1,4 @@
-"""Accepting pictures: only where this installation draws what every installation does."""
+"""Accepting pictures: only on an installation that draws the accepted bits."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -9,11 +9,11 @@ from fixedpipe.pipeline.native.readiness import without_waiting
 
 
 def accept_where_sound(root: Path, candidates: Iterable[Candidate]) -> list[str]:
-    """Accept them, one after the other; the sentences on what changed.
+    """Accept the candidates in order; returns sentences on the changes.
 
-    Raises StoreError; what was accepted before the one that cannot be stays accepted. Nothing is accepted
-    where the quick self-test fails, which runs once for an installation; where no kernels are compiled it
-    draws without them.
+    Nothing is accepted where the quick self-test fails. The test runs once for an installation; without
+    compiled kernels it draws without them. Raises StoreError; candidates before the one that fails stay
+    accepted.
     """
     from fixedpipe.pipeline.selftest.quick import failures
 

@@ -1,5 +1,6 @@
-"""What a test allows its picture beside equal pixels: a tolerance, or places that are not compared, each with
-a written reason. Renderers on real GPUs need it; the exact comparison stays the default.
+"""The differences that a test allows its picture: a tolerance, or ignored places, each with a written reason.
+
+Renderers on real GPUs need it; the exact comparison stays the default.
 """
 
 from collections.abc import Sequence
@@ -17,11 +18,12 @@ _HOW = 'golden(picture, at_most=(max_diff, pixels), ignore=[(x0, y0, x1, y1)], r
 
 @dataclass(frozen=True)
 class Allowance:
-    """What is allowed of a picture.
+    """The differences that a test allows a picture.
 
-    max_diff, pixels   the most that a component may differ by, and the most pixels that may; both 0: none
-    compared           bool [height, width]: the pixels that are compared, the others are ignored
-    reason             why, in the words of who wrote the test, on one line
+    - ``max_diff``, ``pixels``: the largest difference of a component, and the largest number of pixels that
+      differ; 0 and 0 allow none.
+    - ``compared``: bool [height, width], the pixels that are compared; the others are ignored.
+    - ``reason``: the test author's reason, on one line.
     """
 
     max_diff: int
@@ -30,7 +32,7 @@ class Allowance:
     reason: str
 
     def judge(self, expected: Pixels, now: Pixels) -> tuple[bool, str]:
-        """Whether pictures of one kind differ by no more than this, and a sentence on how they differ."""
+        """(whether pictures of one kind differ by no more than this, a sentence on their differences)."""
         ignored = int((np.any(expected != now, axis=2) & ~self.compared).sum())
         apart = difference(expected, np.where(self.compared[..., None], now, expected))
         told = [str(apart)] if apart else []
@@ -49,10 +51,12 @@ def allowance_of(
     ignore: Sequence[Sequence[int]] | NDArray[np.bool_] | None,
     reason: str | None,
 ) -> Allowance | None:
-    """The Allowance of what a test says of a picture, None where it says nothing.
+    """The Allowance of a test's arguments, or None where they allow nothing.
 
-    ``at_most``: (largest difference of a component, most pixels that differ), both 1 or more. ``ignore``:
-    boxes (x0, y0, x1, y1) in the picture, half open, row 0 is the top one; or a bool array [height, width].
+    - ``at_most``: (largest difference of a component, most pixels that differ), both 1 or more.
+    - ``ignore``: boxes (x0, y0, x1, y1) in the picture, half open, row 0 at the top; or bool [height, width].
+    - ``reason``: must be given with either.
+
     Raises ValueError for anything else, and where no reason is given.
     """
     if at_most is None and ignore is None:
@@ -74,7 +78,7 @@ def allowance_of(
 
 
 def _ignored(ignore: Any, height: int, width: int) -> NDArray[np.bool_]:
-    """bool [height, width]: where a picture is ignored."""
+    """bool [height, width]: the pixels that are ignored."""
     found = np.zeros((height, width), bool)
     if ignore is None:
         return found

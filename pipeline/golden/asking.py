@@ -1,6 +1,4 @@
-"""The fixture ``golden`` of a test: it compares pictures with the accepted ones, and collects what is
-wrong.
-"""
+"""The fixture ``golden`` of a test: it compares pictures with the accepted ones, and collects failures."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -41,11 +39,14 @@ _NAME = re.compile(r"[^/\\\x00-\x1f\x7f:]{1,80}")
 class Place:
     """Where a test's pictures are kept.
 
-    root     the project's folder; store: the module's file, below it or not
-    module   the module as pytest names it: tests/test_sphere.py; test: the test in it: test_lit[wide]
-    keep     whether PNG files are kept; record: whether a picture that is not there yet may be recorded
-    variant  of which platform or driver pictures are, where that is said
-    repetition   which of a repeated test's runs this is, from 0 on
+    - ``root``: the project's folder.
+    - ``store``: the module's file, below ``root`` or not.
+    - ``module``: the module by pytest's name: tests/test_sphere.py.
+    - ``test``: the test in it: test_lit[wide].
+    - ``keep``: whether PNG files are kept.
+    - ``record``: whether a new picture may be recorded.
+    - ``variant``: the platform or driver of the pictures, if given.
+    - ``repetition``: the number of this run of a repeated test, from 0 on.
     """
 
     root: Path
@@ -60,16 +61,18 @@ class Place:
 
 @dataclass
 class Golden:
-    """Compares pictures of one test with golden ones. Nothing is raised where one differs: the test goes on,
-    and fails at its end with all of them. A test without a ``name`` has one picture, named after the test.
+    """Compares the pictures of a test with golden ones.
+
+    A difference raises nothing. The test goes on, and fails at its end with all differences. Without a
+    ``name`` a test has one picture, named after the test.
     """
 
     place: Place
     must_differ: bool = False
     asked: dict[str, str] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
-    allowed: dict[str, str] = field(default_factory=dict)  # how pictures differ by no more than is allowed
-    recorded: list[str] = field(default_factory=list)  # what would be failures, were they not to be recorded
+    allowed: dict[str, str] = field(default_factory=dict)  # how pictures differ within their allowance
+    recorded: list[str] = field(default_factory=list)  # failures, if the run did not record them
 
     # ---------------------------------------------------------------------------------------------- pictures
 
@@ -83,17 +86,16 @@ class Golden:
         ignore: Sequence[Sequence[int]] | NDArray[np.bool_] | None = None,
         reason: str | None = None,
     ) -> bool:
-        """Whether a picture is the golden one of this name, pixel by pixel.
+        """Whether a picture equals the golden one of this name, pixel by pixel.
 
-        ``picture``: as of ``fixedpipe.pipeline.golden.pixels.pixels_of``, uint8 or uint16. ``name``: of
-        letters that a file's name can have, where a test has several pictures.
+        - ``picture``: see ``fixedpipe.pipeline.golden.pixels.pixels_of``; uint8 or uint16.
+        - ``name``: needed where a test has several pictures; of letters that a file's name can have.
+        - ``variant``: the platform or driver that drew it; None: --golden-variant's. Its golden picture is
+          its own, or the plain one while there is none.
+        - ``at_most``, ``ignore``, ``reason``: the allowed differences, see ``allowance_of``.
 
-        ``variant``: the platform or driver that drew it, else what --golden-variant says; its golden picture
-        is one of its own, or where there is none yet the plain one. ``at_most``, ``ignore`` and their
-        ``reason``: what is allowed beside equal pixels, as of ``allowance_of``.
-
-        Raises ValueError for what is no picture, name, variant or allowance; a picture that differs makes the
-        test fail at its end.
+        Raises ValueError for a value that is no picture, name, variant or allowance. A picture that differs
+        makes the test fail at its end.
         """
         variant = self.place.variant if variant is None else variant
         key, pixels = self._key(name, variant), pixels_of(picture)
@@ -113,11 +115,11 @@ class Golden:
         name: str | None = None,
         **machine: Any,
     ) -> Any:
-        """Draw a frame, compare its picture and what every command left, and give the Result.
+        """Draw a frame, compare its picture and the planes after every command, and return the Result.
 
-        Arguments as of ``execute``; ``machine`` what it takes by name. A frame whose picture is golden fails
-        too where a command leaves other colours, depths or stencil values than it did. It has no variants:
-        fixedpipe draws the same bits everywhere.
+        The arguments are those of ``execute``; ``machine`` are its keywords. The test fails also where the
+        picture is golden but a command leaves other colours, depths or stencil values than before. A frame
+        has no variants, because fixedpipe draws the same bits on every platform.
         """
         from fixedpipe.pipeline.golden.frames import drawn_with_digests, made_by, with_stages
 
@@ -139,7 +141,7 @@ class Golden:
         return self._relation(first, second, lambda found: found is None, "must be equal")
 
     def differs(self, first: Any, second: Any) -> bool:
-        """Whether two pictures differ, in their pixels or in what they are."""
+        """Whether two pictures differ, in their pixels or in their size, type or components."""
         a, b = pixels_of(first), pixels_of(second)
         apart = bool(kinds_differ(a, b)) or difference(a, b) is not None
         if not apart:
@@ -149,10 +151,10 @@ class Golden:
     def at_most(
         self, first: Any, second: Any, max_diff: int | tuple[int, int], pixels: int | tuple[int, int]
     ) -> bool:
-        """Whether two pictures differ by no more: in each component by ``max_diff``, in ``pixels`` pixels.
+        """Whether at most ``pixels`` pixels differ, each by at most ``max_diff`` in a component.
 
-        Each is the most that is allowed, or a pair (least, most), both inclusive, as the web platform's fuzzy
-        reftests have them: with a least one above 0 equal pictures fail.
+        Each is the most that is allowed, or a pair (least, most), both inclusive, as in the web platform's
+        fuzzy reftests. With a least number above 0 equal pictures fail.
         """
         diff, count = bounds(max_diff, "max_diff"), bounds(pixels, "pixels")
 
@@ -175,7 +177,7 @@ class Golden:
     # ------------------------------------------------------------------------------------------------ judging
 
     def told(self, key: str) -> str:
-        """A picture's whole name."""
+        """A picture's whole name, with its module."""
         return f"{self.place.module}::{key}"
 
     def _key(self, name, variant=None):
@@ -194,7 +196,7 @@ class Golden:
             raise ValueError(
                 f"{self.place.test} {what}; give each a name of its own: golden(picture, name=…)."
             )
-        self.asked[key] = MISSING  # until it is drawn
+        self.asked[key] = MISSING  # until the picture is judged
         return key
 
     def _judge(
@@ -227,12 +229,12 @@ class Golden:
             self.asked[key], self.allowed[key] = ALLOWED, told
         else:
             self.asked[key] = PASSED
-        if not self.place.repetition:  # or what differed at another repetition would be lost
+        if not self.place.repetition:  # A later repetition must not remove the candidate of an earlier one.
             remove_candidate(self.place.root, self.told(key))
         return True
 
     def _difference(self, key, known, golden, pixels, allowance):
-        """Whether a picture differs by no more than is allowed, and sentences on how."""
+        """(whether a picture differs within its allowance, sentences on the differences)."""
         lines, within = [], False
         if str(known) != str(golden):
             lines.append(f"was {known}, is {golden}")
@@ -259,7 +261,7 @@ class Golden:
         return within, "\n  ".join(line for line in lines if line)
 
     def _renamed(self, golden):
-        """Which other picture of the module has the same pixels: a renamed test's."""
+        """A sentence that names another picture of the module with the same pixels: a renamed test's."""
         same = [name for name, g in read_store(self.place.store).items() if g.sha256 == golden.sha256]
         return f"\n  {same[0]} has the same pixels; was the test renamed?" if same else ""
 
@@ -281,6 +283,6 @@ class Golden:
 
 
 def _equal(known, golden):
-    """Equal pixels, and where both are frames, equal planes after every command."""
+    """Whether the pixels are equal and, if both are frames, also the planes after every command."""
     first, second = ([(p.label, p.kind, p.planes) for p in g.passes] for g in (known, golden))
     return known.sha256 == golden.sha256 and (first == second or not first or not second)

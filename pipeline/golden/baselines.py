@@ -1,7 +1,7 @@
-"""PNG files that other plug-ins of pytest compare with, taken over as golden pictures of a test module.
+"""PNG files of other pytest plug-ins, taken over as golden pictures of a test module.
 
-Which test a file belongs to is asked of its name alone. Plug-ins make it of the test's name, and lose letters
-on the way, so the tests that there are come first, and each has the names that its file would have.
+The file's name alone says which test it belongs to. Plug-ins make that name from the test's and drop some
+letters. So this module computes, for each existing test, the names that its file would have.
 """
 
 import re
@@ -33,8 +33,9 @@ _NAMED = re.compile(r"(.+)\[([^\[\]]+)\]")  # a test's second picture: snapshot(
 class Baselines:
     """PNG files of a folder, by the tests that they belong to.
 
-    of_tests  {picture's name in the store: file}; of_nobody: files that no test has the name of
-    shared    {file: tests that all have its name}
+    - ``of_tests``: {picture's name in the store: file}.
+    - ``of_nobody``: files whose name belongs to no test.
+    - ``shared``: {file: tests that all have its name}.
     """
 
     of_tests: dict[str, Path] = field(default_factory=dict)
@@ -44,8 +45,11 @@ class Baselines:
 
 @dataclass
 class Taken:
-    """What became of baselines: names that are golden now, names that were and have the same pixels, and
-    {name: why it was left}.
+    """The results of taking baselines.
+
+    - ``new``: names that have become golden.
+    - ``equal``: names that were golden with the same pixels.
+    - ``left``: {name: why it was not taken}.
     """
 
     new: list[str] = field(default_factory=list)
@@ -54,8 +58,10 @@ class Taken:
 
 
 def stems(test: str, module: str) -> set[str]:
-    """The names, without their ending, that plug-ins give the file of a test: as pytest has it behind its
-    module, TestShapes::test_lit[wide]. ``module``: the module's own name, test_sphere.
+    """The names, without suffix, that plug-ins give the file of a test.
+
+    ``test`` is pytest's name after the module, TestShapes::test_lit[wide]. ``module`` is the module's own
+    name, test_sphere.
     """
     head, bracket, rest = test.partition("[")
     *classes, function = head.split("::")
@@ -75,9 +81,7 @@ def _pathified(name):
 
 
 def find_baselines(folder: Path, module: str, tests: Iterable[str]) -> Baselines:
-    """The PNG files of a folder, and whose they are. ``module`` and ``tests`` as of ``stems``. Raises
-    StoreError.
-    """
+    """The PNG files of a folder by test; ``module`` and ``tests`` are as in ``stems``. Raises StoreError."""
     owners: dict[str, list[str]] = {}
     for test in tests:
         for stem in stems(test, module):
@@ -105,9 +109,9 @@ def find_baselines(folder: Path, module: str, tests: Iterable[str]) -> Baselines
 
 
 def take_baselines(store: Path, files: Mapping[str, Path], keep: bool = True) -> Taken:
-    """Make files golden under their names, all of those that can be in one go; what is golden stays.
+    """Make files golden under their names, as many as possible at once; golden pictures stay.
 
-    ``keep``: whether PNG files are kept beside the store. Raises StoreError; the store is then as it was.
+    ``keep`` says whether PNG files are kept beside the store. Raises StoreError; the store is then unchanged.
     """
     golden, taken, pictures = read_store(store), Taken(), {}
     for name, path in files.items():
@@ -143,7 +147,7 @@ def take_baselines(store: Path, files: Mapping[str, Path], keep: bool = True) ->
 
 
 def _differs(store: Path, name: str, pixels: Pixels) -> str:
-    """How a baseline differs from the golden picture's file; empty where no file says it."""
+    """How a baseline differs from the golden picture's file; empty without such a file."""
     try:
         expected = pixels_of_png(picture_path(store, name).read_bytes())
     except (OSError, ValueError):

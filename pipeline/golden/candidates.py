@@ -1,11 +1,11 @@
-"""What a run of tests drew that is not golden, waiting for somebody to look at it; and how the run went.
+"""Pictures of a test run that are not golden and wait for review, and the results of the run.
 
-    .golden/                          in the project's root folder; git leaves it out
-    .golden/run.json                  of every picture that was asked for: how it went, and where it is kept
+    .golden/                          in the project's root folder; git ignores it
+    .golden/run.json                  for every picture that a test compared: the result, and its place
     .golden/candidates/NAME.json      a picture that differs or is new, and NAME.png, its pixels
 
-Each picture has files of its own, written whole, so processes that run tests at the same time never write one
-file. ``accept`` is the only way from here into a store.
+Each picture has its own files, written whole, so processes that run tests at the same time never write one
+file. Only ``accept`` moves a picture from here into a store.
 """
 
 import json
@@ -33,23 +33,24 @@ from fixedpipe.pipeline.golden.store import (
 
 FOLDER = ".golden"
 NEW, CHANGED, PASSED, ORPHAN, MISSING, RECORDED = "new", "changed", "passed", "orphan", "missing", "recorded"
-ALLOWED = "allowed"  # differs by no more than its test allows
-EXCUSED = "excused"  # of a test that was skipped, or failed as it was expected to
+ALLOWED = "allowed"  # differs within its test's allowance
+EXCUSED = "excused"  # of a skipped test, or of one that failed as expected
 
 
 @dataclass(frozen=True)
 class Candidate:
     """A picture that is not golden.
 
-    name      as it is told: tests/test_sphere.py::test_lit
-    store     its store's file, from the root, with slashes; key: its name there
-    status    NEW or CHANGED
-    golden    what would be accepted
-    expected  the digest of what is golden now; None: nothing is
-    told      sentences on how it differs
-    keep      whether its PNG file is kept beside the store
-    against   the name in the store of what is golden now, where it is another: a variant that is not there
-              yet is compared with the plain picture
+    - ``name``: the full name: tests/test_sphere.py::test_lit.
+    - ``store``: its store's file, relative to the root, with slashes.
+    - ``key``: its name in the store.
+    - ``status``: NEW or CHANGED.
+    - ``golden``: the GoldenPicture that would be accepted.
+    - ``expected``: the digest of the current golden picture; None: there is none.
+    - ``told``: sentences on the differences.
+    - ``keep``: whether its PNG file is kept beside the store.
+    - ``against``: the name in the store of the golden picture that it is compared with, if another: a new
+      variant is compared with the plain picture.
     """
 
     name: str
@@ -64,8 +65,9 @@ class Candidate:
 
 
 def workplace(start: Path) -> Path:
-    """The project's root: the first folder from ``start`` upwards that has a .golden folder. Raises
-    StoreError.
+    """The project's root: the first folder from ``start`` upwards that has a .golden folder.
+
+    Raises StoreError where there is none.
     """
     for folder in (start, *start.parents):
         if (folder / FOLDER).is_dir():
@@ -77,7 +79,7 @@ def workplace(start: Path) -> Path:
 
 
 def prepare(root: Path) -> Path:
-    """The folder of candidates, made if need be, and left out by git. Raises StoreError."""
+    """The folder of candidates, created if needed, with a .gitignore. Raises StoreError."""
     folder = root / FOLDER / "candidates"
     ignored = root / FOLDER / ".gitignore"
     if not ignored.exists():
@@ -91,7 +93,7 @@ def _paths(root, name):
 
 
 def write_candidate(root: Path, candidate: Candidate, pixels: Pixels) -> None:
-    """Keep a candidate and its pixels. Raises StoreError."""
+    """Store a candidate and its pixels. Raises StoreError."""
     prepare(root)
     described, picture = _paths(root, candidate.name)
     write_whole(picture, whole_png(pixels))
@@ -100,20 +102,20 @@ def write_candidate(root: Path, candidate: Candidate, pixels: Pixels) -> None:
 
 
 def remove_candidate(root: Path, name: str) -> None:
-    """Forget a candidate; nothing where there is none."""
+    """Delete a candidate, if there is one."""
     for path in _paths(root, name):
         with suppress(OSError):
             path.unlink(missing_ok=True)
 
 
 def read_candidates(root: Path) -> dict[str, Candidate]:
-    """Every candidate, by name, sorted. Raises StoreError for a file that is none."""
+    """Every candidate, by name, sorted. Raises StoreError for a file that is no candidate."""
     found = {}
     for path in sorted((root / FOLDER / "candidates").glob("*.json")):
         try:
             given = json.loads(path.read_text(encoding="utf-8-sig"))
             candidate = Candidate(**(given | {"golden": from_object(given["golden"])}))
-        except FileNotFoundError:  # accepted by another process meanwhile
+        except FileNotFoundError:  # another process has accepted it meanwhile
             continue
         except (OSError, ValueError, TypeError, KeyError) as error:
             raise StoreError(
@@ -124,18 +126,19 @@ def read_candidates(root: Path) -> dict[str, Candidate]:
 
 
 def candidate_files(root: Path) -> list[Path]:
-    """The files of all candidates, from the root."""
+    """The files of all candidates, relative to the root."""
     return [path.relative_to(root) for path in sorted((root / FOLDER / "candidates").glob("[!.]*"))]
 
 
 def candidate_pixels(root: Path, candidate: Candidate) -> Pixels:
-    """Its pixels. Raises StoreError where the PNG file does not hold those that were drawn."""
+    """A candidate's pixels. Raises StoreError where its PNG file does not hold the drawn pixels."""
     return _kept(_paths(root, candidate.name)[1], candidate.golden.sha256, "run the tests again")
 
 
 def golden_pixels(root: Path, candidate: Candidate) -> Pixels | None:
-    """The pixels of what is golden now; None where no PNG file of it is kept. Raises StoreError where the
-    file does not hold the golden pixels.
+    """The pixels of the current golden picture; None where no PNG file of it is kept.
+
+    Raises StoreError where the file does not hold the golden pixels.
     """
     path = picture_path(root / candidate.store, candidate.against or candidate.key)
     if candidate.expected is None or not path.exists():
@@ -156,9 +159,7 @@ def _kept(path, sha256, cure):
 
 
 def compared(root: Path, candidate: Candidate) -> Difference | str | None:
-    """The Difference from what is golden; a sentence where there is none to compute; None for a new
-    picture.
-    """
+    """The Difference from the golden picture, a sentence where it has none, or None for a new picture."""
     if candidate.expected is None:
         return None
     expected = golden_pixels(root, candidate)
@@ -169,8 +170,9 @@ def compared(root: Path, candidate: Candidate) -> Difference | str | None:
 
 
 def accept(root: Path, candidate: Candidate) -> str:
-    """Make a candidate golden, and say what changed. Raises StoreError; the store and its PNG file are then
-    as they were.
+    """Make a candidate golden; returns a sentence on the change.
+
+    Raises StoreError; the store and its PNG file are then unchanged.
     """
     store = root / candidate.store
     golden = read_store(store)
@@ -209,13 +211,13 @@ def _passes(candidate):
     return f"; {first.strip()}" if first else ""
 
 
-# -------------------------------------------------------------------------------------------------- the last
-# run
+# -------------------------------------------------------------------------------------------- the last run
 
 
 def write_run(root: Path, pictures: Mapping[str, Mapping[str, str]]) -> None:
-    """Keep how pictures went, by name: status, store, key, test, and told, where a picture that held has
-    something to tell. Raises StoreError.
+    """Write the results of a run, {picture's name: result}. Raises StoreError.
+
+    A result has status, store, key and test, and told where a passing picture has a message.
     """
     prepare(root)
     lines = ",\n".join(
@@ -226,7 +228,7 @@ def write_run(root: Path, pictures: Mapping[str, Mapping[str, str]]) -> None:
 
 
 def read_run(root: Path) -> dict[str, Any]:
-    """What ``write_run`` wrote. Raises StoreError."""
+    """The results that ``write_run`` wrote. Raises StoreError."""
     path = root / FOLDER / "run.json"
     try:
         found = json.loads(path.read_text(encoding="utf-8-sig"))
@@ -240,8 +242,9 @@ def read_run(root: Path) -> dict[str, Any]:
 
 
 def remove_orphan(root: Path, name: str, picture: Mapping[str, str]) -> None:
-    """Take a picture that no test asks for out of its store, ``picture`` as ``read_run`` has it. Raises
-    StoreError.
+    """Remove a picture that no test compares from its store. Raises StoreError.
+
+    ``picture`` is its result from ``read_run``.
     """
     store = root / picture["store"]
     change_store(store, {picture["key"]: None})

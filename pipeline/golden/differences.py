@@ -1,4 +1,4 @@
-"""How two pictures differ: in what they are, or in how many pixels, where, and by how much."""
+"""How two pictures differ: in size, type or components, or in how many pixels, where, and by how much."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ _COMPONENTS = {1: "grey", 2: "grey and alpha", 3: "colour", 4: "colour and alpha
 
 @dataclass(frozen=True)
 class Difference:
-    """How pictures of one size, type and number of components differ, whose pixels are codes.
+    """The difference of two pictures of one size, type and number of components, whose pixels are codes.
 
-    count            how many pixels do, in any component
-    largest          the largest difference of a component, codes
-    box              (x0, y0, x1, y1) that holds them, half open, row 0 is the top one
-    pixel            (x, y), the first, row by row, of those that differ by the largest
-    first, second    that pixel in both pictures
-    alpha_alone      whether no other component than alpha differs
+    - ``count``: the number of pixels that differ in any component.
+    - ``largest``: the largest difference of a component, in codes.
+    - ``box``: (x0, y0, x1, y1) around these pixels, half open, row 0 at the top.
+    - ``pixel``: (x, y) of the first pixel, row by row, with the largest difference.
+    - ``first``, ``second``: that pixel in both pictures.
+    - ``alpha_alone``: whether only alpha differs.
     """
 
     count: int
@@ -41,7 +41,7 @@ class Difference:
 
 
 def said(pixels: Pixels) -> str:
-    """What a picture is, without its pixels."""
+    """A picture's size, components and type in words."""
     height, width, components = pixels.shape
     return f"{width}x{height} pixels of {_COMPONENTS[components]}, {pixels.dtype}"
 
@@ -54,7 +54,7 @@ def kinds_differ(first: Pixels, second: Pixels) -> str:
 
 
 def difference(first: Pixels, second: Pixels) -> Difference | None:
-    """The Difference of two pictures as ``pixels_of`` gives them, or None where all pixels are equal.
+    """The Difference of two pictures in the form of ``pixels_of``, or None where all pixels are equal.
 
     Raises ValueError where their sizes, types or numbers of components differ.
     """
@@ -80,8 +80,9 @@ def difference(first: Pixels, second: Pixels) -> Difference | None:
 
 
 def bounds(given: int | Sequence[int], name: str) -> tuple[int, int]:
-    """Least and most of a number or of a pair (least, most), both inclusive, as fuzzy reftests of the web
-    platform have them; a number alone is the most. Raises ValueError for anything else.
+    """(least, most) of a pair, or of a number, which is the most; both inclusive.
+
+    The web platform's fuzzy reftests have such bounds. Raises ValueError for anything else.
     """
     pair = (0, given) if isinstance(given, int) else tuple(given)
     fits = len(pair) == 2 and all(isinstance(n, int) and not isinstance(n, bool) for n in pair)

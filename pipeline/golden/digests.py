@@ -1,7 +1,7 @@
 """Digests of pictures: the bits of a figure on a machine, small enough to keep beside the code.
 
-An accepted digest is a JSON file: the figure's id, the profile's key, the panels' edge and the framebuffer's
-size in pixels, and the SHA-256 of shape and bytes. ``tests/accept.py`` alone writes one.
+An accepted digest is a JSON file with the figure's id, the profile's key, the panels' edge and the
+framebuffer's size in pixels, and the SHA-256 of shape and bytes. Only ``tests/accept.py`` writes one.
 """
 
 import hashlib
@@ -14,8 +14,10 @@ GOLDEN_SIZE = 256  # edge of a panel, pixels: small enough for every test run, l
 
 
 def digest(color):
-    """SHA-256, in hexadecimal, of a picture's shape and pixels: uint8 or uint16 [h, w, components], top row
-    first. Of uint16 the type is digested too, and each word's low byte first.
+    """SHA-256, in hexadecimal, of a picture's shape and pixels, top row first.
+
+    The picture is uint8 or uint16 [h, w, components]. For uint16 the digest covers the type too, and each
+    word's low byte comes first. Raises ValueError for other types.
     """
     color = np.ascontiguousarray(color)
     if color.dtype not in (np.uint8, np.uint16):
@@ -41,7 +43,7 @@ class Golden:
 
 
 def to_text(golden):
-    """A Golden as the text of its JSON file."""
+    """The text of a Golden's JSON file."""
     return json.dumps(asdict(golden), indent=2) + "\n"
 
 

@@ -1,6 +1,4 @@
-"""A frame drawn with a digest after every command, so that two versions of it can be told apart at the
-first.
-"""
+"""A frame drawn with a digest after every command, to find the first command where two versions differ."""
 
 from __future__ import annotations
 
@@ -25,8 +23,9 @@ PLANES = ("colors", "depths", "stencil values")
 def drawn_with_digests(
     commands: Iterable[Command], profile: Profile, width: int, height: int, **machine: Any
 ) -> tuple[Result, tuple[Passed, ...]]:
-    """Run ``commands`` as ``execute`` does: the Result, and what each command left (those of a HostStep where
-    it issues them). Raises what ``execute`` raises.
+    """Run ``commands`` as ``execute`` does; returns the Result and the digests after each command.
+
+    The commands of a HostStep count where it issues them. Raises what ``execute`` raises.
     """
     on, passes = Machine(profile, width, height, **machine), []
 
@@ -49,7 +48,7 @@ def with_stages(
     height: int,
     **machine: Any,
 ) -> tuple[Passed, ...]:
-    """The same with what each stage made: the frame is drawn once more, by the column engine."""
+    """The same with a digest of each stage's results; the column engine draws the frame again for them."""
     machine.pop("engine", None)
     stages = stage_digests(commands, profile, width, height, **machine)
     return tuple(
@@ -59,14 +58,15 @@ def with_stages(
 
 
 def made_by(profile: Profile) -> dict[str, str]:
-    """What a frame is drawn by: the profile, fixedpipe's version, and the digest of its kernels' sources."""
+    """What draws a frame: the profile, fixedpipe's version, and the digest of its kernels' sources."""
     known = provenance(profile)
     return {name: known[name] for name in ("profile", "fixedpipe", "kernels")}
 
 
 def parted(expected: Sequence[Passed], actual: Sequence[Passed]) -> str:
-    """Where two frames part, in a sentence without its end: the first command after which planes differ, and
-    the first stage of it that made something else. Empty where no command leaves other pixels.
+    """Where two frames first differ, as a sentence without its end; empty where they do not.
+
+    It names the first command after which planes differ, and the first of its stages with other results.
     """
     for number, (before, now) in enumerate(zip(expected, actual, strict=False)):
         if (before.label, before.kind) != (now.label, now.kind):

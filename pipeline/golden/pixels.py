@@ -1,8 +1,7 @@
-"""What is compared of a picture, whoever made it: its pixels, as they are, and nothing that a file says
-beside.
+"""The pixels that are compared of a picture from any source, unconverted, without a file's metadata.
 
-Nothing is converted. A picture whose bytes would first have to be chosen (real numbers, a palette, a rotation
-that a file only mentions, 16 bits that a reader cuts) is refused with a sentence that says how to choose.
+Nothing is converted. Some pictures have no bytes before a choice: real numbers, a palette, a rotation that
+only a file's metadata states, 16 bits that a reader cuts. They are refused with a sentence on how to choose.
 """
 
 import os
@@ -16,23 +15,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
-# Pillow's modes that are what they say: components of 8 bits, and a grey of 16.
+# Pillow's modes whose arrays hold the pixels' own values: components of 8 bits, and grey of 16.
 _MODES = {"L": np.uint8, "LA": np.uint8, "RGB": np.uint8, "RGBA": np.uint8, "I;16": np.uint16}
 _ORIENTATION = 0x0112  # of EXIF.  Source: EXIF 2.3, table 4
 # Components of PNG's color types.  Source: PNG specification, second edition, table 11.1
 _COMPONENTS = {0: 1, 2: 3, 4: 2, 6: 4}
 # Filters of a row.  Source: PNG specification, second edition, section 9.2
 _NONE, _SUB, _UP, _AVERAGE, _PAETH = range(5)
-_MOST_BYTES = 1 << 31  # of a picture's pixels. Assumed: enough for any test
+_MOST_BYTES = 1 << 31  # for a picture's pixels. Assumed: enough for any test
 
 
 def pixels_of(picture: Any) -> NDArray[np.uint8 | np.uint16]:
-    """A picture's pixels, uint8 or uint16 [h, w, 1 to 4], top row first: grey, grey and alpha, colour, or
-    colour and alpha.
+    """A picture's pixels, uint8 or uint16 [h, w, 1 to 4], top row first.
 
-    ``picture``: what fixedpipe draws (a Result, a figure's Rendering), an array [h, w] or [h, w, 1 to 4] of
-    uint8 or uint16, a Pillow image, or the path of a PNG file. Raises ValueError with a sentence for anything
-    else: real numbers, other types, no pixels, palettes, pictures that a file says are to be turned.
+    The components are grey, grey and alpha, colour, or colour and alpha. ``picture`` is one of:
+
+    - what fixedpipe draws (a Result, a figure's Rendering).
+    - an array [h, w] or [h, w, 1 to 4] of uint8 or uint16.
+    - a Pillow image.
+    - the path of a PNG file.
+
+    Raises ValueError with a sentence for anything else: real numbers, other types, no pixels, palettes,
+    pictures whose metadata asks for a rotation.
     """
     if hasattr(picture, "deep_image"):
         picture = picture.deep_image()
@@ -73,7 +77,7 @@ def _of_array(array):
 
 
 def _of_pillow(image):
-    # First: what is asked for next reads the file, and forgets how it is packed.
+    # This comes first, because the next queries read the file and drop how it is packed.
     tiles = getattr(image, "tile", None) or ()
     if any(";16" in str(tile[-1]) for tile in tiles) and image.mode != "I;16":
         raise ValueError(
@@ -113,9 +117,10 @@ def _of_file(path):
 
 
 def pixels_of_png(data: bytes, name: str = "the PNG file") -> NDArray[np.uint8 | np.uint16]:
-    """The pixels of a PNG file with all their bits, as ``pixels_of``. ``name``: the file's, for what is said.
+    """The pixels of a PNG file with all their bits, in the form of ``pixels_of``.
 
-    Raises ValueError for a file that is broken, or whose pixels ``pixels_of`` would refuse.
+    ``name`` names the file in messages. Raises ValueError for a file that is broken, or whose pixels
+    ``pixels_of`` would refuse.
     """
     from PIL import Image, UnidentifiedImageError
 
@@ -129,7 +134,7 @@ def pixels_of_png(data: bytes, name: str = "the PNG file") -> NDArray[np.uint8 |
             return _of_array(_sixteen_bits(data, _COMPONENTS[color_type]))
         with Image.open(BytesIO(data)) as image:
             return _of_array(_of_pillow(image))
-    except UnidentifiedImageError as error:  # its words name an object of Python
+    except UnidentifiedImageError as error:  # Pillow's message names a Python object.
         raise ValueError(f"{name} is no whole PNG file: its header is damaged. Write it anew.") from error
     except (
         OSError,
@@ -143,8 +148,9 @@ def pixels_of_png(data: bytes, name: str = "the PNG file") -> NDArray[np.uint8 |
 
 
 def _sixteen_bits(data, components):
-    """The pixels of a PNG file of 16 bits that is not interlaced, which Pillow cuts to 8 bits where they are
-    colours. Source: PNG specification, second edition, sections 5.3, 9.2 (filters), 9.4 (Paeth).
+    """The pixels of a PNG file of 16 bits that is not interlaced; Pillow cuts its colours to 8 bits.
+
+    Source: PNG specification, second edition, sections 5.3, 9.2 (filters), 9.4 (Paeth).
     """
     width, height = struct.unpack(">II", data[16:24])
     row, bytes_of = 2 * components * width, 2 * components

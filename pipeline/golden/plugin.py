@@ -1,7 +1,8 @@
-"""The pytest plug-in: the fixture ``golden``, and what a whole run says of golden pictures.
+"""The pytest plug-in: the fixture ``golden``, and a run's report on golden pictures.
 
-Tests read stores and write candidates, each in a file of its own; what a process saw goes to the one that
-began the run (pytest-xdist's, or itself), which alone writes what the run found, finds orphans, and records.
+Tests read stores and write candidates, each in its own file. A process sends its results to the process that
+began the run (pytest-xdist's, or itself). Only that process writes the run's results, finds orphans and
+records pictures.
 """
 
 import fnmatch
@@ -17,14 +18,14 @@ import pytest
 
 from fixedpipe.pipeline.native import waiting
 
-_SENT = "fixedpipe_golden"  # under which a process of pytest-xdist sends what it saw
+_SENT = "fixedpipe_golden"  # the key under which a process of pytest-xdist sends its results
 _RUN = "golden-run"
 _LATER = "differed at first, and held when its test was tried again"
 _ORPHANS = ("fail", "warn", "ignore")
 
 
 def pytest_addoption(parser):
-    """Options and settings."""
+    """Register the options and settings."""
     group = parser.getgroup("golden", "golden pictures (fixedpipe)")
     group.addoption(
         "--golden-record",
@@ -51,7 +52,7 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    """The marker, and what this process sees."""
+    """Register the marker, check the settings, and register this process's _Run."""
     from fixedpipe.pipeline.golden.store import variant_key
 
     config.addinivalue_line(
@@ -75,11 +76,12 @@ def pytest_configure(config):
 
 
 def _write_past_capture(config, line):
-    """A line on stderr, though pytest captures what tests write there. The first test that draws waits for
-    kernels, and a person must see why.
+    """Write a line on stderr, though pytest captures the output of tests.
+
+    The first test that draws waits for the kernels' compilation, and the user must see why.
     """
     capture = config.pluginmanager.get_plugin("capturemanager")
-    streams = sys.stdout, sys.stderr  # perhaps a doctest's, which pytest would not give back
+    streams = sys.stdout, sys.stderr  # may be a doctest's streams, which pytest would not restore
     with capture.global_and_fixture_disabled() if capture else nullcontext():
         print(f"\n{line}", file=sys.stderr, flush=True)  # pytest may have begun a line of dots
     sys.stdout, sys.stderr = streams
@@ -87,11 +89,12 @@ def _write_past_capture(config, line):
 
 @pytest.fixture
 def golden(request):
-    """Compare pictures with golden ones: ``golden(picture, name=…)``, ``golden.frame(commands, profile,
-    width, height)``, ``golden.equal(a, b)``, ``golden.differs(a, b)``, ``golden.at_most(a, b, max_diff,
-    pixels)``.
+    """Compare pictures with golden ones.
 
-    All failures of a test are told together, at its end.
+    Calls: ``golden(picture, name=…)``, ``golden.frame(commands, profile, width, height)``, ``golden.equal(a,
+    b)``, ``golden.differs(a, b)``, ``golden.at_most(a, b, max_diff, pixels)``.
+
+    A test reports all of its failures together, at its end.
     """
     from fixedpipe.pipeline.golden.asking import Golden
 
@@ -107,12 +110,13 @@ _PACKAGE = str(Path(__file__).parents[2]) + os.sep
 
 
 class _Recorded(pytest.fail.Exception):
-    """All that a test lacks are golden pictures which the run records."""
+    """The test lacks only golden pictures that the run records."""
 
 
 def _as_a_sentence(error):
-    """Of an error that this package raised leave out what of the traceback lies here, and what it came from:
-    its message says what the test did wrong, or which file is damaged. Errors of others stay as they are.
+    """Cut this package's part of the traceback, and the cause, from an error that this package raised.
+
+    The message already says what the test did wrong, or which file is damaged. Other errors stay unchanged.
     """
     ours, trace, last = False, error.__traceback__, None
     while trace is not None:
@@ -125,16 +129,15 @@ def _as_a_sentence(error):
 
 
 class _Run:
-    """What a process sees of a run: {name: how a picture went}, tests that are there, those that passed."""
+    """A process's view of a run: {name: how a picture went}, the existing tests, and those that passed."""
 
     def __init__(self, config):
         self.config, self.root = config, config.rootpath
         self.pictures, self.tests = {}, set()
-        self.passed, self.failed, self.excused = set(), set(), set()  # tests
-        # A run of some tests alone says nothing of pictures that were not asked for. --lf leaves tests out
-        # without a word to other plug-ins.
+        self.passed, self.failed, self.excused = set(), set(), set()  # names of tests
+        # Only a run of all tests can find orphans. --lf leaves tests out and does not tell other plug-ins.
         self.whole, self.collected = not config.getoption("lf", False), 0
-        self.reports = []  # of other processes
+        self.reports = []  # from other processes
         self.problems, self.orphans, self.notes = [], [], []
 
     # ---------------------------------------------------------------------------------------------- tests
@@ -161,7 +164,7 @@ class _Run:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_call(self, item):
-        """A test that ends well fails with all that its pictures lack; one that fails is told them too."""
+        """Fail a test whose pictures fail, or add their failures to its report if it fails itself."""
         try:
             result = yield
         except BaseException as error:
@@ -180,13 +183,15 @@ class _Run:
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_runtest_makereport(self, item, call):
-        """A test passes if it lacks only what the run records. One that must fail has failed by now, as
-        without recording: whether it is strict or not, nothing of it becomes golden.
+        """Let a test pass that lacks only pictures which the run records.
+
+        A test that is expected to fail has failed by now, as without recording. Strict or not, none of its
+        pictures becomes golden.
         """
         report = yield
         if call.excinfo is not None and call.excinfo.type is _Recorded and report.failed:
             report.outcome, report.longrepr = "passed", None
-            call.excinfo = None  # no debugger opens
+            call.excinfo = None  # so that no debugger opens
         return report
 
     def _asked(self, item, ended):
@@ -195,7 +200,7 @@ class _Run:
         asking = item.stash.get(_ASKING, None)
         if asking is not None:
             for key, status in asking.asked.items():
-                if status == MISSING and ended:  # refused, as the test expected
+                if status == MISSING and ended:  # an error that the test expected
                     continue
                 name = asking.told(key)
                 store = os.path.relpath(asking.place.store, self.root).replace(os.sep, "/")
@@ -206,8 +211,10 @@ class _Run:
         return asking
 
     def _note(self, name, picture):
-        """How a picture went, that may have been asked for before: by an earlier try of its test, which is
-        told, or by a repetition, of which the one that has most to tell counts.
+        """Note how a picture went; an earlier result of the same picture may exist.
+
+        If an earlier try of the same test differed, the report says so. Of a test's repetitions, the result
+        with the most to report stays.
         """
         from fixedpipe.pipeline.golden.candidates import ALLOWED, CHANGED, PASSED
 
@@ -221,10 +228,8 @@ class _Run:
         self.pictures[name] = picture
 
     def pytest_runtest_logreport(self, report):
-        """Which tests ran to their end, which failed, and of which nothing is asked: those that are skipped
-        or expected to fail.
-        """
-        if type(report) is not pytest.TestReport:  # a subtest's
+        """Note which tests passed, which failed, and which were skipped or expected to fail."""
+        if type(report) is not pytest.TestReport:  # a subtest's report
             return
         if report.when == "call" and report.passed:
             self.passed.add(report.nodeid)
@@ -234,14 +239,14 @@ class _Run:
             self.excused.add(report.nodeid)
 
     def pytest_itemcollected(self, item):
-        """A test that is there, whatever is chosen of them afterwards."""
+        """Note a test that exists, chosen for this run or not."""
         self.tests.add(item.nodeid)
         self.collected += 1
 
     def pytest_collection_finish(self, session):
-        """Which tests there are."""
+        """Note which tests exist, and write them to --golden-tests' file."""
         self.tests |= {item.nodeid for item in session.items}
-        repeated = any(_repetition(item) is not None for item in session.items)  # as other tests, by name
+        repeated = any(_repetition(item) is not None for item in session.items)  # names with a number
         self.whole = self.whole and self.collected == len(session.items) and not repeated
         if file := self.config.getoption("golden_tests"):
             places = [self.place(item) for item in session.items]
@@ -249,7 +254,7 @@ class _Run:
             Path(file).write_text(json.dumps(told), encoding="utf-8")
 
     def pytest_deselected(self, items):
-        """Tests that are there and do not run: the run is no whole one."""
+        """Note tests that exist and do not run; the run is then not whole."""
         self.tests |= {item.nodeid for item in items}
         self.whole = self.whole and not items
 
@@ -265,7 +270,7 @@ class _Run:
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node, error):
-        """Take what a process of pytest-xdist sent; one that crashed sent nothing."""
+        """Take the results that a process of pytest-xdist sent; a crashed process sent none."""
         sent = getattr(node, "workeroutput", {}).get(_SENT)
         if sent is None:
             self.whole = False
@@ -274,7 +279,7 @@ class _Run:
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session, exitstatus):
-        """Send, or gather: what the run found, orphans, what is recorded."""
+        """Send this process's results, or gather all results, find orphans and record pictures."""
         from fixedpipe.pipeline.golden.candidates import ALLOWED, EXCUSED, PASSED
 
         if self.config.getoption("collectonly"):
@@ -315,18 +320,18 @@ class _Run:
             self.problems.append(str(error))
         try:
             write_run(self.root, {**self._earlier(), **self.pictures})
-        except StoreError as error:  # what the tests said is none the worse for it
+        except StoreError as error:  # The tests' own results stay valid.
             self.notes.append(f"How the pictures went is not kept for a review: {error}")
 
     def _earlier(self):
-        """Of a run of some tests alone, what is known of the others from the runs before."""
+        """After a run of some tests alone, the known results of the other tests from earlier runs."""
         from fixedpipe.pipeline.golden.candidates import FOLDER, MISSING, PASSED, RECORDED, read_run
 
         if not (self.root / FOLDER / "run.json").exists():
             return {}
         earlier = read_run(self.root)["pictures"]
         for picture in earlier.values():
-            if picture["test"] in self.failed:  # what it drew this time is told of itself
+            if picture["test"] in self.failed:  # its new pictures have their own results
                 picture["status"] = MISSING
                 picture.pop("told", None)
             elif picture["status"] == RECORDED:
@@ -335,7 +340,7 @@ class _Run:
             return earlier
         if self.config.args_source is not self.config.ArgsSource.ARGS:
             return {}
-        # Of modules that were not asked for, and are still there.
+        # Modules that this run did not include, and that still exist.
         ran = {test.partition("::")[0] for test in self.tests}
         modules = {p["test"].partition("::")[0] for p in earlier.values()} - ran - {""}
         there = {module for module in modules if (self.root / module).is_file()}
@@ -353,13 +358,13 @@ class _Run:
             if name in candidates:
                 accept_where_sound(self.root, [candidates[name]])
                 picture["status"] = RECORDED
-            elif picture["key"] in read_store(self.root / picture["store"]):  # by another run, meanwhile
+            elif picture["key"] in read_store(self.root / picture["store"]):  # another run recorded it
                 picture["status"] = RECORDED
 
     # --------------------------------------------------------------------------------------------- orphans
 
     def _stores(self):
-        """{file of a store: its test module's name} that the run is about."""
+        """{file of a store: its test module's name} of the stores that the run concerns."""
         folder, found = self.config.getini("golden_folder"), {}
         modules = {test.partition("::")[0] for test in self.tests}
         for module in modules:
@@ -373,7 +378,7 @@ class _Run:
         return found
 
     def _beside_no_module(self, folder):
-        """Stores below the folders that were asked for, whose test module is gone."""
+        """Stores below the given folders whose test module does not exist."""
         skipped = self.config.getini("norecursedirs")
         for arg in self.config.args:
             start = Path(self.config.invocation_params.dir, arg)
@@ -389,20 +394,18 @@ class _Run:
                         yield Path(at, name)
 
     def _account(self, path, module):
-        """How the pictures of a store went that no test asked for: orphans, or missing from a test that
-        failed.
-        """
+        """Note a store's pictures that no test compared: orphans, or missing because their test failed."""
         from fixedpipe.pipeline.golden.candidates import EXCUSED, MISSING, ORPHAN
         from fixedpipe.pipeline.golden.store import StoreError, plain_key, read_store
 
         try:
             keys = read_store(path)
         except StoreError as error:
-            if module:  # another program's file may lie in a folder of this name
+            if module:  # Without a module, another program may have written the file.
                 self.problems.append(str(error))
             return
         store = os.path.relpath(path, self.root).replace(os.sep, "/")
-        # A test asks for a picture or one of its variants, and says nothing of what others are for.
+        # A test compares a picture or one of its variants; the other variants are no orphans.
         asked = {plain_key(p["key"]) for p in self.pictures.values() if p["store"] == store}
         for key in (key for key in keys if plain_key(key) not in asked):
             test = f"{module}::{_test_of(plain_key(key), module, self.tests)}" if module else ""
@@ -416,7 +419,7 @@ class _Run:
     # ---------------------------------------------------------------------------------------------- words
 
     def pytest_terminal_summary(self, terminalreporter):
-        """What a person does next."""
+        """Print the report on golden pictures, with the user's next step."""
         from fixedpipe.pipeline.golden.candidates import ALLOWED, CHANGED, NEW, RECORDED
 
         changed, new, recorded = (
@@ -468,13 +471,13 @@ class _Run:
 
 
 def _repetition(item):
-    """Which of a test's repetitions by pytest-repeat it is, from 0 on; None where it is not repeated."""
+    """The number of a test's repetition by pytest-repeat, from 0 on; None for a test that is not repeated."""
     params = item.callspec.params if hasattr(item, "callspec") else {}
     return params.get("__pytest_repeat_step_number")
 
 
 def _test_of(key, module, tests):
-    """The test of a picture's key: the longest beginning that is a test, as names of pictures follow it."""
+    """The test of a picture's key: the key itself, or its part before the picture's name."""
     if f"{module}::{key}" in tests:
         return key
     return key.rpartition("::")[0] if f"{module}::{key.rpartition('::')[0]}" in tests else key

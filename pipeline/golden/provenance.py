@@ -7,12 +7,12 @@ from fixedpipe.raster import kernel
 
 
 def kernels_are_cold():
-    """Whether the kernels have still to be compiled, once, before the first picture."""
+    """Whether the kernels must still be compiled, once, before the first picture."""
     return kernel.is_cold()
 
 
 def package_version():
-    """The installed distribution's version, or "not installed" where the folders are used as they are."""
+    """The installed distribution's version, or "not installed" where the source folders are used."""
     try:
         return metadata.version("fixedpipe")
     except metadata.PackageNotFoundError:
@@ -20,9 +20,9 @@ def package_version():
 
 
 def provenance(profile):
-    """What made a picture, as a dict for a JSON file: profile, versions, digest of the kernels' sources.
+    """What drew a picture, as a dict for a JSON file: profile, versions, digest of the kernels' sources.
 
-    ``profile``: None where several machines took part.
+    ``profile`` is None where several machines took part.
     """
     return {
         "profile": profile.name if profile else None,

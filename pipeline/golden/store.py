@@ -4,9 +4,9 @@
     tests/golden/test_sphere.json
     tests/golden/test_sphere/lit.png
 
-A file is written by who accepts pictures, and by nobody else: tests only read it. It is written whole, under
-a lock, so that neither two who accept at once nor one who is stopped loses a line. The digests are of pixels,
-never of a PNG file, which other programs may write otherwise.
+Only accepting writes a file; tests only read it. A file is written whole, under a lock, so that two processes
+that accept at once, or one that is stopped, lose no line. The digests cover pixels and no PNG file, because
+programs write the same pixels as different files.
 """
 
 import hashlib
@@ -31,7 +31,7 @@ _MARKERS = ("<<<<<<< ", "=======", ">>>>>>> ", "||||||| ")
 _SAFE = re.compile(r"[^A-Za-z0-9_.+-]+")
 _VARIANT = re.compile(r"[A-Za-z0-9_.+-]{1,40}")
 _OF_VARIANT = re.compile(rf"(.*[^:]):{_VARIANT.pattern}", re.DOTALL)
-_LONGEST = 60  # characters of a file's name that are taken from the picture's
+_LONGEST = 60  # the longest part of a picture's name in a file's name, in characters
 _DTYPES = ("uint8", "uint16")
 
 
@@ -41,8 +41,11 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True)
 class Passed:
-    """What a command of a frame left: its label and kind, and the first eight hexadecimal digits of the
-    digests of the colours, depths and stencil values; ``stages``: of what each stage of it made.
+    """The digests after one command of a frame.
+
+    - ``label``, ``kind``: the command's.
+    - ``planes``: the first eight hexadecimal digits of the digests of the colours, depths and stencil values.
+    - ``stages``: (stage, digest of its results).
     """
 
     label: str
@@ -55,10 +58,10 @@ class Passed:
 class GoldenPicture:
     """An accepted picture.
 
-    width, height, components, dtype   what it is; 1 to 4 components, "uint8" or "uint16"
-    sha256   of its pixels (``digest``)
-    passes   of a frame of commands, what each left
-    made     by what it was drawn, as far as that is known: versions, the profile
+    - ``width``, ``height``, ``components``, ``dtype``: 1 to 4 components, "uint8" or "uint16".
+    - ``sha256``: the digest of its pixels (``digest``).
+    - ``passes``: for a frame, the digests after each command.
+    - ``made``: what drew it, as far as known: versions, the profile.
     """
 
     width: int
@@ -74,7 +77,7 @@ class GoldenPicture:
 
 
 def golden_of(pixels: Pixels, passes: tuple[Passed, ...] = (), made: Mapping[str, str] | None = None):
-    """The GoldenPicture of pixels as ``pixels_of`` gives them."""
+    """The GoldenPicture of pixels in the form of ``pixels_of``."""
     height, width, components = pixels.shape
     return GoldenPicture(width, height, components, str(pixels.dtype), digest(pixels), passes, made or {})
 
@@ -83,8 +86,9 @@ def golden_of(pixels: Pixels, passes: tuple[Passed, ...] = (), made: Mapping[str
 
 
 def variant_key(key: str, variant: str | None) -> str:
-    """The name of a picture's variant, as some platform or driver draws it: test_lit::side:mesa-22.3. Without
-    a variant it is the picture's own. Raises ValueError for what is no variant's name.
+    """The name of a picture's variant, which a platform or driver draws: test_lit::side:mesa-22.3.
+
+    Without a variant it is the picture's own name. Raises ValueError for a name that no variant can have.
     """
     if variant is None:
         return key
@@ -97,8 +101,9 @@ def variant_key(key: str, variant: str | None) -> str:
 
 
 def plain_key(key: str) -> str:
-    """The name of the picture that a name is, or is a variant of: pictures' names have no colon, and pytest's
-    of parametrised tests end in a bracket.
+    """The name of a picture without its variant.
+
+    Pictures' names have no colon, and pytest's names of parametrised tests end in a bracket.
     """
     found = _OF_VARIANT.fullmatch(key)
     return found[1] if found else key
@@ -108,7 +113,7 @@ def plain_key(key: str) -> str:
 
 
 def to_object(golden: GoldenPicture) -> dict[str, Any]:
-    """A GoldenPicture as it stands in a JSON file."""
+    """The JSON object of a GoldenPicture."""
     written: dict[str, Any] = {
         "size": [golden.width, golden.height, golden.components],
         "dtype": golden.dtype,
@@ -124,7 +129,7 @@ def to_object(golden: GoldenPicture) -> dict[str, Any]:
 
 
 def from_object(given: Any) -> GoldenPicture:
-    """The GoldenPicture that ``to_object`` wrote. Raises ValueError for anything else, with what is wrong."""
+    """The GoldenPicture that ``to_object`` wrote. Raises ValueError for anything else, with the reason."""
     try:
         unknown = given.keys() - {"size", "dtype", "sha256", "passes", "made"}
         width, height, components = given["size"]
@@ -149,7 +154,7 @@ def from_object(given: Any) -> GoldenPicture:
 
 
 def to_text(pictures: Mapping[str, GoldenPicture]) -> str:
-    """A store's file: sorted, a line for each picture."""
+    """The text of a store's file: sorted, a line for each picture."""
     lines = (f"  {_line(name)}: {_line(to_object(pictures[name]))}" for name in sorted(pictures))
     return f'{{"format": {FORMAT}, "pictures": {{\n' + ",\n".join(lines) + "\n}}\n"
 
@@ -159,7 +164,7 @@ def _line(value):
 
 
 def from_text(text: str, path: Path) -> dict[str, GoldenPicture]:
-    """What ``to_text`` wrote, of the file ``path``. Raises StoreError."""
+    """The pictures of a text that ``to_text`` wrote, read from the file ``path``. Raises StoreError."""
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith(_MARKERS):
             raise StoreError(
@@ -194,7 +199,7 @@ def from_text(text: str, path: Path) -> dict[str, GoldenPicture]:
 
 
 def _once(pairs):
-    """An object, none of whose keys stands twice: a merge may leave two lines of one picture."""
+    """A JSON object without repeated keys: a merge may leave two lines of one picture."""
     found = dict(pairs)
     if len(found) != len(pairs):
         names = [name for name, _ in pairs]
@@ -207,9 +212,9 @@ def _once(pairs):
 
 
 def read_store(path: Path) -> dict[str, GoldenPicture]:
-    """The accepted pictures of a file, by name; none where there is no file. Raises StoreError."""
+    """The accepted pictures of a file, by name; none without the file. Raises StoreError."""
     try:
-        return from_text(path.read_text(encoding="utf-8-sig"), path)  # editors of Windows put a mark first
+        return from_text(path.read_text(encoding="utf-8-sig"), path)  # Windows' byte order mark
     except FileNotFoundError:
         return {}
     except UnicodeDecodeError as error:
@@ -221,8 +226,9 @@ def read_store(path: Path) -> dict[str, GoldenPicture]:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all, its folder made if need be. Raises StoreError; what was there
-    stays.
+    """Write a file whole or not at all, with its folder if needed.
+
+    Raises StoreError; the earlier file then stays.
     """
     temporary = None
     try:
@@ -250,9 +256,9 @@ def write_whole(path: Path, data: bytes) -> None:
 
 @contextmanager
 def _locked(folder):
-    """Nobody else changes stores of the folder meanwhile; a process that ends frees its lock."""
+    """Keep other processes from changing stores of the folder; a process that ends frees its lock."""
     folder.mkdir(parents=True, exist_ok=True)
-    if os.name == "nt":  # folders cannot be locked there; what is written is whole all the same
+    if os.name == "nt":  # Windows cannot lock folders; files are still written whole.
         yield
         return
     import fcntl
@@ -266,7 +272,10 @@ def _locked(folder):
 
 
 def change_store(path: Path, changes: Mapping[str, GoldenPicture | None]) -> None:
-    """Set pictures of a store, or with None remove them. Raises StoreError; the file is then as it was."""
+    """Set pictures of a store, or remove those given as None.
+
+    Raises StoreError; the file is then unchanged.
+    """
     try:
         with _locked(path.parent):
             pictures = read_store(path)
@@ -282,9 +291,9 @@ def change_store(path: Path, changes: Mapping[str, GoldenPicture | None]) -> Non
 
 
 def file_name(name: str) -> str:
-    """A file's name, without an ending, for a picture's: the same where it can be, else with a digest."""
+    """A file's name, without suffix, for a picture: the same name where possible, else with a digest."""
     safe = _SAFE.sub("-", name).strip("-.")[:_LONGEST]
-    if safe == name == name.lower():  # of two names that differ in case alone some systems make one file
+    if safe == name == name.lower():  # Some systems make one file of two names that differ in case alone.
         return safe
     return f"{safe or 'picture'}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 

@@ -1,12 +1,12 @@
-"""For tests that keep their snapshots with syrupy: PNG files, compared by the digest of their pixels.
+"""An extension for tests with syrupy snapshots: PNG files, compared by the digest of their pixels.
 
     from fixedpipe.pipeline.golden.syrupy_extension import GoldenSnapshotExtension
 
     def test_lit(snapshot):
         assert snapshot(extension_class=GoldenSnapshotExtension) == picture
 
-The snapshot stands on the left: a NumPy array there would compare each of its components with it. syrupy is
-no package that fixedpipe needs: the class is made when it is first asked for.
+The snapshot stands on the left, because a NumPy array there would compare each of its components with it.
+fixedpipe does not require syrupy, so the class is created at first use.
 """
 
 from functools import cache
@@ -35,21 +35,21 @@ def _extension():
         raise ImportError(f"{_NAME} is an extension of syrupy, which is not installed here.") from error
 
     class GoldenSnapshotExtension(SingleFileSnapshotExtension):
-        """Snapshots that are pictures: what ``pixels_of`` takes, kept as PNG files with all their bits."""
+        """Snapshots of pictures that ``pixels_of`` takes, kept as PNG files with all their bits."""
 
-        # The second name is that of syrupy before 5.
+        # Syrupy before version 5 uses the second name.
         file_extension = _file_extension = "png"
 
         def serialize(self, data, **_):
-            """The PNG file of a picture. Raises ValueError for what is none."""
+            """The PNG file of a picture. Raises ValueError for a value that is no picture."""
             return whole_png(pixels_of(data))
 
         def matches(self, *, serialized_data, snapshot_data):
-            """Whether both files hold the same pixels, whoever wrote them."""
+            """Whether both files hold the same pixels, from any writer."""
             return digest(pixels_of_png(serialized_data)) == digest(pixels_of_png(snapshot_data))
 
         def diff_lines(self, serialized_data, snapshot_data):
-            """How the pixels differ, in a line."""
+            """A line on how the pixels differ."""
             was, now = pixels_of_png(snapshot_data), pixels_of_png(serialized_data)
             yield kinds_differ(was, now) or str(difference(was, now))
 

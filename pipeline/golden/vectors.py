@@ -1,8 +1,8 @@
 """Test vectors for other renderers: random states with their inputs and the pixels that a machine gives.
 
-A case is plain data: numbers, strings, lists. Everything random comes from its seed by SHA-256, so the same
-seed makes the same case with any version of Python and NumPy. Stages alone are drawn as points of one pixel,
-whose colours and texels are the stage's inputs; frames have triangles on sixteenths of a pixel in a window of
+A case is plain data: numbers, strings, lists. Everything random comes from its seed by SHA-256, so a seed
+makes the same case with any version of Python and NumPy. Cases of single stages draw points of one pixel,
+whose colours and texels are the stage's inputs. Frames have triangles on sixteenths of a pixel in a window of
 64 by 64, where window and clip coordinates are exact.
 """
 
@@ -53,8 +53,8 @@ from fixedpipe.pipeline.validation.validate import validate_program
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 
 STAGES = ("combiners", "blending", "sampling")
-POINTS = 16  # inputs of a case of a stage
-WINDOW = 64  # pixels an edge of a frame
+POINTS = 16  # inputs in a stage's case
+WINDOW = 64  # pixels along an edge of a frame
 _SUBPIXELS = 16
 
 _READ = (
@@ -75,26 +75,27 @@ _SCALES = (
 
 
 class Chance:
-    """Numbers from a seed: the digits of SHA-256 of the seed and a count."""
+    """Numbers from a seed: SHA-256 of the seed and a counter."""
 
     def __init__(self, *seed: str | int):
         self._seed, self._count = ":".join(map(str, seed)), 0
 
     def below(self, count: int) -> int:
-        """A whole number from 0 to count - 1; of counts that are no power of two the first are a little more
-        likely, by less than 2**-48.
+        """A whole number from 0 to count - 1.
+
+        If count is no power of two, the first numbers are more likely, by less than 2**-48.
         """
         data = hashlib.sha256(f"{self._seed}:{self._count}".encode()).digest()
         self._count += 1
         return int.from_bytes(data[:8], "big") % count
 
     def one_of(self, choices: Any) -> Any:
-        """One of a sequence or of an enumeration's members."""
+        """One element of a sequence, or one member of an enumeration."""
         choices = tuple(choices)
         return choices[self.below(len(choices))]
 
     def byte(self) -> int:
-        """0 to 255; half of the time one at which arithmetic changes."""
+        """0 to 255; half of the time one near which arithmetic changes."""
         return self.one_of((0, 1, 2, 126, 127, 128, 129, 254, 255)) if self.below(2) else self.below(256)
 
     def color(self) -> list[int]:
@@ -103,9 +104,9 @@ class Chance:
 
 
 def stage_case(stage: str, profile: Profile, seed: int) -> dict[str, Any]:
-    """A case of a stage alone: its state, ``inputs`` and ``expected``, POINTS of each.
+    """A case of a single stage: its state, ``inputs`` and ``expected``, POINTS of each.
 
-    Raises ValueError for an unknown stage, or a machine that does not have it.
+    Raises ValueError for an unknown stage, or for a machine without it.
     """
     if stage not in STAGES:
         raise ValueError(f"There are no vectors of {stage!r}; there are: {', '.join(STAGES)}.")
@@ -213,7 +214,7 @@ def _portion(kind, registers, chance):
     dots = {}
     if kind is RGBPortion:
         dots = {"ab_dot_product": not chance.below(3), "cd_dot_product": not chance.below(3)}
-        if any(dots.values()):  # a sum of dot products is none of the extension's
+        if any(dots.values()):  # the extension has no sum of dot products
             outputs[2] = Register.DISCARD
     ab, cd, total = outputs
     return kind(
@@ -301,7 +302,7 @@ def _sampling(profile, chance):
     coordinates = [[(chance.below(3 << 12) - (1 << 12)) / 4096.0 for _ in range(2)] for _ in range(POINTS)]
     sampler = Sampler(choice, choice, *wraps)
     mesh = _points([[255] * 4] * POINTS, texture_coordinates=(np.array(coordinates),))
-    image = texture_2d(np.array(texels[::-1], np.uint8))  # a picture has its top row first
+    image = texture_2d(np.array(texels[::-1], np.uint8))  # A picture's top row is first.
     commands = (
         Clear(label="clear", color=(0.0, 0.0, 0.0, 0.0)),
         TexImage(label="texture", texture="texture", image=image),
@@ -325,7 +326,7 @@ _MAKERS = {"combiners": _combiners, "blending": _blending, "sampling": _sampling
 
 
 def frame_case(profile: Profile, seed: int) -> tuple[dict[str, Any], Framebuffer]:
-    """A small frame as plain data, and the framebuffer that it leaves."""
+    """A small frame as plain data, and the framebuffer after it."""
     chance, said = Chance("frame", seed), []
     color, depth, stencil = chance.color(), chance.one_of((255, 256, 128)) / 256.0, chance.below(256)
     size = 1 << (1 + chance.below(3))
@@ -376,7 +377,7 @@ def _triangles(chance):
 
 
 def _state(profile, chance):
-    """A state, and the same as plain data."""
+    """A state, and the same state as plain data."""
     told: dict[str, Any] = {}
     given: dict[str, Any] = {}
     if chance.below(2):
@@ -417,9 +418,7 @@ def _state(profile, chance):
 
 
 def raw_planes(framebuffer: Framebuffer) -> dict[str, bytes]:
-    """{"rgba": bytes, "depth": 32-bit words, low byte first, "stencil": bytes} of a framebuffer, the top row
-    first.
-    """
+    """A framebuffer's bytes {"rgba", "depth" (32-bit words, low byte first), "stencil"}, top row first."""
     planes: dict[str, NDArray[Any]] = {
         "rgba": framebuffer.image(),
         "depth": framebuffer.depth.astype("<u4"),
