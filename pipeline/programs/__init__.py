@@ -1,1 +1,1 @@
-"""Programs of a pass: the rules and the normal forms of combiners, texture shaders, environments and fog."""
+"""Programs of a pass: rules and normal forms of combiners, texture shaders, environments and fog."""

@@ -1,5 +1,6 @@
-"""Rules of combiner programs (NV_register_combiners): which inputs and outputs go together, and which program
-a pass runs.
+"""Rules of combiner programs (NV_register_combiners), and the choice of a pass's program.
+
+The rules say which inputs and outputs may be combined.
 """
 
 from functools import wraps
@@ -11,14 +12,16 @@ from fixedpipe.pipeline.state import CombinerInput, FinalCombiner, GeneralCombin
 READ_ONLY_REGISTERS = frozenset(
     {Register.ZERO, Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1, Register.FOG}
 )
-# Of how many programs what follows from their stages is kept.
+# the number of programs whose derived data are kept
 _MOST_KEPT = 1024
 
 
 def kept_for_stages(find):
-    """``find(combiners, *more)`` of what follows from general and final combiners alone, and from hashable
-    ``more``: kept, as ``dataclasses.replace`` keeps them where a constant colour changes. By identity, since
-    equal ones may differ in type; what is kept holds them, so that no other has their identity.
+    """A cache of ``find(combiners, *more)``, for data that follow from the stages and ``more`` alone.
+
+    ``more`` is hashable. The stages are the general and final combiners. ``dataclasses.replace`` keeps them
+    where a constant colour changes, so such programs share an entry. The key is the identity, because equal
+    combiners may differ in type. An entry holds the combiners, so that no other object gets their identity.
     """
     kept = {}
 
@@ -112,7 +115,7 @@ def _general_problems(number, name, portion):
 
 
 def _blue_to_alpha_problems(number, stage):
-    """An alpha that blue and the alpha portion would both write."""
+    """Outputs whose blue and the alpha portion would both write one register's alpha."""
     alpha = {stage.alpha.ab_output, stage.alpha.cd_output, stage.alpha.sum_output} - {Register.DISCARD}
     for name in ("ab", "cd"):
         register = getattr(stage.rgb, f"{name}_output")
@@ -151,11 +154,11 @@ def _final_input_problem(variable, given):
 
 @kept_for_stages
 def combiner_problems(combiners):
-    """What every machine with register combiners refuses in ``combiners``, apart from their number.
+    """The problems of ``combiners`` on every machine with register combiners, apart from their number.
 
-    A tuple of (path, sentence). A path leads to the offender: ("general", stage, "rgb" or "alpha", field) or
-    ("final", variable). Fields must have the types that ``fixedpipe.pipeline.state`` says.
-    Source: NV_register_combiners, Errors.
+    A tuple of (path, sentence). A path leads to the wrong part: ("general", stage, "rgb" or "alpha", field)
+    or ("final", variable). Fields must have the types that ``fixedpipe.pipeline.state`` says. Source:
+    NV_register_combiners, Errors.
     """
     problems = []
     for number, stage in enumerate(combiners.general):
@@ -210,8 +213,9 @@ def _named(combiners):
 
 @kept_for_stages
 def textures_read(combiners):
-    """Whose texels the combiners read: a tuple of (place, number of a texture unit), once each. A texture
-    register of which the same components were written before holds no texel any more.
+    """The texture units whose texels the combiners read: a tuple of (place, unit number), each unit once.
+
+    A texture register holds no texel after an earlier stage has written the same components.
     """
     return tuple(_texels(combiners))
 
@@ -244,7 +248,7 @@ def _texels(combiners):
 
 # ---------------------------------------------------------------------------------- the program of a pass
 
-# What register combiners compute when they are disabled: the fragment's colour with color sum and fog.
+# The programs that stand for disabled register combiners: the fragment's colour with color sum and fog.
 _PRIMARY = CombinerInput(Register.PRIMARY_COLOR)
 _PLAIN = FinalCombiner(b=_PRIMARY, g=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA))
 WITH_FOG = RegisterCombiners(general=(), final=_PLAIN)
@@ -260,7 +264,7 @@ def has_color_sum(state):
 def combiner_program(state, profile, textures):
     """The combiner program of a pass, or None where the fragment is its primary colour.
 
-    ``textures``: name to texture, for the formats that texture environments go by.
+    ``textures`` maps names to Textures, whose formats the texture environments use.
     """
     if state.register_combiners is not None:
         return state.register_combiners

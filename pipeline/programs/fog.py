@@ -1,4 +1,4 @@
-"""Fog on machines with ROUNDED fog arithmetic: the coordinates at which its factor, rounded, changes."""
+"""Fog on machines with ROUNDED fog arithmetic: the coordinates at which its rounded factor changes."""
 
 from decimal import Decimal, localcontext
 from functools import lru_cache
@@ -12,7 +12,7 @@ from fixedpipe.pipeline.enums import FogMode
 def fog_thresholds(fog, one=255):
     """float64 [one]: the coordinates at which ``one f`` crosses k - 1/2, k = 1..one (docs/numbers.md, 9).
 
-    From 40 decimal digits, so that they are the same bits on every machine; not to be written to.
+    They come from 40 decimal digits, so that every machine has the same bits. Never write to the array.
     """
     if fog.mode == FogMode.LINEAR:
         out = fog.end - ((np.arange(1, one + 1) - 0.5) / float(one)) * (fog.end - fog.start)

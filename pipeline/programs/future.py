@@ -1,4 +1,4 @@
-"""Which stages of the future board a pass may ask for: sentences, or None (docs/numbers.md, section 20)."""
+"""The future board's stages that a pass may use: sentences, or None (docs/numbers.md, section 20)."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ _READABLE = frozenset(Register) - {
 
 
 def future_problem(state, profile):
-    """Why a machine cannot run the stages that Kautz and Seidel ask for, where a pass has them."""
+    """A sentence that says why a machine cannot run a pass's stages of Kautz and Seidel, or None."""
     combiners = state.register_combiners
     for number, stage in enumerate(() if combiners is None else combiners.general):
         for portion in (stage.rgb, stage.alpha):
@@ -103,8 +103,10 @@ def _turning_problem(state, profile):
 
 
 def units_along(state, textures):
-    """Units that are read before they are filtered: unit 0 and those that differ from it in texture,
-    environment and color table alone, with images of the same target and sizes.
+    """The units that are read before filtering.
+
+    They are unit 0, and the units that differ from it in texture, environment and color table alone, with
+    images of the same target and sizes.
     """
     units = state.texture_units
     first, image = units[0], textures[units[0].texture]

@@ -1,13 +1,13 @@
-"""Texture environments (section 3.8.9): the combiner program that computes them, and which are refused.
+"""Texture environments (section 3.8.9): the combiner program that computes them, and their errors.
 
 Where register combiners are disabled, each enabled texture unit combines its texel with the colour that
 reaches it. ``environment_program`` writes the units of a pass as one ``RegisterCombiners``, which every
-engine runs as any other program. Such a program is the driver's, not the user's: it may have more stages than
-the machine offers, constants of each stage, and blue to alpha. Why:
-docs/decisions/0008-texture-environments.md; what comes out: docs/numbers.md, "Texture environments".
+engine runs like any other program. The driver makes such a program. So it may have more stages than the
+machine offers, constants of each stage, and blue to alpha. docs/decisions/0008-texture-environments.md says
+why; docs/numbers.md, "Texture environments", has the results.
 
-Every result is read through an unsigned mapping, which makes zero of what is negative; a result is at most
-one. So each unit's result is clamped to [0, 1], as the tables ask, with no stage for it.
+Every result is read through an unsigned mapping, which turns negative values into zero, and a result is at
+most one. So each unit's result is clamped to [0, 1], as the tables require, without a stage for it.
 """
 
 from dataclasses import replace
@@ -45,7 +45,7 @@ from fixedpipe.pipeline.textures.images import (
     depth_texture_mode,
 )
 
-# Source: NV_texture_shader section 3.8.9: stages whose unit passes its colour on.
+# Source: NV_texture_shader section 3.8.9: the units of these stages pass their colour on.
 _WITHOUT_FUNCTION = frozenset(
     {
         TextureShaderOperation.CULL_FRAGMENT,
@@ -73,11 +73,11 @@ _HALF = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
 
 
 def texture_format(unit, internal_format, profile):
-    """The BaseFormat that a unit's environment goes by where its texture has this format; None: the unit
-    passes its colour on.
+    """The BaseFormat by which a unit's environment treats a texture of this format.
 
-    Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture; NV_texture_shader section 3.8.9 (HILO, DSDT).
-    Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own formats.
+    None: the unit passes its colour on. Source: OpenGL 1.2.1 table 3.16; ARB_depth_texture; NV_texture_shader
+    section 3.8.9 (HILO, DSDT). Inferred: RGB for YCBCR, which has no alpha. Assumed: RGBA for the NV2A's own
+    formats.
     """
     if internal_format in COLORLESS_FORMATS:
         return None
@@ -87,8 +87,8 @@ def texture_format(unit, internal_format, profile):
         base = BaseFormat.RGB if internal_format == InternalFormat.YCBCR else BASE_FORMAT[internal_format]
     if unit.color_table is None:
         return base
-    # Source: SGI_texture_color_table (issue 3: RGBA tables make RGBA of LUMINANCE); Assumed: a component that
-    # either has is there.
+    # Source: SGI_texture_color_table (issue 3: RGBA tables make RGBA of LUMINANCE); Assumed: the result has
+    # every component that either format has.
     made = unit.color_table.base_format
     if made is base and base in (BaseFormat.ALPHA, BaseFormat.INTENSITY):
         return base
@@ -96,14 +96,14 @@ def texture_format(unit, internal_format, profile):
 
 
 def arguments(mode, function):
-    """How many arguments a COMBINE or COMBINE4 function has."""
+    """The number of arguments of a COMBINE or COMBINE4 function."""
     if mode == TextureEnvironmentMode.COMBINE4:
         return 4
     return {CombineFunction.REPLACE: 1, CombineFunction.INTERPOLATE: 3}.get(function, 2)
 
 
 class _Unit(NamedTuple):
-    """What an enabled unit's environment is made of; ``base`` None: it passes its colour on."""
+    """An enabled unit's environment. A ``base`` of None means that the unit passes its colour on."""
 
     number: int
     environment: object
@@ -131,10 +131,10 @@ def _units(state, textures, profile):
 def environment_program(state, textures, profile, color_sum=False):
     """The RegisterCombiners that compute a pass without register combiners, or None: no unit has an effect.
 
-    textures   name to texture object; of those that enabled units read, ``internal_format`` matters
-    color_sum  whether the secondary colour is added
+    - ``textures``: {name: Texture}; the ``internal_format`` of those that enabled units read matters.
+    - ``color_sum``: whether the secondary colour is added.
 
-    Fog is the final combiner's, whether enabled or not. Of two passes that compute the same, one object.
+    The final combiner applies fog, enabled or not. Passes that compute the same share one object.
     """
     units = _units(state, textures, profile)
     if not units:
@@ -144,7 +144,7 @@ def environment_program(state, textures, profile, color_sum=False):
 
 
 def disabled_textures_are_ones(profile):
-    """What an environment reads that names a disabled unit: ones, or nothing, for it is disabled itself.
+    """Whether an environment that names a disabled unit reads ones; else that environment is disabled itself.
 
     Source: NV_texture_env_combine4 (a disabled unit's texture is one); ARB_texture_env_crossbar (a unit that
     names a disabled one is disabled itself).
@@ -177,7 +177,7 @@ def textures_named(environment):
 
 
 def _halves(environment):
-    """The Combines that take part."""
+    """The Combines that the environment uses."""
     if environment.mode not in _COMBINES:
         return ()
     if environment.rgb.function is CombineFunction.DOT3_RGBA:
@@ -204,7 +204,7 @@ _WHITE = (1.0, 1.0, 1.0, 1.0)
 
 
 class _Sum(NamedTuple):
-    """A half's result: A B + C D, biased and scaled."""
+    """The result of a half: A B + C D, biased and scaled."""
 
     a: CombinerInput
     b: CombinerInput = _ONE
@@ -215,7 +215,7 @@ class _Sum(NamedTuple):
 
 
 class _Compiler:
-    """Stages of a program, unit after unit. SPARE0 holds the colour that reaches the next unit."""
+    """The stages of a program, unit after unit. SPARE0 holds the colour that reaches the next unit."""
 
     def __init__(self, units, by_four):
         self.enabled = {unit.number: unit for unit in units}
@@ -233,7 +233,7 @@ class _Compiler:
         self.previous = Register.SPARE0
 
     def stage(self, rgb, alpha):
-        """A general combiner; a portion of None writes nothing."""
+        """Append a general combiner; a portion of None writes nothing."""
         self.stages.append(
             GeneralCombiner(
                 rgb or RGBPortion(a=_ZERO, sum_output=Register.DISCARD),
@@ -244,7 +244,7 @@ class _Compiler:
         )
 
     def finish(self, rgb, alpha):
-        """The stages of two halves, each a list of portions one after the other."""
+        """Append the stages of two halves; each half is a list of consecutive portions."""
         for portions in zip_longest(rgb, alpha):
             self.stage(*portions)
 
@@ -283,14 +283,14 @@ class _Compiler:
             color = [self.dot_product(rgb, whole), *_scaling(RGBPortion, rgb.scale)]
         else:
             whole, color = False, _portions(RGBPortion, self.sum_of(mode, rgb, False))
-        if whole:  # the dot product's own stage leaves it in alpha too
+        if whole:  # the dot product's own stage also writes alpha
             coverage = [None, *_scaling(AlphaPortion, alpha.scale)]
         else:
             coverage = _portions(AlphaPortion, self.sum_of(mode, alpha, True))
         self.finish(color, coverage)
 
     def argument(self, source, operand, alpha):
-        """What an input reads. Source: NV_texture_env_combine4 tables 3.22 and 3.23."""
+        """The input for a source and operand. Source: NV_texture_env_combine4 tables 3.22 and 3.23."""
         number = self.unit.number if source is CombineSource.TEXTURE else None
         if source in _NUMBERED:
             number = _NUMBERED.index(source)
@@ -313,8 +313,9 @@ class _Compiler:
         return _inverted(given) if operand in _INVERTED else given
 
     def sum_of(self, mode, half, alpha):
-        """The _Sum of a function but a dot product. Source: ARB_texture_env_combine table 3.20,
-        NV_texture_env_combine4 table 3.21.
+        """The _Sum of a function other than a dot product.
+
+        Source: ARB_texture_env_combine table 3.20, NV_texture_env_combine4 table 3.21.
         """
         count = arguments(mode, half.function)
         a, b, c, d = (
@@ -341,8 +342,10 @@ class _Compiler:
         return made._replace(bias=bias, scale=scale)
 
     def dot_product(self, half, whole):
-        """The portion of a dot product before its scale, to alpha too if ``whole``; a stage before it where
-        one minus a byte is multiplied: EXPAND_NEGATE of the byte would be another number.
+        """The portion of a dot product before its scale; ``whole`` says that it also writes alpha.
+
+        A stage before it computes an argument that is one minus a byte, because EXPAND_NEGATE of the byte
+        would be another number.
         """
         inputs = [
             self.argument(source, operand, False)
@@ -350,7 +353,7 @@ class _Compiler:
         ]
         if any(given.mapping is Mapping.UNSIGNED_INVERT for given in inputs):
             first, second = inputs
-            outputs = Register.SPARE0, Register.SPARE1  # their alphas stay
+            outputs = Register.SPARE0, Register.SPARE1  # keeps their alphas
             self.stage(RGBPortion(first, _ONE, second, _ONE, *outputs, Register.DISCARD), None)
             inputs = [CombinerInput(register) for register in outputs]
         a, b = (replace(given, mapping=Mapping.EXPAND_NORMAL) for given in inputs)
@@ -373,13 +376,13 @@ def _portion(kind, half):
 
 
 def _scaling(kind, scale):
-    """The portions that scale what SPARE0 holds."""
+    """The portions that scale SPARE0."""
     scale = float(scale)
     return [] if scale == 1.0 else [_portion(kind, _Sum(CombinerInput(Register.SPARE0), scale=scale))]
 
 
 def _portions(kind, half):
-    """The portions of a _Sum. A biased sum is scaled by two at most, so it is doubled twice.
+    """The portions of a _Sum. A biased sum is scaled by two at most, so a scale of four doubles it twice.
 
     Source: NV_register_combiners, Errors.
     """
@@ -392,10 +395,10 @@ def _portions(kind, half):
 
 
 def environment_problem(number, environment, base, profile):
-    """What is wrong with texture unit ``number``'s environment, a sentence, or None.
+    """A sentence that says what is wrong with texture unit ``number``'s environment, or None.
 
-    base  the ``texture_format`` of what it reads; RGBA where a texture shader makes a colour; None: the
-          environment has no effect
+    ``base`` is the ``texture_format`` of the unit's texture. It is RGBA where a texture shader makes a
+    colour, and None where the environment has no effect.
 
     Source: the errors of ARB_texture_env_combine, _dot3 and NV_texture_env_combine4.
     """
@@ -424,7 +427,7 @@ def environment_problem(number, environment, base, profile):
 
 
 def _combine_problem(mode, name, half, profile):
-    """The predicate of what is wrong with one half, or None."""
+    """The predicate of a sentence on what is wrong with one half, or None."""
     functions = profile.combiners.combine_functions
     if mode is TextureEnvironmentMode.COMBINE4:
         functions = functions & {CombineFunction.ADD, CombineFunction.ADD_SIGNED}
@@ -460,7 +463,7 @@ def _combine_problem(mode, name, half, profile):
                 )
     if name == "alpha" and any(operand not in _OF_ALPHA for operand in half.operands):
         return "has an operand of color in alpha; take SRC_ALPHA or ONE_MINUS_SRC_ALPHA there."
-    # Source: ARB_texture_env_combine, issue 7 (what EXT_texture_env_combine lacks).
+    # Source: ARB_texture_env_combine, issue 7 (the operands that EXT_texture_env_combine lacks).
     third = half.operands[2:3] if half.function is CombineFunction.INTERPOLATE else ()
     any_third = combine4 or CombineFunction.SUBTRACT in profile.combiners.combine_functions
     if third and third[0] is not CombineOperand.SRC_ALPHA and not any_third:

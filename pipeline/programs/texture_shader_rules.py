@@ -1,4 +1,4 @@
-"""Rules of texture shaders (NV_texture_shader): which stages go together, and what each reads."""
+"""Rules of texture shaders (NV_texture_shader): allowed sequences of stages, and what each stage reads."""
 
 from fixedpipe.pipeline.enums import ColorKeyOperation, DotProductMapping, TextureTarget
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -24,9 +24,9 @@ WITHOUT_TEXTURE = frozenset(
         Operation.DOT_PRODUCT_DEPTH_REPLACE,
     }
 )
-# Stages that may end a fragment, or change its depth.
+# Stages that may discard a fragment, or change its depth.
 DISCARDING = frozenset({Operation.CULL_FRAGMENT, Operation.DOT_PRODUCT_DEPTH_REPLACE})
-# Operations that make coordinates.  Source: table 3.C.
+# Operations that compute coordinates.  Source: table 3.C.
 DEPENDENT = frozenset(
     {
         Operation.OFFSET_TEXTURE_2D,
@@ -45,8 +45,8 @@ DEPENDENT = frozenset(
         Operation.BRDF_TEXTURE_3D,
     }
 )
-# Which textures operations read: the one of table 3.B first, then others that the chip reads all the same.
-# Measured: cube maps as volumes, 2D textures as cube maps (DotSTR3D and Texture_2D_as_cubemap captures).
+# The textures that operations read: first that of table 3.B, then others that the chip reads too. Measured:
+# cube maps as volumes, 2D textures as cube maps (DotSTR3D and Texture_2D_as_cubemap captures).
 _2D, _CUBE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_CUBE_MAP
 TARGETS_READ = {
     Operation.TEXTURE_1D: (TextureTarget.TEXTURE_1D,),
@@ -69,9 +69,9 @@ TARGETS_READ = {
     Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP: (_CUBE, _2D),
     Operation.BRDF_TEXTURE_3D: (TextureTarget.TEXTURE_3D,),
 }
-# Of an unsigned texture's colours.  Source: NV_texture_shader, table 3.B.
+# Operations that scale an unsigned texture's colours.  Source: NV_texture_shader, table 3.B.
 SCALING = tuple(map(Operation, C.OPERATIONS_WITH_SCALE))
-# Whose lookup may be filtered by roughness.
+# Operations whose lookup roughness may filter.
 ROUGH = (Operation.OFFSET_TEXTURE_2D, Operation.DOT_PRODUCT_TEXTURE_2D)
 _REFLECTING = tuple(map(Operation, C.OPERATIONS_REFLECTING))
 _WITHOUT_RESULT = (
@@ -81,11 +81,11 @@ _WITHOUT_RESULT = (
     Operation.DOT_PRODUCT_DEPTH_REPLACE,
 )
 _WORDS = (DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE)
-_HOLDS_WORDS = 8  # bits of a texel's components, two of which hold a word of 16
+_HOLDS_WORDS = 8  # bits of a texel's components; two of them hold a word of 16 bits
 
 
 def shader_stages(state):
-    """A texture shader stage for every texture unit, or None: texture shaders are disabled."""
+    """A texture shader stage for every texture unit, or None where texture shaders are disabled."""
     if state.texture_shader is None:
         return None
     missing = len(state.texture_units) - len(state.texture_shader)
@@ -93,7 +93,7 @@ def shader_stages(state):
 
 
 def stage_problem(i, stages):
-    """What is inconsistent about texture shader stage ``i``, or None.
+    """A sentence that says what is inconsistent about texture shader stage ``i``, or None.
 
     Source: NV_texture_shader, table 3.A.
     """
@@ -148,7 +148,7 @@ def stage_problem(i, stages):
 
 
 def roughness_problem(i, stages):
-    """What is wrong with the roughness that stage ``i`` reads, or None."""
+    """A sentence that says what is wrong with the roughness that stage ``i`` reads, or None."""
     stage = stages[i]
     if stage.roughness is None:
         return None
@@ -172,7 +172,7 @@ def roughness_problem(i, stages):
 
 
 def texture_shader_problems(stages):
-    """What every machine with texture shaders refuses in ``stages``: yields (stage number, sentence)."""
+    """Yields (stage number, sentence) for each problem of ``stages`` on all machines with texture shaders."""
     for i, stage in enumerate(stages):
         if stage.operation is not Operation.NONE and (problem := stage_problem(i, stages)):
             yield i, problem
@@ -184,9 +184,9 @@ def texture_target(operation):
 
 
 def stage_width_problem(stages, widths, profile):
-    """Why texels of these widths cannot be read as words of 16 bits, as a sentence, or None.
+    """A sentence that says why texels of these widths cannot be read as words of 16 bits, or None.
 
-    ``widths``: of each stage's texel in bits, None where it has none.
+    ``widths`` are in bits, of each stage's texel; None for a stage without a texel.
     """
     for i, stage in enumerate(stages):
         if stage.operation is Operation.BRDF_TEXTURE_3D:
@@ -206,10 +206,10 @@ def stage_width_problem(stages, widths, profile):
 
 
 def killing_units(state):
-    """Numbers of the units that end the fragments of texels which equal their color keys: those that are
-    sampled, whether or not anything reads what they sample.
+    """Numbers of the units whose color keys discard fragments.
 
-    Measured: UnsampledTex (Color_key captures).
+    They are all such units that are sampled, even if nothing reads the sample. Measured: UnsampledTex
+    (Color_key captures).
     """
     return tuple(
         i
@@ -222,7 +222,7 @@ def killing_units(state):
 
 
 def reads_texture(state, i):
-    """Whether a state's unit i has a texel, its own or of its texture shader's stage."""
+    """Whether a state's unit i has a texel, its own or its texture shader stage's."""
     if state.texture_units[i] is None or state.texture_units[i].texture is None:
         return False
     stages = shader_stages(state)
