@@ -1,8 +1,8 @@
 """Plan a combiner program: from its packed rows to the operations of ``raster/vector/combine.py``.
 
-Every value that a register takes is followed from where it is computed to where it is read. So what nobody
-reads is not computed, what only moves a value costs nothing, equal values are computed once, and a stage may
-read and write one register without copies: each result has a plane of its own while it is needed.
+The planner follows every value of a register from its computation to its reads. So unread values are not
+computed, moves cost nothing, equal values are computed once, and a stage may read and write one register
+without copies: each result has its own plane while it is needed.
 """
 
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ from fixedpipe.raster.vector import combine as V
 
 @dataclass(frozen=True, eq=False)
 class CombinerPlan:
-    """What ``fixedpipe.raster.vector.combine.combine`` runs.
+    """The arguments that ``fixedpipe.raster.vector.combine.combine`` runs.
 
-    rows    int32[operations, OPERATION_SIZE]
-    planes  the planes of colors, fog factor and texels (register * 4 + channel) that the program's result
-            depends on: no other need be computed
+    - ``rows``: int32 [operations, OPERATION_SIZE].
+    - ``planes``: the planes of colors, fog factor and texels (register * 4 + channel) on which the program's
+      result depends; no other plane must be computed.
     """
 
     rows: np.ndarray
@@ -30,8 +30,10 @@ class CombinerPlan:
 
 
 class _Value(NamedTuple):
-    """What a channel of a register holds: a ``number``, a ``constant`` (its index in the constants), a
-    ``plane`` that some earlier stage of the pipeline fills, or the ``result`` of an operation; its range.
+    """The contents of a register's channel, and their range.
+
+    ``kind`` is one of: a ``number``; a ``constant``, with its index in the constants; a ``plane``, which an
+    earlier stage of the pipeline fills; the ``result`` of an operation.
     """
 
     kind: str
@@ -50,8 +52,10 @@ class _Operand(NamedTuple):
 
 
 class _Operation(NamedTuple):
-    """An operation before it has a plane. A kind of None: products of any shape, through SELECT if ``mux``;
-    ``operands`` begins with those of AB, two or six of them.
+    """An operation before it has a plane.
+
+    A kind of None means products of any shape, through SELECT if ``mux`` is set. ``operands`` begins with
+    those of AB; ``ab`` is their number, two or six.
     """
 
     kind: int | None
@@ -71,11 +75,11 @@ def _number(value):
 
 _ZERO = _Operand(_number(0), 0, 1, 0)
 _ONE = _Operand(_number(255), 0, 1, 0)
-_TOP = 255 + 255  # of a sum of two colors that is not clamped
+_TOP = 255 + 255  # the largest sum of two colors without a clamp
 
 
 def _limits(operand):
-    """The least and the greatest of a mapped value."""
+    """The least and the greatest result of a mapped value."""
     value, low, factor, addend = operand
     ends = [min(max(x, low) * factor + addend, max(255, value.high)) for x in (value.low, value.high)]
     return min(ends), max(ends)
@@ -86,12 +90,12 @@ def _is(operand, number):
 
 
 def _is_itself(operand):
-    """Whether a mapping changes nothing of the values that come."""
+    """Whether a mapping changes none of the values that can occur."""
     return operand.factor == 1 and operand.addend == 0 and operand.value.low >= operand.low
 
 
 def _work(operand):
-    """What a mapping leaves to do: codes.MAPS_..."""
+    """The work that a mapping needs: codes.MAPS_..."""
     value, low, factor, addend = operand
     if value.low < low or max(x * factor + addend for x in (value.low, value.high)) > 255:
         return C.MAPS_ALL
@@ -114,7 +118,7 @@ class _Planner:
         self.lowest = lowest
 
     def emit(self, operation):
-        """The value that an operation gives."""
+        """The value of an operation, which is emitted if it is new."""
         if operation not in self.known:
             self.operations.append(operation)
             low = operation.lowest if operation.kind in (None, C.PLAN_ADD_SIGNED, C.PLAN_DOT_PRODUCT) else 0
@@ -124,7 +128,7 @@ class _Planner:
         return self.known[operation]
 
     def sum_of(self, pairs, bias=0, scale=C.SCALE_NONE, lowest=0, rounding=C.ROUNDING_BEFORE_SCALE):
-        """One product, or the sum of two, of single channels."""
+        """The value of one product, or of the sum of two, of single channels."""
         pairs = [pair for pair in pairs if not any(_is(operand, 0) for operand in pair)]
         if not pairs:
             value = (bias + 1) >> 1 if scale == C.SCALE_BY_ONE_HALF else bias << scale
@@ -143,7 +147,8 @@ class _Planner:
             unsigned = all(_limits(operand)[0] >= 0 for operand in operands)
             if single and unsigned and bias == 0 and unscaled:
                 return self.emit(operation._replace(kind=C.PLAN_MODULATE, lowest=0))
-            # More than one leaves a sum of bytes before it is clamped: as a bias or one half would see.
+            # A sum of bytes is clamped at one before later steps; a bias or one half would see the
+            # difference.
             in_bytes = unsigned and (single or (bias == 0 and scale != C.SCALE_BY_ONE_HALF))
             operation = operation._replace(
                 kind=C.PLAN_ADD_BYTES if in_bytes else C.PLAN_ADD_SIGNED,
@@ -166,7 +171,7 @@ class _Planner:
         if mux and alpha.kind == "number":
             return self.product(cd if max(alpha.at, 0) & mux else ab, ending)
         if mux:
-            if alpha.kind == "constant":  # has no plane yet
+            if alpha.kind == "constant":  # a constant has no plane yet
                 alpha = self.emit(_Operation(C.PLAN_MODULATE, (_Operand(alpha, 0, 1, 0), _ONE)))
             operands = (*ab, *cd, _Operand(alpha, 0, 1, 0))
             return self.emit(_Operation(None, operands, **ending, ab=len(ab), mux=mux))
@@ -178,7 +183,7 @@ class _Planner:
         return self.emit(_Operation(None, (*ab, *cd), **ending, ab=len(ab)))
 
     def portion(self, registers, row, channels):
-        """The AB, CD and sum outputs of a portion, a value for each of its channels or None."""
+        """The AB, CD and sum outputs of a portion: for each of its channels, a value or None."""
         ending = {
             "bias": row[R.BIAS],
             "scale": row[R.SCALE],
@@ -207,7 +212,7 @@ class _Planner:
         return outputs
 
     def stage(self, registers, rgb, alpha):
-        """A general combiner; ``registers`` (a value for each plane) in and out."""
+        """Plan a general combiner; it updates ``registers``, a value for each plane."""
         colors, alphas = self.portion(registers, rgb, range(3)), self.portion(registers, alpha, (3,))
         for output in range(3):
             at = rgb[R.AB_OUTPUT + output] * 4
@@ -220,7 +225,7 @@ class _Planner:
                 registers[at + 3] = alphas[0][output]
 
     def wide(self, pairs):
-        """A sum of two products up to _TOP, of operands up to there."""
+        """A sum of two products up to _TOP, with operands up to _TOP."""
         operands = tuple(operand for pair in pairs for operand in pair)
         return self.emit(_Operation(C.PLAN_ADD_SIGNED, operands, highest=_TOP))
 
@@ -230,7 +235,7 @@ class _Planner:
         def read(variable, k):
             register, usage, invert = final[variable]
             operand = _read(registers, (register, usage, 0, 1, 0), k)
-            if invert and operand.value.high > 255:  # one minus more than one is zero
+            if invert and operand.value.high > 255:  # One minus a value above one is zero.
                 operand = _Operand(
                     self.emit(_Operation(C.PLAN_ADD_SIGNED, (operand, _ONE, _ZERO, _ZERO))), 0, 1, 0
                 )
@@ -274,15 +279,16 @@ class _Planner:
 
 
 def _read(registers, row, channel):
-    """The operand that an input reads for a channel; row: register, usage, mapping."""
+    """The operand that an input reads for a channel; ``row`` is register, usage, mapping."""
     register, usage, low, factor, addend = row[:5]
     component = {C.USAGE_RGB: channel, C.USAGE_ALPHA: 3, C.USAGE_BLUE: 2}[usage]
     return _Operand(registers[register * 4 + component], low, factor, addend)
 
 
 def _first_registers(stages, fog, units):
-    """What every plane holds before the first stage; units: the least that a texel of each is; None: it is
-    disabled.
+    """The contents of every plane before the first stage.
+
+    ``units`` has the least value of each unit's texel; None: the unit is disabled.
     """
     registers = [_number(0)] * (R.REGISTERS * 4)
     for k in range(3):
@@ -301,7 +307,7 @@ def _first_registers(stages, fog, units):
         for k in range(4):
             if least is not None:
                 registers[at + k] = _Value("plane", at + k, least, 255)
-            else:  # Measured: what a disabled unit leaves (combiner captures).
+            else:  # Measured: the values of a disabled unit (combiner captures).
                 registers[at + k] = _number(255 if k == 3 else 0)
     registers[C.REGISTER_SPARE0 * 4 + 3] = registers[C.REGISTER_TEXTURE0 * 4 + 3]
     return registers
@@ -328,7 +334,7 @@ def _expanded(operation, target):
     return [*rows, (C.PLAN_FINISH, target, source, ())]
 
 
-# Planes that hold no color, fog factor or texel; SPARE0's alpha is left to SELECT. They suffice: a program
+# Planes that hold no color, fog factor or texel; SELECT uses SPARE0's alpha. They suffice, because a program
 # keeps at most the 32 channels of the writable registers and one stage's twelve results.
 _FREE = (
     *range(C.REGISTER_FOG * 4),
@@ -339,8 +345,8 @@ _FREE = (
 
 
 def _rows(operations):
-    """(rows of a plan, planes read, what constants fill in: (row, column, constant, low, factor, addend))."""
-    last = {}  # of each result the operation that reads it last
+    """(rows of a plan, planes read, constants to insert: (row, column, constant, low, factor, addend))."""
+    last = {}  # for each result, the operation that reads it last
     for at in range(len(operations) - 1, -1, -1):
         if at in last or at == len(operations) - 1:
             for operand in operations[at].operands:
@@ -353,7 +359,7 @@ def _rows(operations):
         where = [held.get(operand.value.at) for operand in operation.operands]
         sources = dict(zip(operation.operands, where, strict=True))
         for result in {o.value.at for o in operation.operands if o.value.kind == "result"}:
-            if last[result] == at:  # its plane may be written in place
+            if last[result] == at:  # may be overwritten in place
                 free.append(held.pop(result))
         target = 0
         if at in last:
@@ -420,7 +426,7 @@ def _plan(program, final, direct, color_sum, fog, arithmetic, units):
 def plan_combiners(draw, program, final, constants, arithmetic, units):
     """The CombinerPlan of a pass, from its packed rows (``fixedpipe.pipeline.native.pack.PackedState``).
 
-    Programs that differ in their constants alone share a plan, which is remembered.
+    Programs that differ in their constants alone share a cached plan.
     """
     least = tuple(
         (-256 if row[R.SIGNED] or draw[R.TEXTURE_SHADER] else 0) if row[R.ENABLED] else None for row in units
@@ -434,7 +440,7 @@ def plan_combiners(draw, program, final, constants, arithmetic, units):
         tuple(arithmetic.tolist()),
         least,
     )
-    rows = rows.copy()  # kernels take writable arrays
+    rows = rows.copy()  # kernels take only writable arrays
     if len(where):
         values = np.concatenate((constants.reshape(-1), draw[R.FOG_RED : R.FOG_BLUE + 1]))[where[:, 2]]
         mapped = np.minimum(np.maximum(values, where[:, 3]) * where[:, 4] + where[:, 5], 255)

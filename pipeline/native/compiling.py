@@ -1,6 +1,6 @@
-"""Kernels that are compiled because a cache has none: how many are needed, and which is being compiled.
+"""Kernels that are compiled because no cache has them: their number, and the current one.
 
-Lines on stderr say so, until ``watch_compiling`` is called.
+Lines on stderr report them, until ``watch_compiling`` is called.
 """
 
 import types
@@ -12,13 +12,13 @@ from numba.core.dispatcher import Dispatcher
 
 from fixedpipe.pipeline.native.waiting import Lines
 
-# (name of the kernel whose compiling begins, how many are compiled, of how many): called at each.
+# Called before each kernel's compilation with (the kernel's name, the number compiled, the number needed).
 Say = Callable[[str, int, int], None]
 _COMPILING = "numba:compile"
 
 
 def _called(dispatcher):
-    """The kernels that a kernel's code names, by themselves or as a module's."""
+    """The kernels that a kernel's code names, directly or in a module."""
     function = dispatcher.py_func
     names = function.__code__.co_names
     values = [function.__globals__.get(name) for name in names]
@@ -28,7 +28,7 @@ def _called(dispatcher):
 
 
 def needed_by(kernel):
-    """A kernel and all that it calls, those aside that are compiled: a set."""
+    """The set of a kernel and all kernels that it calls, without those already compiled."""
     found, waiting = set(), [kernel]
     while waiting:
         dispatcher = waiting.pop()
@@ -46,7 +46,7 @@ class _Listener(event.Listener):
     def on_start(self, event):
         kernel = event.data["dispatcher"]
         if not self.depth:
-            # Counted when the first of them is asked for: which are depends on the frame.
+            # They are counted at the first request, because the frame decides which are needed.
             self.needed |= needed_by(kernel)
         self.needed.add(kernel)
         self.depth += 1
@@ -56,18 +56,19 @@ class _Listener(event.Listener):
         self.depth -= 1
         self.done += 1
         if not self.depth:
-            self.done = len(self.needed)  # others came from the cache
+            self.done = len(self.needed)  # the cache had the others
             self.ended()
 
 
 _written = Lines()
-_lines = _Listener(_written.say, _written.end)  # until another watches
+_lines = _Listener(_written.say, _written.end)  # until watch_compiling replaces it
 event.register(_COMPILING, _lines)
 
 
 def watch_compiling(say: Say, ended: Callable[[], None]) -> Callable[[], None]:
-    """From now on ``say`` is called as the compiling of each kernel begins, and ``ended`` when one and all
-    that it calls are compiled. Kernels that a cache has are not. Returns a function that ends the watching.
+    """Call ``say`` before each kernel's compilation, and ``ended`` after it and all that it calls.
+
+    Kernels in the cache are not compiled. Returns a function that ends the watching.
     """
     global _lines
     if _lines:

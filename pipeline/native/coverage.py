@@ -1,4 +1,4 @@
-"""Fragments of primitives: those that a recorded Draw made, or the pixels that primitives cover."""
+"""Fragments of primitives: from a recorded Draw, or the pixels that primitives cover."""
 
 import math
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """Pixels of primitives, int64 [k] each: per pixel in draw order; ``covered`` as of Fragments."""
+    """Pixels of primitives, int64 [k] each, in draw order per pixel; ``covered`` is that of Fragments."""
 
     triangle: np.ndarray
     x: np.ndarray
@@ -30,7 +30,7 @@ class Covered:
 
 
 def covered_triangles(primitives, state, profile, framebuffer):
-    """Coverage of triangles at any number of subpixel bits: a Covered, culled and scissored (section 3)."""
+    """Coverage of triangles with any number of subpixel bits: a Covered, culled and scissored (section 3)."""
     return _covered(primitives, state.polygon, scissor_box(state, framebuffer), profile)
 
 
@@ -52,12 +52,13 @@ def _covered(primitives, polygon, box, profile):
     return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-# Rows of a recording, of 20 bytes each: what is not written takes no memory, as long as it is not more.
+# Rows of a recording, of 20 bytes each: a first guess, and the most for a bound. Unwritten rows take no
+# memory.
 _USUAL, _MOST = 1 << 16, 1 << 24
 
 
 def recorded_fragments(draw, framebuffer, batch):
-    """Draw a prepared Draw, by the portable engine, and return its Fragments."""
+    """Draw a prepared Draw with the portable engine, and return its Fragments."""
     if draw.area == 0:
         return _fragments(NO_RECORD)
     most = _most_fragments(draw.primitives, framebuffer.width, framebuffer.height)
@@ -65,7 +66,7 @@ def recorded_fragments(draw, framebuffer, batch):
     recording, buffers = np.empty((int(most) if fits else _USUAL, 5), np.int32), buffers_of(framebuffer)
     saved = () if fits else [buffer.copy() for buffer in buffers]
     count = draw.bands(0, 1, batch, buffers, recording)
-    if not fits and count > len(recording):  # it did not fit: once more, from the same framebuffer
+    if not fits and count > len(recording):  # too small: draw again
         for buffer, before in zip(buffers, saved, strict=True):
             buffer[:] = before
         recording = np.empty((count, 5), np.int32)
@@ -74,8 +75,9 @@ def recorded_fragments(draw, framebuffer, batch):
 
 
 def _most_fragments(primitives, width, height):
-    """A bound of how many fragments primitives make in a framebuffer: what their bounding boxes hold, a pixel
-    wider.
+    """An upper bound of the number of fragments that primitives make in a framebuffer.
+
+    It is the area of their bounding boxes, each a pixel wider.
     """
     p = primitives
     if len(p.strokes) or not p.orderly:
@@ -93,10 +95,9 @@ def _fragments(rows):
 
 
 def covered_pixels(primitives, state, profile, width, height, sample=None):
-    """What a state's primitives cover, whatever it writes there: (Fragments, primitives dropped).
+    """The pixels that a state's primitives cover, whatever they write: (Fragments, primitives dropped).
 
-    ``primitives``: with colours of any kind, which coverage does not read; ``sample``: as ``pack_coverage``
-    has it.
+    ``primitives`` may have any colours, because coverage reads none. ``sample`` is that of ``pack_coverage``.
     """
     by_middles = sample in (None, (0, 0)) and not (state.polygon.smooth or state.line.smooth)
     if state.window_clip is None and by_middles and _without_kernels(primitives, state.polygon):
@@ -104,8 +105,8 @@ def covered_pixels(primitives, state, profile, width, height, sample=None):
         return _covered(primitives, state.polygon, box, profile), primitives.dropped
     uncolored = replace(primitives, colors=np.zeros((len(primitives.x), 2, 8), np.uint8))
     polygon = replace(state.polygon, offset_fill=False, offset_line=False, offset_point=False)
-    # Where depths are w, pixels outside their triangle need weights of w too: a test that nothing passes
-    # asks.
+    # With w as depth, pixels outside their triangle also need w's weights, so a depth test that never passes
+    # is enabled to compute them.
     tests = state.w_buffering and not by_middles and asks_for_depth(state)
     plain = PassState(
         polygon=polygon,
@@ -130,11 +131,15 @@ _THIN = LineState()
 
 
 def rasterize(primitives, profile, polygon, scissor, width, height, *, line=_THIN):
-    """Coverage alone: the Fragments of window primitives, culled and scissored, per pixel in draw order.
+    """Coverage alone: the Fragments of window primitives, culled and scissored, in draw order for each pixel.
 
-    ``primitives``: as ``fixedpipe.pipeline.vertices.stage.process`` makes them, contiguous columns of one
-    length; they are not checked again. ``profile``: the machine; ``polygon``: a PolygonState; ``scissor``: a
-    Scissor or None; ``width``, ``height`` of the framebuffer, pixels; ``line``: the LineState of lines.
+    - ``primitives``: from ``fixedpipe.pipeline.vertices.stage.process``: contiguous columns of one length.
+      They are not checked again.
+    - ``profile``: the machine.
+    - ``polygon``: a PolygonState.
+    - ``scissor``: a Scissor or None.
+    - ``width``, ``height``: of the framebuffer, in pixels.
+    - ``line``: the LineState of lines.
     """
     if _without_kernels(primitives, polygon) and not polygon.smooth:
         drawn = _covered(primitives, polygon, scissored(scissor, width, height), profile)
@@ -146,14 +151,14 @@ def rasterize(primitives, profile, polygon, scissor, width, height, *, line=_THI
 
 
 def _without_kernels(primitives, polygon):
-    """Whether coverage does not wait for a compiler, and is of whole triangles, none of them dropped."""
+    """Whether coverage uses no compiled kernel, and the triangles are whole and none is dropped."""
     whole = not len(primitives.strokes) and polygon.stipple is None
     return whole and primitives.orderly and not covers_by_kernels()
 
 
 @lru_cache(maxsize=64)
 def _coverage_state(polygon, scissor, line):
-    """A state that draws nothing, made once: rows are packed once for it as well."""
+    """A state that draws nothing; a cached object, so that its rows are packed once."""
     nothing = ColorMask(False, False, False, False)
     polygon = replace(polygon, offset_fill=False, offset_line=False, offset_point=False)
     return PassState(polygon=polygon, line=line, scissor=scissor, color_mask=nothing)

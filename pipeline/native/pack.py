@@ -1,8 +1,7 @@
-"""Packing: validated state becomes the rows that kernels read (``raster/rows.py``). No other package packs
-a state.
+"""Packing: a validated state becomes the rows that kernels read (``raster/rows.py``), in this package alone.
 
-What is disabled packs to zero and what cannot matter is not asked for, so two states that cannot differ in
-their result give equal rows, and kernels do no work whose result nobody reads.
+A disabled stage packs to zero, and state that cannot matter is not read. So two states whose results cannot
+differ give equal rows, and kernels compute no unused result.
 """
 
 from typing import NamedTuple
@@ -16,7 +15,7 @@ from fixedpipe.raster import codes as C
 
 
 class PackedState(NamedTuple):
-    """The rows of one pass: see ``raster/rows.py`` for their layout."""
+    """The rows of one pass; ``raster/rows.py`` has their layout."""
 
     draw: np.ndarray
     draw_float: np.ndarray
@@ -27,18 +26,21 @@ class PackedState(NamedTuple):
     factors: np.ndarray
     units: np.ndarray
     fog_thresholds: np.ndarray
-    depths: np.ndarray  # float64 [n]: every vertex's depth in depth units, a single
-    reads: tuple  # of each unit that reads a texture: its number, the texture's name, the bits inverted
+    depths: np.ndarray  # float64 [n]: every vertex's depth in depth units, in single precision
+    reads: tuple  # for each unit that reads a texture: its number, the texture's name, the inverted bits
     area: int  # pixels of the scissor box
-    wide: bool  # whether some components are wider than bytes, which the portable engine alone draws
-    derived: dict  # what others make of these rows, which is kept with them
+    wide: bool  # whether a component is wider than a byte; only the portable engine draws such
+    derived: dict  # data that others derive from these rows, kept with them
 
 
 def pack(state: PassState, profile, framebuffer, textures, primitives, sample=None):
-    """Rows of a validated pass. ``textures`` maps names to Texture; ``primitives`` say what varies;
-    ``sample``: as ``pack_coverage`` has it.
+    """Rows of a validated pass.
 
-    Rows are shared by all that pack the same: they are not written to.
+    - ``textures``: {name: Texture}.
+    - ``primitives``: they say what varies.
+    - ``sample``: see ``pack_coverage``.
+
+    Equal passes share the rows: never write to them.
     """
     rows = rows_of(state, profile, framebuffer, textures, sample)
     flat = C.COLORS_SMOOTH

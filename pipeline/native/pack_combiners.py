@@ -17,8 +17,10 @@ from fixedpipe.raster.columns.numbers import one_of
 
 @cache
 def _mappings(bits, expand_half):
-    """The mappings as min(max(x, low) * factor + addend, one); the addends of the EXPAND pair depend on
-    ``expand_half``. Source: NV_register_combiners table 4; Inferred: the halves (docs/numbers.md, section 8).
+    """The mappings as min(max(x, low) * factor + addend, one).
+
+    The addends of the EXPAND pair depend on ``expand_half``. Source: NV_register_combiners table 4; Inferred:
+    the halves (docs/numbers.md, section 8).
     """
     one, half = one_of(bits), 1 << (bits - 1)
     expanded = one + 1 if expand_half == 128 else one
@@ -42,7 +44,7 @@ def _is_zero(variable):
 
 
 def _normalized(portion):
-    """The same portion with its sum written as AB where CD is zero: equal values, half the work."""
+    """The portion with its sum written as AB where CD is zero: equal values for half the work."""
     plain = (
         not portion.mux_sum
         and portion.cd_output == Register.DISCARD
@@ -54,7 +56,7 @@ def _normalized(portion):
 
 
 def _blue_to_alpha(portion):
-    """For the AB and the CD output: whether its blue goes to its register's alpha."""
+    """For the AB and the CD output, whether its blue is also written to its register's alpha."""
     return [
         portion.ab_blue_to_alpha and portion.ab_output != Register.DISCARD,
         portion.cd_blue_to_alpha and portion.cd_output != Register.DISCARD,
@@ -75,7 +77,7 @@ def _pack_portion(portion, alpha, expand_half, mux_select, bits):
 
 
 def _registers_read(program):
-    """Registers that some input of the program names, with what the pseudo-registers stand for."""
+    """Registers that some input of the program names, including the parts of the pseudo-registers."""
     inputs = []
     for stage in program.general:
         for portion in (stage.rgb, stage.alpha):
@@ -101,8 +103,9 @@ def _discards(state):
 
 @kept_for_stages
 def _stage_rows(program, *how):
-    """Rows of general and final combiners, the registers read, and whether a texture's is written; shared by
-    all that pack the same. ``how``: expand_half, mux_select and the registers' bits.
+    """Rows of general and final combiners, the registers read, and whether a texture register is written.
+
+    Equal programs share the rows. ``how`` is expand_half, mux_select and the registers' bits.
     """
     stages = [
         [_pack_portion(stage.rgb, False, *how), _pack_portion(stage.alpha, True, *how)]
@@ -125,9 +128,7 @@ def _stage_rows(program, *how):
 
 
 def pack_constants(program, bits):
-    """Both constant colours of every general combiner, then the final combiner's: a list of rows of whole
-    numbers of so many ``bits``.
-    """
+    """Both constant colours of every general combiner, then the final's: rows of ``bits``-bit numbers."""
     one = one_of(bits)
     own = [color_codes(program.constant_color0, one), color_codes(program.constant_color1, one)]
     constants = [
@@ -146,10 +147,10 @@ def has_stage_constants(constants):
 
 
 def pack_combiners(state, profile, textures, draw):
-    """The combiners' entries; returns rows of stages and final combiner, constants, the registers read."""
+    """Write the combiners' entries; returns rows of stages and final combiner, constants, registers read."""
     program = combiner_program(state, profile, textures)
     if program is None and _discards(state):
-        program = WITH_FOG  # the primary colour, too, but texture shader stages run before it
+        program = WITH_FOG  # also the primary colour, but texture shader stages run first
     if program is None:
         draw[R.DIRECT] = 1
         zero = np.zeros

@@ -1,4 +1,4 @@
-"""The row entries that are not of combiners or texture units: culling, lines, holes, fog, tests, blending."""
+"""Row entries without combiners and texture units: culling, lines, coverage, fog, tests, blending."""
 
 import numpy as np
 
@@ -30,7 +30,7 @@ _NO_FOG = np.zeros(255, np.float64)
 
 
 def pack_fog(state, profile, used, draw):
-    """Fog's entries; returns its thresholds or table, or zeros."""
+    """Write fog's entries; returns its thresholds or table, or zeros."""
     if Register.FOG not in used or state.fog is None:
         return _NO_FOG
     one = one_of(int(draw[R.BITS]))
@@ -39,7 +39,7 @@ def pack_fog(state, profile, used, draw):
         draw[R.FOG_ENABLED] = C.FOG_BY_TABLE
         factors = table(state.fog.mode, folds(state.fog))
         if one == 255:
-            return factors.copy()  # kernels take writable arrays
+            return factors.copy()  # kernels take only writable arrays
         return convert(factors.astype(np.int64), 255, one).astype(np.float64)
     draw[R.FOG_ENABLED] = C.FOG_BY_THRESHOLDS
     draw[R.FOG_RISING] = state.fog.mode == FogMode.LINEAR and state.fog.start > state.fog.end
@@ -95,7 +95,7 @@ def _pack_depth(state, profile, framebuffer, draw, draw_float):
 
 
 def pack_tests(state, profile, framebuffer, draw, draw_float):
-    """The entries of alpha, stencil and depth test."""
+    """Write the entries of alpha, stencil and depth test."""
     if state.alpha_test is not None and state.alpha_test.function != ComparisonFunction.ALWAYS:
         draw[R.ALPHA_TEST] = 1
         draw[R.ALPHA_FUNCTION] = state.alpha_test.function
@@ -117,8 +117,8 @@ def pack_tests(state, profile, framebuffer, draw, draw_float):
     _pack_depth(state, profile, framebuffer, draw, draw_float)
 
 
-# A blend factor in bytes: masks of S, D, As, Ad and the saturate term, whether it is the constant, one
-# minus it.
+# A blend factor in bytes: masks of S, D, As, Ad and the saturate term, the constant that it takes, and 255
+# for one minus it.
 _FACTOR_TERMS = {
     BlendFactor.ZERO: ((0, 0, 0, 0, 0), None, 0),
     BlendFactor.ONE: ((0, 0, 0, 0, 0), None, 255),
@@ -148,7 +148,7 @@ def _pack_factor(factor, color, one):
 
 
 def pack_writing(state, framebuffer, draw):
-    """The entries of color mask, surface, logic operation or blending; returns the blend factors."""
+    """Write the entries of color mask, surface, logic operation or blending; returns the blend factors."""
     factors = np.zeros((2, 4 * R.FACTOR_SIZE), np.int32)
     mask = state.color_mask
     for channel, on in enumerate((mask.red, mask.green, mask.blue, mask.alpha)):
@@ -179,7 +179,7 @@ def pack_writing(state, framebuffer, draw):
 
 
 def pack_facing(state, draw):
-    """Culling; returns the sign of a polygon's area that is its back."""
+    """Write the entries of culling; returns the sign of a back-facing polygon's area."""
     polygon = state.polygon
     # With y down, a positive area is clockwise as seen with y up.
     front = -1 if polygon.front_face == FrontFace.CCW else 1
@@ -194,12 +194,12 @@ def pack_facing(state, draw):
 
 
 def eighths(size):
-    """A line's width or a point's size in 1/8 pixel, as the chip is given it. Assumed: truncated."""
+    """A line's width or a point's size in 1/8 pixel, the chip's unit. Assumed: truncated."""
     return int(8.0 * size)
 
 
 def pack_lines(line, profile, draw):
-    """Lines' entries."""
+    """Write lines' entries."""
     steps = line.rasterization == LineRasterization.STEPS
     draw[R.LINE_STEPS] = C.LINE_IN_STEPS if steps else C.LINE_AS_RECTANGLE
     draw[R.LINE_WIDTH] = eighths(line.width)
@@ -211,9 +211,10 @@ def pack_lines(line, profile, draw):
 
 
 def pack_coverage(state, profile, sample, draw):
-    """What draws pixels otherwise than by their middles: smooth primitives by the machine's samples, and in a
-    multisampled window all but lines in steps by ``sample``, (x, y) in 1/16 pixel with y up; None: in no
-    such.
+    """Write the entries of coverage by samples instead of pixels' middles.
+
+    Smooth primitives use the machine's samples. In a multisampled window all primitives except lines in steps
+    use ``sample``, (x, y) in 1/16 pixel with y up. None: the window is not multisampled.
     """
     places, kinds = (), 0
     if sample is not None:
@@ -229,7 +230,7 @@ def pack_coverage(state, profile, sample, draw):
 
 
 def pack_holes(state, framebuffer, draw):
-    """What stipple and window clip leave, in device pixels."""
+    """Write the entries of polygon stipple and window clip, in device pixels."""
     height = framebuffer.height
     if state.polygon.stipple is not None:
         draw[R.STIPPLE] = 1

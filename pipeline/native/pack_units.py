@@ -36,8 +36,9 @@ from fixedpipe.raster.columns.numbers import one_of
 
 @lru_cache(1024)
 def border_texel(color, internal_format, bits):
-    """The words of a border colour as a packed texel of components of ``bits`` bits: through the texture's
-    base format.
+    """The words of a border colour as a packed texel with components of ``bits`` bits.
+
+    The colour passes through the texture's base format.
     """
     one, base = one_of(bits), BASE_FORMAT[internal_format]
     rgba = np.array(color_codes(color, one), np.int64)
@@ -48,7 +49,7 @@ def border_texel(color, internal_format, bits):
 
 
 def signed_bits(signed):
-    """SignedComponents as the bits that tell s + 128 from s in a packed texel."""
+    """SignedComponents as the bits in which s + 128 and s differ in a packed texel."""
     flags = (signed.red, signed.green, signed.blue, signed.alpha)
     return sum(0x80 << (8 * channel) for channel, flag in enumerate(flags) if flag)
 
@@ -78,7 +79,7 @@ def _pack_shader_stage(stage, target, profile, maximum, row):
 
 
 def _pack_comparison(sampler, internal_format, profile, row):
-    """A depth texture's entries. Its border is refused (``fixedpipe.pipeline.validation``)."""
+    """Write a depth texture's entries. Validation refuses its border (``fixedpipe.pipeline.validation``)."""
     row[R.COMPARE], row[R.COMPARE_FUNCTION] = sampler.compare_mode, sampler.compare_function
     base, failed = depth_texture_mode(sampler, profile), to_code(sampler.compare_fail_value)
     for at, byte in ((R.COMPARE_HELD, 255), (R.COMPARE_FAILED, failed)):
@@ -91,7 +92,7 @@ def _pack_comparison(sampler, internal_format, profile, row):
 
 
 def pack_units(state, profile, textures, used, draw):
-    """The units' rows, and the numbers of those whose coordinates are divided by q where it varies."""
+    """The units' rows, and the numbers of the units whose coordinates are divided by a varying q."""
     units, divided = np.zeros((max(len(state.texture_units), 1), R.UNIT_SIZE), np.int64), []
     stages = shader_stages(state)
     for i, unit in enumerate(with_signs(state, textures).texture_units):
@@ -135,7 +136,7 @@ def pack_units(state, profile, textures, used, draw):
         row[R.HILO] = texture.internal_format in FORMATS_OF_WORDS
         row[R.COLORLESS] = texture.internal_format in COLORLESS_FORMATS and not profile.textures.hilo_as_color
         row[R.SIGNED] = signed_bits(sampler.signed_components)
-        if row[R.HILO]:  # words have the signs of their high bytes (Measured: BumpEnvLum_R16B16)
+        if row[R.HILO]:  # A word has the sign of its high byte. (Measured: BumpEnvLum_R16B16)
             row[R.SIGNED] &= 0x80008000
         if sampler.compare_mode != TextureCompareMode.NONE:
             _pack_comparison(sampler, texture.internal_format, profile, row)
@@ -144,7 +145,7 @@ def pack_units(state, profile, textures, used, draw):
                 sampler.border_color, texture.internal_format, texture.bits
             )
             row[R.BORDER] ^= row[R.SIGNED]
-        # A cube map reads a direction as it is, and what a stage makes is not divided either.
+        # A cube map reads an undivided direction, and a stage's computed coordinates are not divided either.
         if texture.target != TextureTarget.TEXTURE_CUBE_MAP and not row[R.OPERATION]:
             divided.append(i)
     return units, divided

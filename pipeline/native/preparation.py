@@ -1,4 +1,4 @@
-"""A Draw up to its fragments: primitives sorted into bands of rows, and the arrays that kernels take.
+"""A Draw before its fragments: primitives sorted into bands of rows, and the arrays that kernels take.
 
 The portable engine (``fixedpipe.raster.portable.draw``) draws what the vector engine
 (``fixedpipe.raster.vector.frame``) does not cover.
@@ -26,7 +26,7 @@ _NO_PAIRS = [NO_TEXELS] * 4
 
 
 def sort_into_bands(primitives, draw, height):
-    """(triangle numbers of every band behind one another, where each band's end, dropped triangles)."""
+    """(triangle numbers, band after band; each band's end among them; the number of dropped triangles)."""
     bands = -(-height // BAND_HEIGHT)
     p, count = primitives, len(primitives.triangles)
     if p.orderly and not len(p.strokes) and not draw[R.COVER_SAMPLES]:
@@ -47,17 +47,19 @@ def sort_into_bands(primitives, draw, height):
 
 @dataclass(eq=False, slots=True)
 class Prepared:
-    """A Draw up to its fragments.
+    """A Draw before its fragments.
 
-    bound    (name, Texture) of each texture that it reads
-    area     pixels of the scissor box; 0: nothing is left to draw, and what follows is not there
-    size     bytes of vertices
-    texels   of four units: their Texels, or None; ``levels`` int32 [units, MAX_LEVELS, 3]
-    colors   int16[n, 2, 8], the vertices' in units of what fragments are computed in; None: not asked yet
-    order    primitives sorted into bands (``fixedpipe.raster.primitives.bins``)
-    ends     where each band's primitives end in ``order``
-    job      a row of the vector engine's table; False: it is the portable engine's; None: not asked yet
-    beside   arrays that only this row names
+    - ``dropped``: the number of dropped primitives.
+    - ``bound``: (name, Texture) of each texture that it reads.
+    - ``area``: pixels of the scissor box. 0: nothing is left to draw, and the later fields are unset.
+    - ``size``: bytes of vertices.
+    - ``colors``: int16 [n, 2, 8], the vertices' colours in units of the fragments' width; None: not made yet.
+    - ``texels``: the Texels of four units, or None.
+    - ``levels``: int32 [units, MAX_LEVELS, 3].
+    - ``order``: primitives sorted into bands (``fixedpipe.raster.primitives.bins``).
+    - ``ends``: the end of each band's primitives in ``order``.
+    - ``job``: a row of the vector engine's table; False: the portable engine draws it; None: not made yet.
+    - ``beside``: arrays that only this row names.
     """
 
     dropped: int
@@ -76,16 +78,15 @@ class Prepared:
 
     @classmethod
     def of(cls, primitives, state, profile, framebuffer, textures, sample=None):
-        """A Draw of window primitives, with colours rounded where fragments are bytes, sorted into bands and
-        with what kernels take brought together.
+        """A Draw of window primitives, sorted into bands, with the arrays that kernels take.
 
-        ``framebuffer``: any of the size and formats of those that it is drawn into; ``sample``: the place in
-        a pixel that draws it, as ``pack_coverage`` has it.
+        Colours are rounded where fragments are bytes. ``framebuffer`` is any one of the targets' size and
+        formats. ``sample`` is the place in a pixel that decides coverage, see ``pack_coverage``.
         """
         p, colors = primitives, None
         packed = pack.pack(state, profile, framebuffer, textures, primitives, sample)
         if p.colors.dtype == np.float64:
-            bits, sides = int(packed.draw[R.BITS]), 2 if p.two_side else 1  # the other is the same, or unread
+            bits, sides = int(packed.draw[R.BITS]), 2 if p.two_side else 1  # the other: same, or unread
             colors = np.empty(p.colors.shape, np.int16)
             colors[:] = fragment_colors(p.colors[:, :sides], state, profile, bits)
         bound = tuple([(name, textures[name]) for _, name, _ in packed.reads])
@@ -114,7 +115,10 @@ class Prepared:
         )
 
     def bands(self, first, step, batch, buffers, record=NO_RECORD):
-        """Draw bands ``first``, ``first + step``, ... by the portable engine: how many fragments."""
+        """Draw bands ``first``, ``first + step``, ... with the portable engine.
+
+        Returns the number of fragments.
+        """
         from fixedpipe.raster.portable.draw import draw_bands
 
         p, packed = self.primitives, self.packed
@@ -150,7 +154,7 @@ class Prepared:
             self.job = False
             return
         self.job = job[0]
-        # How a unit is sampled is known now, and so which textures are needed as row pairs.
+        # Now the sampling path of each unit is known, and so the textures that are needed as row pairs.
         paths = job[0, R.JOB_UNIT_PATH : R.JOB_UNIT_PATH + 4].tolist()
         if paths != [C.PATH_DISABLED] * 4:
             pairs, levels = [NO_TEXELS] * 4, [NO_LEVELS] * len(self.levels)
@@ -170,7 +174,7 @@ class Prepared:
         arrays = self._state(), plan, self.primitives.triangles, self._vertices(), textures
         return fill_draw(job, 0, arrays, (self.order, self.ends))
 
-    # What kernels take of both engines' arrays: ``raster/arrays.py`` names the members.
+    # The arrays that both engines' kernels take; ``raster/arrays.py`` names the members.
 
     def _state(self):
         return self.packed.draw, self.packed.draw_float, self.packed.factors

@@ -1,7 +1,7 @@
-"""Clears and Draws that wait until something reads what they draw, and Draws that are kept to come again.
+"""Clears and Draws that wait until a command reads what they draw, and Draws that are kept for repetition.
 
-Every thread takes bands of rows and runs all that waits on each (``fixedpipe.raster.vector.frame``). Draws
-that those kernels do not cover are drawn one after the other (``fixedpipe.raster.portable.draw``).
+Every thread takes bands of rows and runs all waiting work on each (``fixedpipe.raster.vector.frame``). Draws
+that these kernels do not cover are drawn one after the other (``fixedpipe.raster.portable.draw``).
 """
 
 from collections import Counter
@@ -15,7 +15,7 @@ from fixedpipe.raster.vector.arrays import JOB_SIZE, scratch
 from fixedpipe.raster.vector.frame import draw_frame, fill_clear
 
 BATCH = 2048  # fragments shaded together; any size gives the same bits. Measured: docs/decisions, page 0002
-# Pixels of the scissor boxes of all that waits: below this a second thread costs more than it saves
+# Pixels of the scissor boxes of all waiting work: with fewer, a second thread costs more than it saves
 # (docs/decisions, page 0002).
 _PARALLEL_FROM = 1 << 14
 # Bytes of vertices that wait to be drawn, or are kept for a repetition: enough for any figure's frame.
@@ -23,7 +23,7 @@ _MOST_BYTES = 1 << 27
 
 
 class KeptDraws:
-    """Draws that the same run draws again: they are prepared once for as long as their textures stay."""
+    """Draws that the same run repeats; they are prepared once while their textures stay."""
 
     def __init__(self, commands, samples):
         self._left = Counter([id(command) for command in commands if type(command) is Draw] * samples)
@@ -41,7 +41,7 @@ class KeptDraws:
         return found
 
     def keep(self, command, surface, draw):
-        """Keep a prepared Draw where it comes again."""
+        """Keep a prepared Draw if the run repeats it."""
         self._left[id(command)] -= 1
         key = id(command), id(surface)
         if (stale := self._kept.pop(key, None)) is not None:
@@ -65,7 +65,7 @@ class Queue:
         self._target, self._count, self._draws, self._area, self._size = None, 0, [], 0, 0
 
     def draw(self, draw, target, engine):
-        """A prepared Draw."""
+        """Add a prepared Draw."""
         if draw.area == 0:
             return
         self._into(target)
@@ -88,7 +88,7 @@ class Queue:
             self.flush()
 
     def clear(self, command, target, engine):
-        """A Clear."""
+        """Add a Clear."""
         self._into(target)
         if engine == "portable" or (self._draws and not self._count):
             self.flush()
@@ -99,7 +99,10 @@ class Queue:
         self._area += (box[2] - box[0]) * (box[3] - box[1])
 
     def outlive(self, texture):
-        """``texture`` is about to be replaced, and lives on in what waits: drawn when that is too much."""
+        """Count the memory of a texture that is replaced while waiting Draws keep it.
+
+        Draw them when it is too much.
+        """
         if texture is None or not self._draws:
             return
         self._size += sum(level.nbytes for level in texture.levels)
@@ -107,7 +110,7 @@ class Queue:
             self.flush()
 
     def _into(self, target):
-        """What waits is drawn where it goes to another of the window's colour buffers."""
+        """Draw the waiting work if the next goes to another of the window's colour buffers."""
         if self._target is not None and self._target is not target:
             self.flush()
 
@@ -120,7 +123,7 @@ class Queue:
         return self._jobs[self._count - 1]
 
     def flush(self):
-        """Draw what waits. Each thread draws its own bands of rows, of all that waits."""
+        """Draw the waiting work. Each thread draws its own bands of rows, of all of it."""
         if not (self._count or self._draws):
             return
         target, count, draws, area = self._target, self._count, self._draws, self._area
@@ -130,7 +133,7 @@ class Queue:
         if count:
             self._counter[0] = 0
 
-            def share(number, _kept=draws):  # the arrays that the table names live as long as this
+            def share(number, _kept=draws):  # keeps the arrays alive that the table names
                 scratch = self._scratch_of(number)
                 return draw_frame(self._jobs, count, self._counter, self._batch, buffers, scratch)
 
@@ -148,6 +151,6 @@ class Queue:
 
 
 def buffers_of(framebuffer):
-    """A framebuffer's arrays as kernels take them: a word for each pixel of bytes, else four."""
+    """A framebuffer's arrays for kernels: a pixel of bytes is one word, another is four."""
     color = framebuffer.color.reshape(framebuffer.height, -1).view(np.uint32)
     return Buffers(color, framebuffer.depth, framebuffer.stencil)

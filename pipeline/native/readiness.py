@@ -1,6 +1,6 @@
 """What draws while engines are compiled: another process compiles them, and this one draws with NumPy.
 
-Nothing of it happens unless ``compile_beside`` or ``without_waiting`` asks for it.
+Nothing of this happens without ``compile_beside`` or ``without_waiting``.
 """
 
 import multiprocessing
@@ -17,8 +17,8 @@ from fixedpipe.pipeline.native.compiling import Say, watch_compiling
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.raster.primitives.bins import count_bins, fill_bins, sort_triangles
 
-_SECONDS = 0.1  # between two looks at what a process tells
-SECONDS_TO_CLEAN = 2  # Assumed: a file is removed in less, also where others take the processor
+_SECONDS = 0.1  # between two looks for messages
+SECONDS_TO_CLEAN = 2  # Assumed: removing a file takes less, also on busy processors
 _never_waits = False
 
 
@@ -34,7 +34,7 @@ def _vector():
     return sort_triangles, fill_clear, fill_draw, draw_frame
 
 
-# Each compiled engine's kernels that Python calls, the one that needs most last.
+# Each compiled engine's kernels that Python calls; the last one needs most.
 _KERNELS = {"portable": _portable, "vector": _vector}
 
 
@@ -44,14 +44,16 @@ def is_ready(engine):
 
 
 def make_ready(engine):
-    """Compile an engine, where the cache has it not."""
+    """Compile an engine that the cache lacks."""
     for kernel in _KERNELS[engine]():
         kernel.make_ready()
 
 
 def chosen_engine(engine):
-    """Which of ``fixedpipe.pipeline.execution.machine.ENGINES`` draws a frame for which ``engine`` was asked:
-    another than that one only where this process does not wait for a compiler. The bits are the same.
+    """The engine that draws a frame for which this ``engine`` was given.
+
+    Both are of ``fixedpipe.pipeline.execution.machine.ENGINES``. It is another one only where this process
+    does not wait for a compiler. The bits are the same.
     """
     if not _never_waits or engine == "columns":
         return engine
@@ -61,13 +63,13 @@ def chosen_engine(engine):
 
 
 def covers_by_kernels():
-    """Whether coverage is a kernel's."""
+    """Whether a kernel computes coverage."""
     return not _never_waits or is_ready("portable")
 
 
 @contextmanager
 def without_waiting():
-    """Inside, what would wait for a compiler is drawn by the column engine, except what it cannot cover."""
+    """Inside, the column engine draws what would wait for a compiler, except what it cannot cover."""
     global _never_waits
     before, _never_waits = _never_waits, True
     try:
@@ -77,11 +79,11 @@ def without_waiting():
 
 
 def compile_beside(engine):
-    """Where ``engine`` is not ready, let a process of its own compile it and then the other, and draw without
-    them meanwhile.
+    """Compile an engine that is not ready, and then the other, in another process; draw meanwhile.
 
-    Returns what to wait for, or None where nothing is compiled: with one processor it would only take this
-    one's time. The process ends when this one does; which kernels it has compiled by then stay compiled.
+    Returns the Compiling to wait for, or None where nothing is compiled: with one processor it would only
+    take this process's time. The process ends when this one does. Kernels that it has compiled by then stay
+    compiled.
     """
     global _never_waits
     if is_ready(engine) or default_threads() == 1:
@@ -92,7 +94,7 @@ def compile_beside(engine):
         told = context.SimpleQueue()
         process = context.Process(target=_compile, args=(engines, told), daemon=True)
         process.start()
-    except OSError:  # no more processes, or no locks between them: this one compiles
+    except OSError:  # No more processes, or no locks between them, are available: this one compiles.
         return None
     _never_waits = True
     return Compiling(process, told)
@@ -100,15 +102,13 @@ def compile_beside(engine):
 
 @dataclass(frozen=True)
 class Compiling:
-    """A process that compiles, and what it tells."""
+    """A process that compiles, and the queue of its messages."""
 
     process: BaseProcess
     told: SimpleQueue
 
     def wait(self, say: Say):
-        """Wait for the engine that was asked for; ``say``, as ``watch_compiling`` has it, is called as each
-        kernel begins.
-        """
+        """Wait for the requested engine; ``say`` is called before each kernel, as in ``watch_compiling``."""
         while self.process.is_alive() or not self.told.empty():
             if self.told.empty():
                 time.sleep(_SECONDS)
@@ -119,7 +119,7 @@ class Compiling:
 
 
 def _compile(engines, told):
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for who began it, and ends with that
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent, which ends this
     end_with_parent()
     watch_compiling(lambda *line: told.put(line), lambda: None)
     for engine in engines:
@@ -128,10 +128,10 @@ def _compile(engines, told):
 
 
 def end_with_parent():
-    """From now on this process is told to end when the one that began it has ended, however that did.
+    """From now on, signal this process to end when its parent has ended, for any reason.
 
-    The first signal ends what a process of a pool draws, and its half-written files go; the pool takes that
-    for a result, and waits for another order that nobody gives. The second ends the waiting.
+    The first signal stops a pool's process in its drawing, and removes its half-written files. The pool takes
+    that for a result, and waits for an order that never comes. The second signal ends this wait.
     """
     began = multiprocessing.parent_process()
     threading.Thread(target=_end_after, args=(began,), daemon=True).start()

@@ -24,11 +24,11 @@ from fixedpipe.raster import rows as R
 
 
 def rows_of(state, profile, framebuffer, textures, sample=None):
-    """The rows of a pass as far as no vertex matters, kept for the next time.
+    """The rows of a pass that depend on no vertex, from a cache.
 
-    Found by identity, for equal states may differ in bits (0.0 and -0.0); what is kept holds state and
-    profile, so that no other object has theirs. A state that only differs from one before in its vertices'
-    part has the same rows, one of another constant colour all but these.
+    The key is the identity, because equal states may differ in bits (0.0 and -0.0). The cache holds state and
+    profile, so that no other object gets their identity. States that differ in their vertex state alone share
+    the rows. States that also differ in constant colours share all rows except the constants.
     """
     height, width, _ = framebuffer.color.shape
     beside = (
@@ -54,12 +54,12 @@ def rows_of(state, profile, framebuffer, textures, sample=None):
     return found[0]
 
 
-# StateRows by the state, which is held, that its id be no other's; and by its kind.
+# StateRows by the state, which is held so that no other object gets its id; and by its kind.
 _rows, _first_rows, _MOST_ROWS = {}, {}, 1024
 
 
 def _texture_kind(textures, unit):
-    """What rows know of a unit's texture."""
+    """The properties of a unit's texture that rows depend on."""
     if unit is None or unit.texture is None:
         return None
     texture = textures[unit.texture]
@@ -67,7 +67,7 @@ def _texture_kind(textures, unit):
 
 
 class StateRows:
-    """The rows of a pass as far as no vertex matters, and those that do for each way in which they vary."""
+    """The rows of a pass that depend on no vertex, and the dependent rows for each variation."""
 
     def __init__(self, state, profile, framebuffer, textures, sample=None):
         self.program, self.profile = state.register_combiners, profile
@@ -121,7 +121,7 @@ class StateRows:
         self.varied = {}
 
     def with_constants(self, program):
-        """The same rows for a combiner program of the same stages and flags: with its constant colours."""
+        """The rows for a combiner program of the same stages and flags, with its own constant colours."""
         own = self.program
         if program is own or (
             program.constant_color0 is own.constant_color0 and program.constant_color1 is own.constant_color1
@@ -137,8 +137,10 @@ class StateRows:
         return made
 
     def vary(self, varies):
-        """(draw, units, what is derived) for primitives that are two-sided, hold strokes, have one colour and
-        vary in q, or not.
+        """(draw, units, derived data) for primitives of these properties.
+
+        ``varies`` says whether they are two-sided and hold strokes, how colours vary, and which units vary in
+        q.
         """
         two_side, strokes, flat, *projective = varies
         draw, units = self.draw.copy(), self.units.copy()

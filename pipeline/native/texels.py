@@ -1,4 +1,4 @@
-"""Textures as kernels read them: each is packed once, and its texels are kept as long as it lives."""
+"""Textures in the form that kernels read; each is packed once, and its texels are kept while it lives."""
 
 import weakref
 from functools import cached_property
@@ -15,8 +15,9 @@ NO_LEVELS = np.ones((1, R.MAX_LEVELS, 3), np.int32)
 
 
 class Texels:
-    """A texture as kernels read it. ``levels`` int32 [1, MAX_LEVELS, 3]: where each level begins in
-    ``packed``, its width and height.
+    """A texture in the form that kernels read.
+
+    ``levels`` is int32 [1, MAX_LEVELS, 3]: where each level begins in ``packed``, its width and height.
     """
 
     def __init__(self, texture, signed):
@@ -30,8 +31,10 @@ class Texels:
 
     @cached_property
     def packed(self):
-        """Every level behind the other, a word for each texel: the texture's own memory where it is that.
-        Wider texels have two (``fixedpipe.raster.portable.texels``): the second lie behind all the first.
+        """The words of all texels, level after level; the texture's own memory where it has this form.
+
+        A wider texel has two words (``fixedpipe.raster.portable.texels``): all first words come before all
+        second.
         """
         if self._wide:
             words = [np.ascontiguousarray(image).view(np.uint32) for image in self._images]
@@ -43,17 +46,17 @@ class Texels:
 
     @cached_property
     def pairs(self):
-        """The same as row pairs (``fixedpipe.raster.vector.sample``) and their levels; of a volume none."""
+        """The texels as row pairs (``fixedpipe.raster.vector.sample``) and levels; none for a volume."""
         if self._volume:
             return NO_TEXELS, NO_LEVELS
         pairs, levels = row_pairs(self.packed, self.levels[0], len(self._images), len(self._images[0]))
         if len(self._images) > 1 or self._signed:
-            self.__dict__.pop("packed", None)  # mostly nobody asks for both
+            self.__dict__.pop("packed", None)  # usually only one form is needed
         return pairs, levels[None]
 
 
 class _Unlocked:
-    """An array's memory for kernels, which take writable arrays alone, though they write to no texel."""
+    """An array's memory as writable, because kernels take only writable arrays; they write to no texel."""
 
     def __init__(self, array):
         self._array = array
@@ -65,7 +68,10 @@ _packed_textures = weakref.WeakKeyDictionary()
 
 
 def texels_of(texture, signed):
-    """``signed``: bits that are inverted in every texel, so that filters see s + 128 for a signed byte s."""
+    """The Texels of a texture. ``signed``: the bits to invert in every texel.
+
+    Filters then see s + 128 for a signed byte s.
+    """
     found = _packed_textures.get(texture)
     if found is None:
         found = _packed_textures.setdefault(texture, {})

@@ -1,4 +1,4 @@
-"""Lines that say to a person what he waits for while kernels are compiled. Nothing here loads a compiler."""
+"""Lines that tell the user why nothing happens while kernels are compiled. This module loads no compiler."""
 
 import multiprocessing
 import sys
@@ -12,25 +12,25 @@ _WHY = (
 
 
 def _on_stderr(line):
-    """A process that another one began says nothing: that one knows what it waits for."""
+    """Print a line, unless another process began this one: the user watches that process."""
     if multiprocessing.parent_process() is None:
         print(line, file=sys.stderr, flush=True)
 
 
-# What writes a line. pytest takes stderr away from tests, so the plug-in puts a function of its own here.
+# Writes a line. pytest captures the stderr of tests, so the plug-in sets a function of its own here.
 write = _on_stderr
 
 
 class Lines:
-    """Lines that are written as kernels are compiled: none within the first two seconds of a wait."""
+    """Lines that are written while kernels are compiled; none within the first two seconds of a wait."""
 
     def __init__(self, now=time.monotonic):
         self._now, self._next, self._ended, self._said = now, 0.0, -_FIRST, False
 
     def say(self, kernel, done, needed):
-        """A kernel's compiling begins; ``done`` of those that are ``needed`` are compiled."""
+        """Note that a kernel's compilation begins; ``done`` of the ``needed`` kernels are compiled."""
         now = self._now()
-        if self._ended is not None and now - self._ended >= _FIRST:  # another wait
+        if self._ended is not None and now - self._ended >= _FIRST:  # a new wait
             self._next = now + _FIRST
         self._ended = None
         if now < self._next:
@@ -42,5 +42,5 @@ class Lines:
         write(f"compiling kernel {done + 1} of {needed}: {kernel}")
 
     def end(self):
-        """A kernel and all that it calls are compiled."""
+        """Note that a kernel and all that it calls are compiled."""
         self._ended = self._now()
