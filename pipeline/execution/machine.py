@@ -1,6 +1,6 @@
 """The machine: it validates a frame and runs its commands one after the other.
 
-Clears and Draws wait in a queue (``fixedpipe.pipeline.native.queue``) until something reads what they draw.
+Clears and Draws wait in a queue (``fixedpipe.pipeline.native.queue``) until a command reads what they draw.
 """
 
 from __future__ import annotations
@@ -72,18 +72,18 @@ from fixedpipe.raster.witness import nobody
 
 Engine = Literal["portable", "columns"]
 ENGINES = (None, *get_args(Engine))
-# (command that has run, function that makes its Snapshot, good until the next one runs)
+# Takes (the command that has run, a function that makes its Snapshot until the next command runs).
 Watch: TypeAlias = Callable[[Command, Callable[[], Snapshot]], None]
 
 
 @dataclass(eq=False)
 class _Frame:
-    """A frame while it runs: which of its commands still wait, and what the others gave (``Result``).
+    """A running frame: its waiting commands, and the results of the others (``Result``).
 
-    valid    those that wait
-    kept     Draws that come again
-    engine   of ``ENGINES``: which draws
-    record   whether every Draw's fragments are kept
+    - ``valid``: the waiting commands.
+    - ``kept``: Draws that the frame repeats.
+    - ``engine``: the engine that draws, of ``ENGINES``.
+    - ``record``: whether every Draw's fragments are kept.
     """
 
     valid: ValidFrame
@@ -99,40 +99,33 @@ class _Frame:
 
 @dataclass(eq=False)
 class Machine:
-    """A machine with its framebuffer, pbuffers, texture objects, histograms and minmaxes, which persist from
-    run to run.
+    """A machine whose framebuffer, pbuffers, textures, histograms and minmaxes persist from run to run.
 
-    Several Python threads may share one: a run waits until the one before it has ended.
+    Several Python threads may share a machine: a run waits until the earlier one has ended.
 
-    Parameters
-    ----------
-    profile : Profile
-        Not an exact one: ``fixedpipe.pipeline.ideal.evaluate`` evaluates those.
-    width, height : int
-        Framebuffer size in pixels.
-    depth_bits : int, DepthFormat or None
-        One of ``profile.framebuffers.depth_bits``: a fixed format's width, or a format. None: the widest
-        fixed one.
-    threads : int or None
-        Threads that share a Draw's bands of rows; None: one per processor. The bits are the same for any
-        number.
-    batch : int
-        Fragments shaded together, 16 to 4096. The bits are the same for any number.
-    engine : Engine or None
-        None: each Draw by the fastest kernels that cover it. "portable": every Draw by those that cover all.
-        "columns": every Draw by the column engine that it covers. The bits are the same.
-    samples : int or None
-        How many samples a pixel of the window has, one of ``profile.framebuffers.samples``; None: the
-        profile's first. A pbuffer's pixels have one.
-    color_bits : int or None
-        One of ``profile.framebuffers.color_bits``, the width of the window's colour components. None: the
-        usual one.
-    witness : callable
-        Told of each command, and of what the column engine does for it (``fixedpipe.raster.witness``): with
-        ``engine="columns"``, of every fragment.
-    otherwise : callable or None
-        Of each Draw, which of its stages are computed otherwise than this machine does, an Otherwise, or
-        None; with ``engine="columns"`` alone.
+    - ``profile``: Profile, not an exact one: ``fixedpipe.pipeline.ideal.evaluate`` evaluates those.
+    - ``width``, ``height``: int, the framebuffer's size in pixels.
+    - ``depth_bits``: int, DepthFormat or None. One of ``profile.framebuffers.depth_bits``: a fixed format's
+      width, or a format. None: the widest fixed format.
+    - ``threads``: int or None. Threads that share a Draw's bands of rows; None: one per processor. The bits
+      are the same for any number.
+    - ``batch``: int, fragments shaded together, 16 to 4096. The bits are the same for any number.
+    - ``textures``, ``surfaces``: texture objects and pbuffers by name, which the machine holds at first.
+    - ``engine``: Engine or None. None: the fastest kernels that cover a Draw draw it. "portable": the kernels
+      that cover all draw every Draw. "columns": the column engine draws every Draw that it covers. The bits
+      are the same.
+    - ``statistics``: PixelStatistics, the histograms and minmaxes that it holds at first.
+    - ``samples``: int or None. Samples of a pixel of the window, one of ``profile.framebuffers.samples``;
+      None: the profile's first. Each pbuffer has its own number.
+    - ``color_bits``: int or None. One of ``profile.framebuffers.color_bits``, the width of the window's
+      colour components. None: the usual one.
+    - ``witness``: callable, called with each command and with the column engine's work for it
+      (``fixedpipe.raster.witness``): with ``engine="columns"``, with every fragment.
+    - ``otherwise``: callable or None, with ``engine="columns"`` alone. From a Draw to an Otherwise, the
+      stages that are computed in another way than this machine's, or None.
+
+    Raises ValueError for a value that the machine does not take, and UnsupportedState for a window that the
+    profile does not have.
     """
 
     profile: Profile
@@ -194,8 +187,8 @@ class Machine:
         self._queue: Queue = Queue(min(self.threads or default_threads(), bands), self.batch)
         self._current: Framebuffer = self.framebuffer
         self._samples: Samples | None = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
-        self._surface_samples: dict[str, Samples] = {}  # of the pbuffers that have several
-        self._drawn_samples: Samples | None = self._samples  # of what is drawn to now
+        self._surface_samples: dict[str, Samples] = {}  # of the pbuffers with several samples
+        self._drawn_samples: Samples | None = self._samples  # of the current draw target
         self._running: threading.Lock = threading.Lock()
         self._runner: int | None = None
 
@@ -204,10 +197,12 @@ class Machine:
     ) -> Result:
         """Validate and run ``commands``; returns a Result.
 
-        ``trace``: keep the framebuffer after every command; a Watch is called after each instead, and takes
-        what it wants to see. ``record``: keep every Draw's fragments.
-        Raises ``UnsupportedState`` or ValueError, before anything is drawn; for what a
-        HostStep issues, before any of that is.
+        - ``trace``: True keeps the framebuffer after every command. A Watch is called after each command
+          instead.
+        - ``record``: keep every Draw's fragments.
+
+        Raises ``UnsupportedState`` or ValueError before anything is drawn; for the commands that a HostStep
+        issues, before any of these is drawn.
         """
         commands = frame_of(commands)
         if record and self._samples:
@@ -230,7 +225,8 @@ class Machine:
         held = self.width, self.height, self.depth_bits, self.textures, self.surfaces, self.statistics
         valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read, samples=self.samples or 1))
         self._current, self._drawn_samples = self.framebuffer, self._samples
-        # The engine that records draws alone, Clears as well: the other is then neither compiled nor read.
+        # The engine that records draws everything, Clears too, so that the other is neither compiled nor
+        # loaded.
         engine = chosen_engine("portable" if record else self.engine)
         frame = _Frame(valid, KeptDraws(commands, self.samples), engine, record)
         self._queue.fragments = 0
@@ -246,7 +242,7 @@ class Machine:
                     trace(command, partial(self._snapshot, command))
                 elif trace:
                     frame.snapshots.append(self._snapshot(command))
-        finally:  # what was reached before an error is drawn
+        finally:  # Draw what ran before an error.
             self._flush()
             self._share_depths()
         return Result(
@@ -270,15 +266,16 @@ class Machine:
         return self._current
 
     def _snapshot(self, command):
-        """The Snapshot of what a command that has just run draws to."""
+        """The Snapshot of the framebuffer that a command has just drawn to."""
         self._flush()
         written = getattr(command, "state", command)
         shown = self._current.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK))
         return snapshot(command, shown)
 
     def _targets(self, draw_buffer):
-        """The framebuffers that a command writes to, each with its place in a pixel, None where it has
-        one.
+        """The framebuffers that a command writes to, each with its place in a pixel.
+
+        The place is None where the framebuffer has one sample.
         """
         if self._drawn_samples is None:
             return ((self._current, None),)
@@ -286,12 +283,12 @@ class Machine:
         return self._drawn_samples.targets
 
     def _flush(self):
-        """Everything is drawn, and the colours that are read are the samples' means."""
+        """Draw everything that waits, and set colours to the samples' means."""
         self._queue.flush()
         if self._drawn_samples is not None:
             self._drawn_samples.resolve()
 
-    # Every command's method takes the command and the _Frame that it is of.
+    # Every command's method takes the command and its _Frame.
 
     def _draw(self, command, frame):
         size = self._current.width, self._current.height
@@ -300,7 +297,7 @@ class Machine:
         for number, (surface, place) in enumerate(self._targets(state.draw_buffer)):
             position, sample = sampled(place, self.profile)
             target = surface.buffer(state.draw_buffer)
-            draw = frame.kept.get(command, surface, textures)  # what is kept is the native engines'
+            draw = frame.kept.get(command, surface, textures)  # only the native engines keep Draws
             if draw is None and self._draws_columns(state, textures, target, frame.engine):
                 self._queue.flush()
                 drawn, lost = self._drawn_by_columns(
@@ -311,7 +308,7 @@ class Machine:
                     frame.records.append(drawn)
                 continue
             if draw is None:
-                # Vertices' colours are rounded where the fragment's width is known.
+                # Vertices' colours are rounded at the fragments' width.
                 rounded = fragment_bits(self.profile, target) == NATIVE_BITS
                 given = command.mesh, state, self.profile, *size, position
                 primitives = stage.process(*given, rounded=rounded)
@@ -324,22 +321,22 @@ class Machine:
                 if draw.primitives is not None:
                     drawn = replace(drawn, places=draw.primitives.places())
                 self._queue.fragments += len(drawn.x)
-                frame.records += [drawn] if number == 0 else []  # a pbuffer's first sample's
+                frame.records += [drawn] if number == 0 else []  # a pbuffer's first sample
             else:
                 self._queue.draw(draw, target, frame.engine)
-        frame.dropped += lost  # as the last sample's: the same in each
+        frame.dropped += lost  # every sample drops the same number
 
     def _draws_columns(self, state, textures, target, engine):
-        """Whether a Draw is the column engine's."""
+        """Whether the column engine draws a Draw."""
         if "columns" in (self.engine, engine):
             return True
         given = state, self.profile, target, textures
         return needs_columns(*given) or not (covers_by_kernels() or are_native(widths_of(*given)))
 
     def _drawn_by_columns(self, command, state, textures, target, position, sample, records):
-        """Draw by the column engine: its Fragments, and how many primitives were dropped."""
+        """Draw with the column engine; returns its Fragments and the number of dropped primitives."""
         profile, size = self.profile, (target.width, target.height)
-        # Vertices' colours are rounded where the fragment's width is known.
+        # Vertices' colours are rounded at the fragments' width.
         primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
         if profile.arithmetic.subpixel_bits == NATIVE_SUBPIXEL_BITS:
             covered, lost = covered_pixels(primitives, state, profile, *size, sample)
@@ -382,7 +379,7 @@ class Machine:
         frame.valid.issue(command, frame.pixels)
 
     def _tex_image(self, command, frame):
-        # It reads no framebuffer, and what waits holds the textures that it reads.
+        # It reads no framebuffer, and waiting work holds the textures that it reads.
         self._queue.outlive(self.textures.get(command.texture))
         if command.pixels is None:
             self.textures[command.texture] = stored_texture(command.image, self.profile)
@@ -430,7 +427,7 @@ class Machine:
             accumulate(surface, command, self.profile)
 
     def _make_current(self, command, frame):
-        """The framebuffer that is named is made when it is named first."""
+        """Make a framebuffer current; a pbuffer is created at its first use."""
         self._share_depths()
         if command.surface is None:
             self._current, self._drawn_samples = self.framebuffer, self._samples
@@ -447,7 +444,7 @@ class Machine:
         self._current, self._drawn_samples = self.surfaces[name], self._surface_samples.get(name)
 
     def _share_depths(self):
-        """Framebuffers that share their depths with the current one have what was drawn to it."""
+        """Copy the current framebuffer's depths to the framebuffers that share them."""
         current = next((name for name, made in self.surfaces.items() if made is self._current), None)
         owner = self._current.depth_of if self._current.shares_depth else current
         if self._current.shares_depth:
@@ -457,7 +454,7 @@ class Machine:
                 self._take_depths(name, owner)
 
     def _take_depths(self, name, source):
-        """Depths and stencil values of one framebuffer, sample by sample, from another; None: the window."""
+        """Copy a framebuffer's depths and stencil values from another's, by sample; None is the window."""
         taken, given = (
             [made for made, _ in samples.targets] if samples else [self.surfaces.get(one, self.framebuffer)]
             for one in (name, source)
@@ -486,7 +483,7 @@ METHODS = {
     ResetHistogram: Machine._reset_histogram,
     ResetMinmax: Machine._reset_minmax,
 }
-# What waits in the queue, or reads nothing of a framebuffer; before any other command all is drawn.
+# Commands that wait in the queue, or read no framebuffer. Before any other command everything is drawn.
 _QUEUED = frozenset({Draw, Clear, Saturate, TexImage, GetTexImage})
 
 
@@ -507,8 +504,8 @@ def execute(
 ) -> Result:
     """Run ``commands`` on a new machine. Returns a Result; see ``Machine`` for the parameters.
 
-    Raises ``UnsupportedState`` for what the profile cannot hold and ValueError for what no
-    machine could mean, each before anything is drawn.
+    Raises ``UnsupportedState`` for what the profile cannot hold, and ValueError for what has no meaning on
+    any machine. Both come before anything is drawn.
     """
     batch = BATCH if batch is None else batch
     machine = Machine(
