@@ -1,1 +1,1 @@
-"""States and commands in words and equations, as ``fixedpipe passes`` prints them."""
+"""States and commands in words and equations, for ``fixedpipe passes``."""

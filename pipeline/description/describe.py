@@ -1,7 +1,7 @@
-"""A pass sequence in words: each command, what differs from the initial state, combiners as equations.
+"""A pass sequence in words: each command, its differences from the initial state, combiners as equations.
 
-The words are OpenGL's: tokens where OpenGL has one (TEXTURE_MIN_FILTER LINEAR), registers as the ``!!RC1.0``
-notation calls them. ``equations`` says how equations are written.
+The words are OpenGL's: tokens where OpenGL has one (TEXTURE_MIN_FILTER LINEAR), and the registers' names in
+the ``!!RC1.0`` notation. ``equations`` explains the equations.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def _draw(command):
 
 
 def _pixel_transfer(transfer):
-    """Lines for a pixel transfer that is not the initial one."""
+    """Lines for a pixel transfer other than the initial one."""
     if transfer == INITIAL_TRANSFER:
         return []
     return titled("pixel transfer", differences(transfer))
@@ -190,7 +190,7 @@ def _raster_position(position):
 
 
 def _fragments(command, first):
-    """Lines of a command that draws pixel groups; ``first``: what they are."""
+    """Lines of a command that draws pixel groups; ``first`` describes the groups."""
     zoom = getattr(command, "zoom", (1.0, 1.0))
     lines = [first + ("" if zoom == (1.0, 1.0) else f", PixelZoom {format_value(zoom)}")]
     lines.append(_raster_position(command.position))
@@ -279,7 +279,7 @@ DESCRIPTIONS = {
     ResetHistogram: _reset_histogram,
     ResetMinmax: _reset_minmax,
 }
-# What ``folded`` folds. Assumed: no more commands than these for a polygon; fewer repetitions are read.
+# The limits of ``folded``. Assumed: a polygon takes no more commands; fewer repetitions are printed in full.
 _LONGEST_PERIOD, _FEWEST_TIMES = 8, 6
 _LAYERED = (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
 
@@ -298,11 +298,10 @@ def describe_program(
 
 
 def describe(commands: Iterable[Command], *, folded: bool = False) -> str:
-    """The commands as text: a numbered block for each, its label, and what differs from the initial state.
+    """The commands as text: a numbered block for each, its label, and differences from the initial state.
 
-    Commands are numbered from 0, as in the sentences of ``UnsupportedState``. ``folded``: where the same few
-    commands come again and again, for polygon after polygon, they are described once, and how often they
-    come.
+    Commands are numbered from 0, as in the messages of ``UnsupportedState``. ``folded`` describes a few
+    commands that repeat, for polygon after polygon, once, with the number of repetitions.
     """
     blocks, commands, number = [], tuple(commands), 0
     names = [(type(c), re.sub(r"\d+", "", c.label)) for c in commands] if folded else []
@@ -324,8 +323,9 @@ def describe(commands: Iterable[Command], *, folded: bool = False) -> str:
 
 
 def _repeated(names, first):
-    """How many commands from ``first`` on come again at once, and how often they are there: (1, 1) where
-    nothing is repeated so often that it is worth a word.
+    """(number of commands from ``first`` on that repeat directly, number of times that they occur).
+
+    (1, 1) stands for too few repetitions.
     """
     for period in range(1, _LONGEST_PERIOD + 1):
         once, times = names[first : first + period], 1

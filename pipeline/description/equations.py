@@ -1,7 +1,7 @@
 """Texture shader stages, register combiners and texture environments as equations.
 
-Equations leave out what cannot contribute: factors of one, products with zero, discarded outputs. ``.`` is a
-dot product, ``1 - x`` is UNSIGNED_INVERT, 1/2 is the machine's half.
+Equations omit what cannot contribute: factors of one, products with zero, discarded outputs. ``.`` is a dot
+product, ``1 - x`` is UNSIGNED_INVERT, 1/2 is the machine's half.
 """
 
 from dataclasses import fields, replace
@@ -30,7 +30,8 @@ from fixedpipe.pipeline.state import RegisterCombiners, TextureEnvironment, Text
 
 _OP = TextureShaderOperation
 _REFLECTED = "2 n (n . e) / (n . n) - e"
-# What a unit's texel is, s to q its coordinates, dots the dot products, p the texel of the previous input.
+# A unit's texel; s to q are its coordinates, dots the dot products, p the texel of the previous texture
+# input.
 _SHADER_EQUATIONS = {
     _OP.TEXTURE_1D: "tex{i} = TEXTURE_1D(s{i}/q{i})",
     _OP.TEXTURE_2D: "tex{i} = TEXTURE_2D(s{i}/q{i}, t{i}/q{i})",
@@ -59,7 +60,7 @@ _SHADER_EQUATIONS = {
     ),
     _OP.DOT_PRODUCT_DEPTH_REPLACE: "{dot}; depth = dot{h} / dot{i}; tex{i} = 0",
 }
-# The fields that the parts of an equation tell.
+# The fields that appear in the parts of an equation.
 _TOLD = {
     "kept": ("cull_modes",),
     "offset": ("previous_texture_input", "offset_texture_matrix"),
@@ -72,7 +73,7 @@ _DOT_MAPPINGS = {DotProductMapping.UNSIGNED_IDENTITY: "{}", DotProductMapping.EX
 
 
 def shader_stage_equation(i, stage):
-    """A texture shader stage as an equation, then what it sets and its operation does not read."""
+    """A texture shader stage as an equation, then the set fields that its equation does not show."""
     equation = _SHADER_EQUATIONS.get(stage.operation, stage.operation.name)
     previous = f"tex{stage.previous_texture_input}"
     a1, a2, a3, a4 = stage.offset_texture_matrix
@@ -105,7 +106,7 @@ def shader_stage_equation(i, stage):
     return ", ".join([equation.format(g=i - 2, h=i - 1, i=i, j=i + 1, **parts), *rest])
 
 
-# What mappings make of ZERO, where that is not 0.
+# The results of mappings of ZERO that are not 0.
 _OF_ZERO = {
     Mapping.UNSIGNED_INVERT: "1",
     Mapping.EXPAND_NORMAL: "-1",
@@ -123,7 +124,7 @@ _FUNCTIONS = {CombinerFunction.SQUARE_ROOT: "sqrt", CombinerFunction.EXPONENTIAL
 
 
 def _term(given, plain):
-    """One variable of an equation; alpha and blue carry their suffix."""
+    """One variable of an equation; alpha and blue have a suffix."""
     if given.register is Register.ZERO:
         return _OF_ZERO.get(given.mapping, "0")
     if given.mapping is Mapping.UNSIGNED_INVERT:
@@ -180,9 +181,9 @@ def _scaled(expression, portion):
 
 
 def portion_line(title, portion, suffix, selector, clamped=()):
-    """A portion as a line of equations, of its outputs that are kept; none where all are discarded.
+    """A portion as a line of equations for its kept outputs; an empty list where all are discarded.
 
-    ``clamped``: names of registers whose value the machine's clamp may change.
+    ``clamped`` has the names of registers whose value the machine's clamp may change.
     """
     a, b, c, d = (
         _term(given, Mapping.SIGNED_IDENTITY) for given in (portion.a, portion.b, portion.c, portion.d)
@@ -209,8 +210,9 @@ def portion_line(title, portion, suffix, selector, clamped=()):
 
 
 def final_lines(final, title=""):
-    """The final combiner as equations: of E times F where it is read, of RGB, of alpha. ``title``: what is
-    added to its name.
+    """The final combiner as equations: of E times F where it is read, of RGB, of alpha.
+
+    ``title`` is added to its name.
     """
     a, b, c, d, e, f, g = (
         _term(getattr(final, variable), Mapping.UNSIGNED_IDENTITY) for variable in "abcdefg"
@@ -229,9 +231,9 @@ def final_lines(final, title=""):
 def combiner_lines(combiners, titles=(), constants=None, clamped=()):
     """Register combiners as equations: constants, each general combiner, the final combiner.
 
-    ``titles``: what is added to the name of each general combiner, and, last, of the final one.
-    ``constants``: {(number of a general combiner or None, name of a field): its color in words}. ``clamped``:
-    (number, "rgb" or "alpha", name of a register) that the machine's clamp may change.
+    - ``titles``: added to the name of each general combiner and, last, of the final one.
+    - ``constants``: {(number of a general combiner or None, name of a field): its color in words}.
+    - ``clamped``: (number, "rgb" or "alpha", name of a register) that the machine's clamp may change.
     """
     initial, lines = RegisterCombiners(), ["REGISTER_COMBINERS enabled"]
     titles = titles or ("",) * (len(combiners.general) + 1)
@@ -296,7 +298,7 @@ def _one_minus(argument):
 
 
 def _environment_equation(mode, half, alpha):
-    """A half of a COMBINE or COMBINE4 environment; what lacks arguments is only named."""
+    """A half of a COMBINE or COMBINE4 environment; the function's name alone where arguments are missing."""
     function, count = half.function, arguments(mode, half.function)
     given = [_argument(*pair, alpha) for pair in zip(half.sources, half.operands, strict=False)]
     if len(given) < count:
@@ -319,7 +321,7 @@ def _environment_equation(mode, half, alpha):
 
 
 def environment_lines(environment):
-    """A texture environment: its mode and, where it combines, its equations."""
+    """A texture environment: its mode and, if it combines, its equations."""
     mode, initial = environment.mode, TextureEnvironment()
     lines = [f"TEXTURE_ENV_MODE {mode.name}"]
     if environment.color != initial.color:

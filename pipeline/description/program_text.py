@@ -1,4 +1,4 @@
-"""A program of the time in words: equations with the lines that they come from, constants, what it takes."""
+"""A historical program in words: equations with their source lines, constants, and its size."""
 
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -15,7 +15,7 @@ _FIELDS = {Register.CONSTANT_COLOR0: "constant_color0", Register.CONSTANT_COLOR1
 
 
 def program_text(program: Program, clamped=()) -> str:
-    """The program as equations, a line each. ``clamped``: as ``combiner_lines`` takes it."""
+    """The program as equations, a line each. ``clamped`` is that of ``combiner_lines``."""
     sources, lines = program.sources, []
     if program.texture_shader is not None:
         lines.append("TEXTURE_SHADER enabled")
@@ -34,7 +34,10 @@ def program_text(program: Program, clamped=()) -> str:
 
 
 def usage(program: Program, most_combiners: int | None = None, most_units: int | None = None) -> str:
-    """What the program takes, in a line, and of how many general combiners and texture units where given."""
+    """A line with the general combiners, constants and texture units that the program uses.
+
+    ``most_combiners`` and ``most_units`` are the machine's numbers, if given.
+    """
     taken = []
     if program.combiners is not None:
         taken.append(_of(len(program.combiners.general), most_combiners, "general combiner"))
@@ -49,8 +52,10 @@ def usage(program: Program, most_combiners: int | None = None, most_units: int |
 
 
 def program_json(program: Program) -> dict[str, Any]:
-    """The program as JSON's dictionaries, lists, strings and numbers: states by the names of their fields,
-    enumerations by their names, the equations, and what else the text says.
+    """The program as JSON's dictionaries, lists, strings and numbers.
+
+    It has states by the names of their fields, enumerations by their names, the equations, and the rest of
+    the text's facts.
     """
     return {
         "notations": list(program.notations),
@@ -76,7 +81,7 @@ def program_json(program: Program) -> dict[str, Any]:
 
 
 def _plain(value):
-    """A state as JSON has it."""
+    """A state as a JSON value."""
     for kind, written in _PLAIN:
         if isinstance(value, kind):
             return written(value)
@@ -113,7 +118,7 @@ def _places(program):
 
 
 def _constants(program):
-    """The colors in words: which constant of the program, as written, as stored where that differs, bytes."""
+    """The colors in words: the program's constant, as written, as stored if that differs, and in bytes."""
     combiners, words = program.combiners, {}
     for owner, number in [(combiners, None), *((s, n) for n, s in enumerate(combiners.general))]:
         for name in _FIELDS.values():
@@ -124,7 +129,7 @@ def _constants(program):
                     for p in program.constants
                     if p.register and (p.stage, _FIELDS[p.register]) == (number, name)
                 ]
-                # The program's own are there without being set, black.
+                # The program's own constants exist without being set; they are black.
                 if names or number is not None or stored != BLACK:
                     words[number, name] = _color(program, names, stored)
     return words

@@ -1,4 +1,4 @@
-"""States in words: what differs from the initial state, a line for each part."""
+"""States in words: the differences from the initial state, a line for each part."""
 
 from dataclasses import MISSING, fields, is_dataclass
 from types import NoneType
@@ -27,7 +27,7 @@ def _initial(field):
 def differences(value, initial=None):
     """Lines for the fields of a state that differ from ``initial``, or from its own defaults.
 
-    Simple fields share the first line, which may be empty; parts follow, indented.
+    Simple fields share the first line, which may be empty. Parts follow, indented.
     """
     simple, parts = [], []
     for field in fields(value):
@@ -52,7 +52,7 @@ def differences(value, initial=None):
 
 
 def numbered_lines(word, parts):
-    """Lines for the states of a tuple, by number; None is left out."""
+    """Lines for the states of a tuple, by number; None gives no line."""
     lines = []
     for i, part in enumerate(parts):
         lines += _NUMBERED.get(type(part), _numbered)(word, i, part)
@@ -67,7 +67,7 @@ def _generation(word, i, gen):
     return [] if gen == TexGen() else titled(f"{word}_{'STRQ'[i]}", differences(gen))
 
 
-# Parts of a tuple that are written in a way of their own, not by their differences.
+# Parts of a tuple that have their own form, instead of differences.
 _NUMBERED = {
     NoneType: lambda word, i, part: [],
     TexGen: _generation,
@@ -82,13 +82,13 @@ def titled(title, lines):
 
 
 def mask_words(mask):
-    """Which components a color mask writes."""
+    """The components that a color mask writes, in words."""
     written = [f.name for f in fields(mask) if getattr(mask, f.name)]
     return "writes " + (", ".join(written) or "nothing")
 
 
 def _table_line(word, table):
-    """A colour table: all of a short one's entries, a longer one's ends."""
+    """A colour table: all entries of a short one, the first and the last of a longer one."""
     bits = "" if table.bits is None else f" of {count(table.bits, 'bit')}"
     entries = table.entries
     shown = (
@@ -108,7 +108,7 @@ def _row_and_column(word, kernel):
 
 
 def _filter_lines(word, kernel, lines):
-    """A convolution filter: how it treats borders, then its rows from the bottom, or its row and column."""
+    """A convolution filter: its border mode, then its rows from the bottom, or its row and column."""
     border = kernel.border_mode.name
     if kernel.border_mode is ConvolutionBorderMode.CONSTANT_BORDER:
         border += f" {format_value(kernel.border_color)}"
@@ -116,7 +116,7 @@ def _filter_lines(word, kernel, lines):
     return [title, *(f"  {name} {format_value(weights)}" for name, weights in lines)]
 
 
-# Parts of a state that are written in a way of their own, not by their differences.
+# Parts of a state that have their own form, instead of differences.
 _PARTS = {
     RegisterCombiners: lambda word, combiners: combiner_lines(combiners),
     TextureEnvironment: lambda word, environment: environment_lines(environment),

@@ -1,4 +1,4 @@
-"""The words for fields and values: OpenGL's tokens where it has one, numbers as short as they read back."""
+"""The words for fields and values: OpenGL's tokens where it has one, shortest exact numbers."""
 
 from enum import Enum
 from types import NoneType
@@ -26,7 +26,7 @@ from fixedpipe.pipeline.state import (
     WindowClip,
 )
 
-# What a field is called; a field that is not here is called by its own name, spelled with spaces.
+# The names of fields; a missing field has its own name, spelled with spaces.
 FIELD_WORDS = {
     (VertexState, "modelview"): "MODELVIEW matrix",
     (VertexState, "projection"): "PROJECTION matrix",
@@ -134,7 +134,7 @@ FIELD_WORDS = {
     (TextureUnit, "color_table"): "TEXTURE_COLOR_TABLE",
 }
 
-# Fields that say what an enabled test or operation does, shown even at their initial value.
+# Fields that define an enabled test or operation, shown even at their initial value.
 ALWAYS_SHOWN = {
     AlphaTest: ("function", "reference"),
     StencilTest: ("function", "reference"),
@@ -150,7 +150,7 @@ ALWAYS_SHOWN = {
 
 
 def format_number(value):
-    """A number as short as it reads back."""
+    """A number in the shortest form that reads back as the same number."""
     short = f"{value + 0.0:g}"  # minus zero shows as 0
     return short if float(short) == value else repr(float(value))
 
@@ -170,7 +170,8 @@ def _format_tuple(values):
     return f"({', '.join(format_value(v) for v in values)})"
 
 
-# By kind of value; what is of none is a number. The first that fits: a bool and a token may be integers.
+# By kind of value; others are numbers. The first that fits counts, because a bool and a token may be
+# integers.
 _WRITTEN = {
     bool: lambda value: "enabled" if value else "disabled",
     Enum: lambda token: token.name,
