@@ -1,1 +1,1 @@
-"""A fixed set of small frames, drawn on this machine by every engine and compared with accepted digests."""
+"""A fixed set of small frames that every engine draws on this machine, compared with accepted digests."""

@@ -1,4 +1,4 @@
-"""Frames drawn in several ways and compared with what was accepted; what differs, in a sentence."""
+"""Frames drawn in several ways and compared with the accepted digests; a sentence for each difference."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -11,15 +11,13 @@ from fixedpipe.pipeline.selftest.digests import Digest, Drawn, accepted, digest_
 from fixedpipe.pipeline.selftest.frame import Frame
 from fixedpipe.pipeline.selftest.frames import FRAMES
 
-# The tallest frame has as many bands of rows.
+# The tallest frame has this many bands of rows.
 MOST_THREADS = 8
 
 
 @dataclass(frozen=True)
 class Way:
-    """How frames are drawn: by which of ``fixedpipe.pipeline.execution.machine.ENGINES``, on how many
-    threads.
-    """
+    """How frames are drawn: by which of ``pipeline.execution.machine.ENGINES``, and on how many threads."""
 
     engine: Engine | None
     threads: int
@@ -33,13 +31,13 @@ class Way:
 
 @dataclass(frozen=True)
 class Check:
-    """What came of one way to draw the frames.
+    """The result of drawing the frames in one way.
 
-    where     in which environment, words for a person
-    way       engine and threads, words
-    frames    how many were drawn
-    failures  a sentence for each that differs
-    left_out  why nothing was drawn, a sentence; "" where it was
+    - ``where``: the environment, in words.
+    - ``way``: engine and threads, in words.
+    - ``frames``: the number of frames drawn.
+    - ``failures``: a sentence for each frame that differs.
+    - ``left_out``: a sentence on why nothing was drawn; "" otherwise.
     """
 
     where: str
@@ -63,20 +61,18 @@ class Check:
 
 
 def ways(threads: Sequence[int], engines: Sequence[Engine | None] = (None, "portable")) -> tuple[Way, ...]:
-    """Compiled engines on each number of threads; and the column engine, which has one, where several are
-    asked.
-    """
+    """Compiled engines on each number of threads; with several engines the column engine too, on one."""
     columns = (Way("columns", 1),) if len(engines) > 1 else ()
     return tuple(Way(engine, count) for engine in engines for count in threads) + columns
 
 
 def usual_threads() -> tuple[int, ...]:
-    """From one to as many as there are processors, two at least."""
+    """One to the number of processors, but at least to two."""
     return tuple(range(1, min(max(default_threads(), 2), MOST_THREADS) + 1))
 
 
 def draw(frame: Frame, way: Way) -> Drawn:
-    """What a frame leaves, drawn that way."""
+    """The results of a frame that is drawn in this way."""
     window = {"engine": way.engine, "threads": way.threads, **frame.window}
     return drawn_by(execute(frame.commands, frame.profile, *frame.size, **window))
 
@@ -84,7 +80,7 @@ def draw(frame: Frame, way: Way) -> Drawn:
 def check_frames(
     where: str, asked: Sequence[Way], frames: Iterable[Frame] = FRAMES, known: dict[str, Digest] | None = None
 ) -> tuple[Check, ...]:
-    """A Check for each Way. ``known``: other digests than those of the package."""
+    """A Check for each Way. ``known``: other digests than the package's."""
     known = accepted() if known is None else known
     frames = tuple(frames)
     failures: dict[Way, list[str]] = {way: [] for way in asked}
@@ -95,7 +91,7 @@ def check_frames(
 
 
 def _failures(frame, asked, digest):
-    """(way, what differs) of each way to draw a frame that does not give the accepted digest."""
+    """(way, difference) for each way to draw a frame that does not give the accepted digest."""
     if digest is None:
         for way in asked:
             yield way, "the package has no digest of it; install fixedpipe again."
@@ -104,7 +100,7 @@ def _failures(frame, asked, digest):
     for way in asked:
         try:
             drawn = draw(frame, way)
-        except Exception as error:  # whatever a broken installation raises is what the self-test is for
+        except Exception as error:  # The self-test reports whatever a broken installation raises.
             yield way, f"nothing was drawn, {type(error).__name__}: {error}"
             continue
         found = digest_of(frame, drawn)
@@ -117,7 +113,7 @@ def _failures(frame, asked, digest):
 
 
 def _difference(drawn, right):
-    """Where a drawing first parts from one that is right, as (way, Drawn)."""
+    """The first difference of a drawing from a right one, which is (way, Drawn)."""
     way, expected = right
     unequal = np.zeros(expected.depth.shape, bool)
     for name, plane in drawn.planes.items():

@@ -64,7 +64,7 @@ _ONE = _read(Register.ZERO, Mapping.UNSIGNED_INVERT)
 
 
 def _programs():
-    """Two general combiners and a final one each, by subject."""
+    """Programs of one or two general combiners and a final one, each about one subject."""
     by_four = RGBPortion(_TEXEL, _COLOR, _OTHER, _HALF, scale=CombinerScale.SCALE_BY_FOUR)
     dots = RGBPortion(
         _VECTOR,
@@ -130,7 +130,7 @@ def _combined(programs):
 
 
 def _long_programs():
-    """Eight general combiners each, with constants of their own where the machine has them."""
+    """Programs of eight general combiners each, with constants of their own where the machine has them."""
     for number, program in enumerate(_programs()):
         general = (program.general * 8)[:8]
         constants = [(k / 8.0, 1.0 - k / 9.0, 0.3, k / 7.0) for k in range(8)]
@@ -147,7 +147,7 @@ def _long_programs():
 
 
 def _environments():
-    """The units' environments: the functions of OpenGL 1.2.1, and what COMBINE computes."""
+    """The units' environments: the functions of OpenGL 1.2.1, and COMBINE's."""
     modes, functions = TextureEnvironmentMode, CombineFunction
     operands = (
         CombineOperand.ONE_MINUS_SRC_COLOR,
@@ -191,7 +191,7 @@ def _environment_states(second_has_dots):
 
 
 def _shaders(operations):
-    """A state for each operation, whose stage follows those that it needs; and what it reads there."""
+    """A state for each operation, whose stage follows the stages that it needs; ``last`` is its texture."""
     for operation, before, last in operations:
         kinds = (*before, operation)
         stages = tuple(
@@ -217,7 +217,7 @@ def _shaders(operations):
 
 
 def _shader_shown(stage):
-    """Combiners that show the last stage's texel, and a little of the first one's."""
+    """Combiners that show the last stage's texel, with a little of the first one's."""
     texel = Register(Register.TEXTURE0 + stage)
     mixed = RGBPortion(_read(texel), _ONE, _TEXEL, _read(Register.ZERO, Mapping.HALF_BIAS_NEGATE))
     return RegisterCombiners(
@@ -250,7 +250,7 @@ _CHIP_OPERATIONS = (
 
 
 def _words(draw, mapping):
-    """The Draw with its dot products read in another way, the first texel where words are."""
+    """The Draw with its dot products mapped in another way; its first texel holds words."""
     stages = tuple(replace(stage, dot_product_mapping=mapping) for stage in draw.state.texture_shader)
     units = (replace(draw.state.texture_units[0], texture="words"), *draw.state.texture_units[1:])
     return replace(draw, state=replace(draw.state, texture_shader=stages, texture_units=units))

@@ -1,6 +1,6 @@
 """The accepted digests of the self-test's frames: a line of JSON for each, package data.
 
-``tests/accept_selftest.py`` alone writes them.
+Only ``tests/accept_selftest.py`` writes them.
 """
 
 import hashlib
@@ -17,15 +17,17 @@ from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.selftest.frame import Frame
 
 ACCEPTED = "accepted.json"
-# Of a row's digest, hexadecimal digits: enough to find a row that differs, one of 65536 passes by chance.
+# Hexadecimal digits of a row's digest: enough to find a differing row; one of 65536 passes by chance.
 _ROW_DIGITS = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """What a frame left. Whole numbers, so that every way of drawing it gives the same bytes.
+    """The results of a frame, in whole numbers, so that every way of drawing it gives the same bytes.
 
-    color [h, w, 4], depth [h, w], stencil [h, w]: int64, top row first; more: what was read and counted
+    - ``color``: int64 [h, w, 4], top row first.
+    - ``depth``, ``stencil``: int64 [h, w], top row first.
+    - ``more``: the pixels that were read, and the counts.
     """
 
     color: NDArray[np.int64]
@@ -35,7 +37,7 @@ class Drawn:
 
     @property
     def planes(self) -> dict[str, NDArray[np.int64]]:
-        """What a pixel has, by the words of a sentence."""
+        """A pixel's data, by their names in a sentence."""
         return {"colour": self.color, "depth": self.depth, "stencil": self.stencil}
 
 
@@ -46,7 +48,7 @@ def drawn_of(color: ArrayLike, depth: ArrayLike, stencil: ArrayLike, more: Mappi
 
 
 def drawn_by(result: Result) -> Drawn:
-    """What a machine's Result holds of it."""
+    """The Drawn of a machine's Result."""
     more = {f"pixels {name}": values for name, values in result.pixels.items()}
     for kind in ("histograms", "minmaxes"):
         for name, table in getattr(result, kind).items():
@@ -58,7 +60,7 @@ def drawn_by(result: Result) -> Drawn:
 
 @dataclass(frozen=True)
 class Digest:
-    """What was accepted of a frame: sha256 of everything, and a few digits for each row, from the top."""
+    """The accepted digests of a frame: SHA-256 of everything, and a few digits for each row, from the top."""
 
     frame: str
     machine: str
@@ -67,7 +69,7 @@ class Digest:
     rows: str
 
     def first_row_that_differs(self, other: "Digest") -> int | None:
-        """From the top; None where all rows are equal, and what was read differs."""
+        """The first differing row from the top; None where all rows are equal and the read pixels differ."""
         for at in range(0, len(self.rows), _ROW_DIGITS):
             if self.rows[at : at + _ROW_DIGITS] != other.rows[at : at + _ROW_DIGITS]:
                 return at // _ROW_DIGITS
@@ -75,14 +77,14 @@ class Digest:
 
 
 def _bytes(array: NDArray[Any]) -> bytes:
-    """Shape and values, little-endian; whole numbers and floats of 64 bits."""
+    """Shape and values as bytes, little-endian: whole numbers and floats of 64 bits."""
     kind = "<f8" if array.dtype.kind == "f" else "<i8"
     shape = "x".join(map(str, array.shape))
     return f"{shape}\n".encode() + np.ascontiguousarray(array.astype(kind)).tobytes()
 
 
 def digest_of(frame: Frame, drawn: Drawn) -> Digest:
-    """The Digest of what a frame left."""
+    """The Digest of a frame's results."""
     total, rows = hashlib.sha256(), []
     for name, array in (drawn.planes | drawn.more).items():
         total.update(name.encode() + b"\n" + _bytes(array))
@@ -93,12 +95,12 @@ def digest_of(frame: Frame, drawn: Drawn) -> Digest:
 
 
 def to_text(digests: Iterable[Digest]) -> str:
-    """The digests as the text of their file: a line for each."""
+    """The text of the digests' file: a line for each."""
     return "[\n" + ",\n".join(json.dumps(asdict(digest)) for digest in digests) + "\n]\n"
 
 
 def from_text(text: str) -> dict[str, Digest]:
-    """By frames' names, the digests of a text. Raises ValueError where it is none of theirs."""
+    """{frame's name: Digest} from a text. Raises ValueError for a text that is no file of digests."""
     try:
         return {line["frame"]: Digest(**line) for line in json.loads(text)}
     except (json.JSONDecodeError, KeyError, TypeError) as error:
@@ -109,5 +111,5 @@ def from_text(text: str) -> dict[str, Digest]:
 
 
 def accepted() -> dict[str, Digest]:
-    """By frames' names, what the package says that they are."""
+    """{frame's name: Digest} from the package's data."""
     return from_text(resources.files(__package__).joinpath(ACCEPTED).read_text(encoding="utf-8"))

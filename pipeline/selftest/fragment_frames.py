@@ -1,5 +1,7 @@
-"""Frames of what happens to fragments: depth, stencil, blending, logic, masks, fog; of points, lines, polygon
-modes and lighting, which make them; and of bands of rows.
+"""Frames of per-fragment operations, primitives, lighting and bands of rows.
+
+The operations are depth, stencil, blending, logic, masks and fog. The primitives are points, lines and
+polygons in their modes.
 """
 
 from dataclasses import replace
@@ -111,7 +113,7 @@ def _blendings():
 
 
 def _logic():
-    """All sixteen operations, eight of them over the other eight."""
+    """All sixteen operations; the second eight draw over the first."""
     for number, operation in enumerate(LogicOperation):
         yield PassState(logic_op=operation, color_mask=ColorMask(alpha=number % 3 != 0))
 
@@ -145,7 +147,7 @@ def _fogs():
 
 
 def _registered_fogs():
-    """The NV2A's own fog parameters, its table of factors."""
+    """The NV2A's own fog parameters and its table of factors."""
     generations = FogGeneration.RADIAL, FogGeneration.PLANAR, FogGeneration.ABSOLUTE_PLANAR
     for number in range(8):
         bias = 1.9 if number % 3 == FogMode.LINEAR else 1.5
@@ -236,12 +238,12 @@ def _lit(cone):
         yield PassState(vertex=VertexState(lighting=lighting, normalize=number % 2 == 0))
 
 
-# Seven bands of rows, and a little of an eighth.
+# Seven bands of rows, and part of an eighth.
 _TALL = 24, 230
 
 
 def _tall_draws():
-    """Hundreds of small triangles and a few large ones over all bands, one layer over the other."""
+    """Hundreds of small triangles and a few large ones over all bands, layer over layer."""
     steps = 12
     at = places(steps)
     for layer in range(4):

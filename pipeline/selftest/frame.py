@@ -1,4 +1,4 @@
-"""What a frame of the self-test is, and a window of patches, one for each state."""
+"""A frame of the self-test, and a window of patches, one for each state."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -11,10 +11,10 @@ from fixedpipe.pipeline.selftest.shapes import ACROSS, PATCH, patch
 from fixedpipe.pipeline.state import DepthTest, PassState
 from fixedpipe.pipeline.textures.images import Texture
 
-# Of most frames: two bands of rows and a little of a third, so that up to three threads share them.
+# The size of most frames: two bands of rows and part of a third, so that up to three threads share them.
 WIDTH, HEIGHT = ACROSS * PATCH, 66
 SIZE = WIDTH, HEIGHT
-# How many patches a window has room for.
+# The number of patches in a window.
 PATCHES = ACROSS * (HEIGHT // PATCH)
 
 
@@ -22,10 +22,11 @@ PATCHES = ACROSS * (HEIGHT // PATCH)
 class Frame:
     """A frame of the self-test.
 
-    name     by which the accepted digests have it
-    profile  the machine
-    size     of the framebuffer, (width, height) in pixels
-    window   what else ``Machine`` is told of it: ``depth_bits``, ``samples``, ``color_bits``
+    - ``name``: its name among the accepted digests.
+    - ``profile``: the machine.
+    - ``commands``: the commands that are drawn.
+    - ``size``: (width, height) of the framebuffer, in pixels.
+    - ``window``: other arguments of ``Machine``: ``depth_bits``, ``samples``, ``color_bits``.
     """
 
     name: str
@@ -36,14 +37,12 @@ class Frame:
 
 
 def stores(**textures: Texture) -> tuple[TexImage, ...]:
-    """The textures as texture objects of their keywords' names."""
+    """The textures as texture objects, named by their keywords."""
     return tuple(TexImage(label="store", texture=name, image=image) for name, image in textures.items())
 
 
 def background(depth_test: DepthTest | None = None) -> tuple[Command, ...]:
-    """A cleared window with something in all of its buffers, and colours and depths that differ from pixel to
-    pixel.
-    """
+    """A cleared window with contents in all of its buffers; colours and depths differ from pixel to pixel."""
     corners = [[-1.0, -1.0, 0.9], [3.0, -1.0, -0.7], [-1.0, 3.0, 0.4]]
     colors = [[0.9, 0.2, 0.1, 1.0], [0.1, 0.8, 0.3, 0.1], [0.2, 0.3, 0.9, 0.6]]
     mesh = Mesh(corners, colors=colors)
@@ -55,7 +54,7 @@ def background(depth_test: DepthTest | None = None) -> tuple[Command, ...]:
 
 
 def patched(states: Iterable[PassState]) -> tuple[Draw, ...]:
-    """A Draw for each state, in the window's patches one after the other, and over them again."""
+    """A Draw for each state, in the window's patches one after the other, then over them again."""
     return tuple(
         Draw(label=f"patch {number}", mesh=patch(number % PATCHES, SIZE), state=state)
         for number, state in enumerate(states)

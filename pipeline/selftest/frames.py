@@ -1,4 +1,4 @@
-"""The self-test's frames, all of them."""
+"""All of the self-test's frames."""
 
 from fixedpipe.pipeline.selftest.combiner_frames import COMBINER_FRAMES
 from fixedpipe.pipeline.selftest.fragment_frames import FRAGMENT_FRAMES

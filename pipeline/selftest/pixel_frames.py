@@ -110,7 +110,7 @@ _TRANSFERS = (
 
 
 def _rectangles():
-    """Images through transfer and zoom, depths, stencil values, bitmaps and copies of what lies there."""
+    """Images with transfer and zoom, depths, stencil values, bitmaps, and copies of the framebuffer."""
     for number, transfer in enumerate(_TRANSFERS):
         place = _at(2.0 + 15 * (number % 2), 3.0 + 16 * (number // 2))
         yield DrawPixels(label="image", image=_IMAGE, position=place, transfer=transfer)
@@ -162,7 +162,7 @@ def _copies():
 
 
 def _surfaces():
-    """A pbuffer of sixteen bits a pixel, drawn and bound as a texture either way up."""
+    """Pbuffers of sixteen and 32 bits a pixel, drawn and bound as a texture, one for each origin."""
     formats = (
         (ColorFormat.R5G6B5, InternalFormat.R5_G6_B5, WindowOrigin.LOWER_LEFT),
         (ColorFormat.A8R8G8B8, InternalFormat.RGBA8, WindowOrigin.UPPER_LEFT),
@@ -197,7 +197,7 @@ def _wide(name, profile, **window):
 
 
 def _future():
-    """What the future board's combiners compute, and a lookup between them."""
+    """The functions of the future board's combiners, and a lookup between them."""
     at = CombinerInput(Register.TEXTURE0)
     color = CombinerInput(Register.PRIMARY_COLOR)
     functions = [kind for kind in CombinerFunction if kind is not CombinerFunction.NONE]

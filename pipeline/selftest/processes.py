@@ -1,4 +1,4 @@
-"""Checks in a process of its own, whose variables Numba and NumPy read when they are imported."""
+"""Checks in another process, whose Numba and NumPy read its variables when they are imported."""
 
 import json
 import os
@@ -9,7 +9,7 @@ from dataclasses import asdict
 
 from fixedpipe.pipeline.selftest.checks import Check
 
-_WORDS = 400  # of what a process that failed said last
+_WORDS = 400  # characters of a failed process's last output
 
 
 def to_json(checks: Sequence[Check]) -> str:
@@ -18,7 +18,7 @@ def to_json(checks: Sequence[Check]) -> str:
 
 
 def checks_of(text: str) -> tuple[Check, ...]:
-    """Checks of that line."""
+    """The Checks of such a line."""
     return tuple(Check(**{**line, "failures": tuple(line["failures"])}) for line in json.loads(text))
 
 
@@ -27,7 +27,7 @@ def checks_elsewhere(where: str, threads: Sequence[int], environment: Mapping[st
     command = [sys.executable, "-m", "fixedpipe.pipeline.selftest", where, *map(str, threads)]
     run = subprocess.run(
         command, env=os.environ | environment, capture_output=True, text=True, check=False
-    )  # what it compiles takes minutes on a busy machine: no limit of time says that it hangs
+    )  # Compiling takes minutes on a busy machine, so no time limit can show that it hangs.
     if run.returncode:
         last = " ".join(run.stderr.split())[-_WORDS:] or "it said nothing"
         failure = f"The process {where} ended with status {run.returncode}: {last}"

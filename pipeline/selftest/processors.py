@@ -1,4 +1,4 @@
-"""Processors that this one can stand for: Numba compiles for them, and NumPy leaves out what is newer."""
+"""Processors that this one can imitate: Numba compiles for them, and NumPy omits newer extensions."""
 
 import platform
 from collections.abc import Mapping
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import llvmlite.binding as llvm
 from numpy._core import _multiarray_umath as numpy_core
 
-# What NumPy reads when it is imported, and Numba.
+# The variables that NumPy and Numba read when they are imported.
 NUMPY_LEAVES_OUT = "NPY_DISABLE_CPU_FEATURES"
 NUMBA_COMPILES_FOR, NUMBA_FEATURES = "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"
 _X86 = ("x86_64", "AMD64")
@@ -23,13 +23,13 @@ _ZEN_4 = (
 
 @dataclass(frozen=True)
 class Processor:
-    """One that LLVM knows. ``needs``: of LLVM's features, those whose instructions its code may have."""
+    """A processor that LLVM knows. ``needs``: the LLVM features whose instructions its code may use."""
 
     name: str
     needs: tuple[str, ...]
 
     def lacking(self, features: Mapping[str, bool]) -> list[str]:
-        """Which of them are not among the features that hold."""
+        """The needed features that are not available."""
         return [name for name in self.needs if not features.get(name)]
 
     def environment(self) -> dict[str, str]:
@@ -50,21 +50,21 @@ PROCESSORS = (
 
 
 def processors() -> tuple[Processor, ...]:
-    """Those that can be asked for on this architecture: LLVM has others' names for others."""
+    """The processors that can be imitated here; beside x86 only the first, for LLVM has other names there."""
     return PROCESSORS if platform.machine() in _X86 else PROCESSORS[:1]
 
 
 def processor_features() -> dict[str, bool]:
-    """What this processor has, by LLVM's names."""
+    """The features of this processor, by LLVM's names."""
     return dict(llvm.get_host_cpu_features())
 
 
 def numpy_extensions() -> list[str]:
-    """What NumPy uses of this processor beyond what it was built for, by its names."""
+    """The extensions of this processor that NumPy uses beyond its build, by its names."""
     return [name for name in numpy_core.__cpu_dispatch__ if numpy_core.__cpu_features__.get(name)]
 
 
 def numpy_without_extensions() -> dict[str, str]:
-    """The variable by which a process leaves them out; none where there are none."""
+    """The variable by which a process omits them; empty where there are none."""
     extensions = numpy_extensions()
     return {NUMPY_LEAVES_OUT: " ".join(extensions)} if extensions else {}

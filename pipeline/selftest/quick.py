@@ -1,6 +1,4 @@
-"""The quick self-test, for who is about to accept a picture: by the fastest engines alone, once for an
-environment.
-"""
+"""The quick self-test before a picture is accepted: the fastest engines alone, once for an environment."""
 
 import hashlib
 import platform
@@ -19,11 +17,10 @@ from fixedpipe.raster.kernel import CACHE_FOLDER
 
 
 def failures() -> tuple[str, ...]:
-    """A sentence for each frame that differs from what was accepted, drawn by the fastest engines on one
-    thread and on several; none: this environment gives the accepted bits.
+    """A sentence for each frame that differs from its accepted digest; none differs in a sound environment.
 
-    That it does is kept beside the kernels, under a name that tells versions, processor and sources, and not
-    looked at again; a failure is.
+    The fastest engines draw on one thread and on several. A success is stored beside the kernels, under a
+    name that depends on versions, processor and sources, and is not tested again. A failure is.
     """
     kept = CACHE_FOLDER / f"selftest-{environment_digest()}.passed"
     if kept.exists():
@@ -32,13 +29,13 @@ def failures() -> tuple[str, ...]:
     checks = check_frames("on this processor", ways((1, threads[-1]), (None,)))
     found = tuple(sentence for check in checks for sentence in check.failures)
     if not found:
-        with suppress(OSError):  # a folder that is full, or no longer there: it is run again
+        with suppress(OSError):  # The folder is full or gone: the test runs again next time.
             kept.touch()
     return found
 
 
 def environment_digest() -> str:
-    """A name for everything that bits could depend on: versions, processor, what is compiled for, sources."""
+    """A name for everything that bits could depend on: versions, processor, compilation target, sources."""
     versions = [metadata.version(name) for name in ("numpy", "numba", "llvmlite")]
     features = sorted(name for name, held in llvm.get_host_cpu_features().items() if held)
     compiled = numba.config.CPU_NAME, numba.config.CPU_FEATURES, CACHE_FOLDER.name

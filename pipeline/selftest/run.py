@@ -1,4 +1,4 @@
-"""The self-test: this process, one in which NumPy has no extensions, and on request other processors."""
+"""The self-test: this process, a process without NumPy's extensions, and on request other processors."""
 
 import tempfile
 from collections.abc import Iterator
@@ -18,8 +18,8 @@ _HERE = "on this processor"
 def run_selftest(*, cpus: bool = False) -> Iterator[Check]:
     """The Checks, one after the other, as they are made.
 
-    cpus  compile the kernels for other processors as well, each in a process with a cache of its own, and
-          draw on one to eight threads: minutes
+    ``cpus`` also compiles the kernels for other processors, each in a process with its own cache, and draws
+    on one to eight threads. It takes minutes.
     """
     threads = usual_threads()
     yield from check_frames(_HERE, ways(threads))

@@ -1,7 +1,6 @@
-"""What the self-test draws: patches of triangles, and images, of whole numbers and fractions alone.
+"""The self-test's shapes: patches of triangles, and images, from whole numbers and fractions alone.
 
-Nothing here asks a library for a sine or a random number: what is handed to the machine is the same with any
-NumPy.
+This module takes no sine and no random number from a library, so its results are the same with any NumPy.
 """
 
 from functools import cache
@@ -18,8 +17,10 @@ ACROSS = 2  # patches side by side
 
 
 def _inside(number, u, v, size):
-    """(x, y, z, w) in clip coordinates of a place in a patch. It is a little larger than its square and off
-    the pixels' grid, and its w differs from corner to corner.
+    """(x, y, z, w) in clip coordinates of a place in a patch.
+
+    The patch is a little larger than its square and off the pixels' grid, and w differs from corner to
+    corner.
     """
     column, row = number % ACROSS, number // ACROSS
     x = (column + 0.02) * PATCH + u * (PATCH + 0.4)
@@ -31,13 +32,13 @@ def _inside(number, u, v, size):
 
 @cache
 def places(steps: int) -> tuple[tuple[float, float], ...]:
-    """(u, v) of a grid of so many squares a side, row by row."""
+    """(u, v) of a grid of ``steps`` squares a side, row by row."""
     edge = [k / steps for k in range(steps + 1)]
     return tuple((u, v) for v in edge for u in edge)
 
 
 def grid_indices(steps: int) -> list[int]:
-    """Two triangles for each square of a grid, every other square's diagonal turned."""
+    """Two triangles for each square of a grid; every other square has the other diagonal."""
     indices = []
     for row in range(steps):
         for column in range(steps):
@@ -54,7 +55,7 @@ def normal(u: float, v: float) -> list[float]:
 
 
 def _arrays(number: int, size: tuple[int, int], steps: int) -> dict[str, Any]:
-    """What a patch's mesh is made of: ``Mesh``'s arguments."""
+    """The arguments of ``Mesh`` for a patch."""
     at = places(steps)
     return {
         "positions": [_inside(number, u, v, size) for u, v in at],
@@ -72,13 +73,13 @@ def _arrays(number: int, size: tuple[int, int], steps: int) -> dict[str, Any]:
 
 
 def patch(number: int, size: tuple[int, int]) -> Mesh:
-    """Patch ``number`` of a window of ``size``: two triangles, or, every other one, fifty small ones."""
+    """Patch ``number`` of a window of ``size``: two triangles, or, for odd numbers, fifty small ones."""
     steps = 5 if number % 2 else 1
     return Mesh(indices=grid_indices(steps), **_arrays(number, size, steps))
 
 
 def values(*shape: int, seed: int = 0, most: int = 255) -> NDArray[np.int64]:
-    """Whole numbers from 0 to ``most`` without an order that the eye sees: int64 of that shape.
+    """Whole numbers from 0 to ``most`` that look random: int64 of that shape.
 
     A multiplier and a shift, in whole numbers of 64 bits (Source: Knuth, The Art of Computer Programming,
     volume 3, section 6.4: multiplication by the golden ratio).
@@ -89,9 +90,9 @@ def values(*shape: int, seed: int = 0, most: int = 255) -> NDArray[np.int64]:
 
 
 def picture(*shape: int, seed: int = 0) -> NDArray[np.uint8]:
-    """An image of bytes, RGBA in the last axis, rows and columns before it: squares of a few texels, grained.
+    """An image of bytes, [..., rows, columns, RGBA]: squares of a few texels, with grain.
 
-    So that smaller levels differ, which of grain alone would all be grey.
+    The squares keep smaller mipmap levels distinct; grain alone would make them all grey.
     """
     *layers, height, width = shape
     squares = values(*layers, -(-height // 4), -(-width // 4), 4, seed=seed)

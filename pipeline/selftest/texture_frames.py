@@ -47,7 +47,7 @@ def _drawn(units):
 
 
 def _filtered():
-    """Every filter of levels that are read far apart, with biases and limits, then anisotropy."""
+    """Every filter over distant levels, with biases and limits, then anisotropy."""
     for number, kind in enumerate(_FILTERS):
         yield _unit(Sampler(kind), matrix=_FAR, lod_bias=(number - 2) / 4.0)
     yield _unit(Sampler(TextureFilter.LINEAR_MIPMAP_LINEAR, max_anisotropy=2.0), matrix=_FAR)
@@ -55,7 +55,7 @@ def _filtered():
 
 
 def _wrapped():
-    """Wrap modes along s and t, each with two filters, outside the image too."""
+    """Wrap modes along s and t, each with two filters, also outside the image."""
     border = (0.9, 0.2, 0.4, 0.7)
     for number in range(8):
         kind = TextureFilter(number % 2)
@@ -103,7 +103,7 @@ def _volumes():
 
 
 def _probed(exact):
-    """Footprints along one axis, by so many probes."""
+    """Footprints along one axis, with one to eight probes."""
     for number in range(8):
         kind = TextureFilter.LINEAR_MIPMAP_NEAREST if number % 3 == 2 else TextureFilter.LINEAR_MIPMAP_LINEAR
         most = (3, 5, 7, 8)[number % 4] if exact else (1, 2, 4, 8)[number % 4]
@@ -127,7 +127,7 @@ def _rough():
 
 
 def _compared():
-    """Depth textures by every function and by both filters."""
+    """Depth textures with every function and both filters."""
     for number, function in enumerate(ComparisonFunction):
         kind = TextureFilter(number % 2)
         sampler = Sampler(
