@@ -1,3 +1,1 @@
-"""Notations of programs: register combiners, texture shaders and Direct3D's pixel shaders, read and
-written.
-"""
+"""Readers and writers of program notations: register combiners, texture shaders, Direct3D's pixel shaders."""

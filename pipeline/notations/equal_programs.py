@@ -1,20 +1,21 @@
 """When two programs are equal on every machine, though their states are spelled differently.
 
-A pixel shader says each thing in one way; other notations have several. These are the same, and no others are
-taken to be:
+A pixel shader has one spelling for each thing; other notations have several. These count as equal, and
+nothing else does:
 
 - Factors of a product, and the two products of a sum, in either order. Source: NV_register_combiners; sums
   are exact before they are rounded, or each product is rounded alone (numbers.md, N8.3).
 - A sum with a product of ZERO, or of a constant of zeros, and the other product alone.
-- ZERO, and a constant of zeros; a constant, and another register or combiner's with the same numbers.
-- UNSIGNED_IDENTITY and SIGNED_IDENTITY of what is never negative: constants, the primary and the secondary
-  color and the coordinates of PASS_THROUGH, as long as no combiner wrote them. A texture may have signed
+- ZERO, and a constant of zeros; a constant, and another register's or combiner's with the same numbers.
+- UNSIGNED_IDENTITY and SIGNED_IDENTITY of values that are never negative: constants, the primary and the
+  secondary color and the coordinates of PASS_THROUGH, until a combiner writes them. A texture may have signed
   components, so a texel is not one of these.
-- What nothing reads: outputs that are discarded, a combiner without outputs, constants, products E * F, the
+- Everything that nothing reads: discarded outputs, a combiner without outputs, constants, products E * F, the
   color sum's clamp, trailing texture units without operation, fields of a stage that its operation ignores.
-- Meanings (``CombinerInput.meaning``), of which machines take no notice.
+- Meanings (``CombinerInput.meaning``), which machines ignore.
 
-The matrix, scale and bias of an offset texture are not compared: a pixel shader's application sets them.
+The matrix, scale and bias of an offset texture are not compared, because a pixel shader's application sets
+them.
 """
 
 from fixedpipe.pipeline.enums import (
@@ -35,12 +36,12 @@ _COLORS = (Register.PRIMARY_COLOR, Register.SECONDARY_COLOR)
 
 
 def half_of(usage: ComponentUsage) -> str:
-    """Which half of a register an input reads, "rgb" or "a"."""
+    """The half of a register that an input reads, "rgb" or "a"."""
     return "a" if usage is ComponentUsage.ALPHA else "rgb"
 
 
 def constant_color(combiners: RegisterCombiners, number: int, register: Register) -> tuple[float, ...]:
-    """What general combiner ``number`` reads of a constant register: four numbers in [0, 1]."""
+    """The value of a constant register in general combiner ``number``: four numbers in [0, 1]."""
     place = CONSTANTS.index(register)
     color = getattr(combiners.general[number], f"constant_color{place}")
     if color is None:
@@ -49,7 +50,7 @@ def constant_color(combiners: RegisterCombiners, number: int, register: Register
 
 
 def never_negative(stages: tuple[TextureShaderStage, ...] | None) -> set[tuple[Register, str]]:
-    """The (register, half) that hold nothing negative when the first general combiner begins."""
+    """The (register, half) pairs that hold nothing negative before the first general combiner."""
     found = {(register, half) for register in _COLORS for half in ("rgb", "a")}
     for unit, stage in enumerate(stages or ()):
         if stage.operation is TextureShaderOperation.PASS_THROUGH:
@@ -58,20 +59,20 @@ def never_negative(stages: tuple[TextureShaderStage, ...] | None) -> set[tuple[R
 
 
 def is_zero(first: CombinerInput, second: CombinerInput) -> bool:
-    """Whether a product has ZERO, as it is, for a factor."""
+    """Whether a product has ZERO, mapped to 0, as a factor."""
     return any(given.register is Register.ZERO and given.mapping in _IDENTITIES for given in (first, second))
 
 
 def outputs(portion) -> tuple[tuple[str, Register], ...]:
-    """(which, register) of a portion's outputs that are kept; which: "ab", "cd" or "sum"."""
+    """(name, register) of a portion's outputs that are kept; the names are "ab", "cd" and "sum"."""
     given = (("ab", portion.ab_output), ("cd", portion.cd_output), ("sum", portion.sum_output))
     return tuple((name, register) for name, register in given if register is not Register.DISCARD)
 
 
 def plain_combiners(combiners: RegisterCombiners, stages=None):
-    """What register combiners compute, as tuples that are equal where machines compute the same.
+    """The results of register combiners as tuples, which are equal where machines compute the same.
 
-    ``stages``: the texture shader's that they follow, or None.
+    ``stages`` are those of the texture shader before them, or None.
     """
     positive, general, muxes = never_negative(stages), [], False
     for number, stage in enumerate(combiners.general):
@@ -125,7 +126,7 @@ def _plain_portion(combiners, number, half, portion, positive):
 
 
 def plain_final(combiners: RegisterCombiners):
-    """What the final combiner computes, without what it does not read."""
+    """The final combiner's result as a tuple, without the fields that it does not read."""
     final = combiners.final
     read = [final.a, final.b, final.c, final.d]
     given = [(i.register, i.mapping, None if i.register is Register.ZERO else i.usage) for i in read]
@@ -141,7 +142,7 @@ def plain_final(combiners: RegisterCombiners):
 
 
 def plain_stages(stages: tuple[TextureShaderStage, ...] | None):
-    """What texture shader stages do, of what their operations take notice of; () where all do nothing."""
+    """The effects of texture shader stages, from the fields that their operations read; () without any."""
     plain = []
     for stage in stages or ():
         operation = stage.operation

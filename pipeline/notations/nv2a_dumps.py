@@ -1,4 +1,4 @@
-"""The words of the NV2A's combiners that a text gives: a dump, a trace, or a program in C.
+"""The words of the NV2A's combiners in a text: a dump, a trace, or a program in C.
 
     NV097_SET_COMBINER_COLOR_ICW[1] = 0xc8c40000            by number
     0x97 -> NV097_SET_COMBINER_COLOR_ICW[1]<0xac4> (0xc8c40000 {...})
@@ -7,8 +7,8 @@
     psd.PSRGBInputs[1] = PS_COMBINERINPUTS(PS_REGISTER_T0, PS_REGISTER_V0, 0, 0);
     SetRenderState(D3DRS_PSRGBINPUTS1, 0xc8c40000);
 
-A name is followed by its index, its address, or both; then by nothing but blanks and ``= : ( , < > {``, then
-by its value. What stands otherwise is refused: no number is taken for a value that may be none.
+A name is followed by its index, its address, or both, then by nothing but blanks and ``= : ( , < > {``, and
+then by its value. Any other form is refused, so that no number counts as a value that may be none.
 
 Source: xemu's traces in its issues 786, 890, 1095 and 2530, nxdk's pbkit, Cxbx's dumps of pixel shaders.
 """
@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from fixedpipe.pipeline.notations.nv2a_symbols import Expression, NoValue
 from fixedpipe.pipeline.notations.tokens import ProgramTextError
 
-# Methods: name, address, how many words, Direct3D's name.
+# Methods: name, address, number of words, Direct3D's name.
 METHODS = (
     ("SET_COMBINER_ALPHA_ICW", 0x0260, 8, "PSAlphaInputs"),
     ("SET_COMBINER_SPECULAR_FOG_CW0", 0x0288, 1, "PSFinalCombinerInputsABCD"),
@@ -41,18 +41,18 @@ _BEGIN_END = "SET_BEGIN_END"
 _ALL = (*METHODS, (_BEGIN_END, 0x17FC, 1, _BEGIN_END))
 _ADDRESSES = {address + 4 * k: (name, k) for name, address, count, _ in _ALL for k in range(count)}
 _NAMES = {alias.upper(): name for name, _, _, word in _ALL for alias in (name, word)}
-# As dumps of Cxbx and its kin spell it.
+# The spelling in dumps of Cxbx and related emulators.
 _NAMES["PSAPHAINPUTS"] = "SET_COMBINER_ALPHA_ICW"
 _WORDS_OF = COUNTS | {_BEGIN_END: 1}
 
 _COMMENT = re.compile(r"(?<!:)//[^\n]*|/\*.*?\*/", re.DOTALL)
 _LINE_COMMENT = re.compile(r"(?<!:)//[^\n]*")
-# Lines that say nothing: comments of other notations, instructions to a preprocessor, and what clears words.
+# Lines without words: comments of other notations, preprocessor directives, and calls that clear words.
 _PASSED = re.compile(r"[ \t]*(?:[#;]|(?:memset[ \t]*\([^,\n]*,[ \t]*0|ZeroMemory[ \t]*\([^,\n]*)[ \t]*,)")
 _TERM = re.compile(r"[A-Za-z_]\w*|0[xX](?P<hex>[0-9a-fA-F]+)\b")
 _PREFIX = re.compile(r"(?:X_)?(?:D3DRS_)?(?:NV097_)?")
 _OTHER_METHOD = re.compile(r"NV[0-9A-Fa-f]{3}_|(?:X_)?D3DRS_|SET_[A-Z0-9]")
-# The class of what a trace tells: another's methods have the same addresses.
+# The class in a trace's line: other classes have methods at the same addresses.
 _CLASS, _KELVIN = re.compile(r"0[xX]0*(?P<hex>[0-9a-fA-F]{1,2})>?[ \t]*->"), 0x97
 _NUMBER = r"(?P<index>0[xX][0-9a-fA-F]{1,2}|[0-9]+)"
 _INDEX = re.compile(rf"[ \t]*(?:(?P<open>[\[(<])[ \t]*{_NUMBER}[ \t]*[\])>])?")
@@ -60,7 +60,7 @@ _NO_INDEX = re.compile(r"\[(?P<index>[^\]\n]*)")
 _ADDRESS_BEFORE = re.compile(r"0[xX]0*(?P<hex>[0-9a-fA-F]{3,4})[ \t:(<]*\Z")
 _SUM_BEFORE = re.compile(r"[\w)\]][ \t]*([+*/&|^-])[ \t]*\(?\Z")
 _PLUS, _AFTER_OFFSET = re.compile(r"[ \t]*\+(?!=)"), re.compile(r"[ \t]*[,\])=:]")
-# Beside a name: in brackets, or before another number.
+# An address beside a name: in brackets, or before another number.
 _ADDRESS = re.compile(
     r"[ \t]*(?:(?P<open>[(<])[ \t]*)?0[xX]0*(?P<hex>[0-9a-fA-F]{1,4})"
     r"(?(open)[ \t]*[)>]|(?=[ \t]+[(<{]*[0-9]))"
@@ -72,7 +72,7 @@ _OPENS = re.compile(r"[ \t]*\(")
 _OPENED, _GOES_ON_BEHIND = re.compile(r"(?:\([( \t]*)?\Z"), re.compile(r"[ \t]*\)[) \t]*(?:[|^&+*]|<<)")
 _NEXT, _NEXT_LISTED = re.compile(r"[ \t,]+"), re.compile(r"[ \t,\n]+")
 _BEGINS_VALUE = re.compile(r"[0-9]|PS_[A-Z]+_|PS_COMBINER|D3DCOLOR_")
-# What takes how many words or bytes follow, not the first of them.
+# Calls that take a number of words or bytes instead of the first word.
 _COUNTING = re.compile(
     r"\b(?P<name>\w*(?:METHOD|BEGIN|HEADER)\w*|pb_push(?:_to)?|mem\w+)[ \t]*\((?P<rest>[^\n]*)", re.IGNORECASE
 )
@@ -84,12 +84,17 @@ _LARGEST = 0xFFFFFFFF
 
 
 class RegisterTextError(ProgramTextError):
-    """A text that holds no words of the NV2A's combiners, or words that no program of them has."""
+    """A text without words of the NV2A's combiners, or with words that no program has."""
 
 
 @dataclass
 class Dump:
-    """``words`` {(name, index): word}, ``lines`` {(name, index): line}, and ``notes``, sentences."""
+    """The words of a text.
+
+    - ``words``: {(name, index): word}.
+    - ``lines``: {(name, index): line}.
+    - ``notes``: sentences.
+    """
 
     words: dict
     lines: dict
@@ -103,7 +108,7 @@ def is_dump(text: str) -> bool:
 
 
 def read_dump(text: str, start=(1, 1), draw: int | None = None) -> Dump:
-    """What a text says before its draw of this number, from 1; without a number, before the last.
+    """The Dump of a text before its draw of this number, from 1; without a number, before the last draw.
 
     A draw is a SET_BEGIN_END that begins one. Raises RegisterTextError with line and column.
     """
@@ -113,7 +118,7 @@ def read_dump(text: str, start=(1, 1), draw: int | None = None) -> Dump:
 
 
 def _named(word):
-    """(name of a method, index or None) of a name as dumps and programs have it, or None."""
+    """(name of a method, index or None) for a name from a dump or a program, or None."""
     name = word[_PREFIX.match(word).end() :].upper()
     if name in _NAMES:
         return _NAMES[name], None
@@ -131,7 +136,7 @@ def _blanks(found):
 
 class _Reader:
     def __init__(self, text, start):
-        # Blanks for comments, so that places stay.
+        # Blanks replace comments, so that places stay.
         closed = text.rfind("*/") + 2 if "*/" in text else 0
         self.text = _COMMENT.sub(_blanks, text[:closed]) + _LINE_COMMENT.sub(_blanks, text[closed:])
         self.start = start
@@ -167,8 +172,10 @@ class _Reader:
         self.refuse_offsets()
 
     def method(self, at, begins=True):
-        """(name, index or None, where it ends, whether it is an address) of the first method of the line from
-        there on, or None. ``begins``: whether the line begins there; addresses stand at its beginning.
+        """(name, index or None, its end, whether it is an address) of the line's first method, or None.
+
+        The search starts at ``at``. ``begins`` says that the line begins there; addresses stand at its
+        beginning.
         """
         if begins and _PASSED.match(self.text, at):
             return None
@@ -177,7 +184,7 @@ class _Reader:
             if term["hex"] is None:
                 if known := _named(term[0]):
                     return self.behind_address(at, term, *known)
-                # What another method is given is no address of one.
+                # An argument of another method is no address.
                 first = first and not _OTHER_METHOD.match(term[0])
                 continue
             value = int(term["hex"][-8:], 16)
@@ -192,7 +199,7 @@ class _Reader:
         return None
 
     def behind_address(self, line, term, name, index):
-        """What ``method`` returns of a name, before which its address may stand."""
+        """The result of ``method`` for a name; its address may stand before it."""
         before = _ADDRESS_BEFORE.search(self.text, line, term.start())
         if before and _ADDRESSES.get(int(before["hex"], 16), ("",))[0] == name:
             return (*_ADDRESSES[int(before["hex"], 16)], before.end("hex"), True)
@@ -204,7 +211,7 @@ class _Reader:
         return name, index, term.end(), False
 
     def statement(self, name, index, at, is_address, number):
-        """Read what follows a method; returns where that ends."""
+        """Read the values after a method; returns where they end."""
         begin = at
         if is_address:
             index, at, bracket = *self.name_beside(name, index, at), None
@@ -218,7 +225,7 @@ class _Reader:
             (index == COUNTS[name] and (listed or len(values) == index))
             or values[0][1] == bracket.start("index")
         ):
-            index = 0  # NAME[8] = eight values, as the array is declared; or NAME (value)
+            index = 0  # NAME[8] = eight values, as in the array's declaration; or NAME (value)
         if len(values) == 1 and self.is_address(name, index, at, values[0]):
             raise self.error(at, f"{name} has its address and no value; write {name} = 0x0 for instance.")
         for k, (value, where) in enumerate(values, index):
@@ -239,7 +246,7 @@ class _Reader:
         return end
 
     def name_beside(self, name, index, at):
-        """(index, where the value may begin) of an address, which its own name may follow."""
+        """(index, where the value may begin) for an address, which its own name may follow."""
         beside = _NAME_BESIDE.match(self.text, at)
         known = beside and _named(beside["name"])
         if not known:
@@ -266,7 +273,7 @@ class _Reader:
             )
 
     def index(self, name, index, at):
-        """(index, where the value may begin, the bracket that gives the index or None) of a name."""
+        """(index, where the value may begin, the bracket with the index or None) for a name."""
         text, bracket = self.text, _INDEX.match(self.text, at)
         if bracket["open"] and index is None and not self.is_own_address(name, bracket):
             index, at = _number(bracket["index"]), bracket.end()
@@ -298,7 +305,7 @@ class _Reader:
         return bracket["open"] != "[" and _ADDRESSES.get(_number(bracket["index"]), ("",))[0] == name
 
     def offset(self, name, index, plus):
-        """(index, where it ends) of a name that is followed by + and an offset in bytes."""
+        """(index, its end) for a name that is followed by + and an offset in bytes."""
         try:
             given = Expression(self.text, plus.end())
         except NoValue as none:
@@ -313,7 +320,7 @@ class _Reader:
         return index + given.value // 4, given.end
 
     def refuse_counts(self, name, at):
-        """Of a push buffer's header, which says how many words follow elsewhere, and of a block of memory."""
+        """Refuse a push buffer's header, which says how many words follow elsewhere, and a memory block."""
         before = max(self.text.rfind("\n", 0, at) + 1, at - _CALL)
         counting = _COUNTING.search(self.text, before, at)
         if counting and counting["rest"].count(")") > counting["rest"].count("("):
@@ -327,12 +334,12 @@ class _Reader:
             )
 
     def is_address(self, name, index, at, value):
-        """Whether the only number behind a name is its own address, as lists of methods have it."""
+        """Whether the only number after a name is its own address, as in lists of methods."""
         number, where = value
         return _ADDRESSES.get(number) == (name, index) and not re.search(r"[=,]|->", self.text[at:where])
 
     def values(self, name, at, bracket):
-        """[(value, where it stands)], one or more, where they end, and whether they are a list in braces."""
+        """([(value, its place)], at least one; where they end; whether they are a list in braces)."""
         text, place = self.text, at
         between = _BETWEEN.match(text, at)
         listed, at = "{" in between[0], between.end()
@@ -356,12 +363,12 @@ class _Reader:
             at = following.end()
 
     def expression(self, name, at, opened):
-        """The Expression at ``at``, or from the first of so many parentheses and blanks before it."""
+        """The Expression at ``at``, or from the first of ``opened`` parentheses and blanks before it."""
         text = self.text
         if opened:
             try:
                 return Expression(text, at - opened)
-            except NoValue:  # a parenthesis of the trace's, which holds more than the value
+            except NoValue:  # The parenthesis is the trace's own and holds more than the value.
                 pass
         try:
             value = Expression(text, at)
@@ -379,7 +386,7 @@ class _Reader:
         at = _BETWEEN.match(self.text, at).end()
         try:
             begins = Expression(self.text, at).value != 0
-        except NoValue:  # a name: TRIANGLES, NV097_SET_BEGIN_END_OP_END
+        except NoValue:  # It is a name: TRIANGLES, NV097_SET_BEGIN_END_OP_END.
             begins = not _ENDS.match(self.text, at)
         if begins:
             if self.changed or not self.draws:
@@ -390,7 +397,7 @@ class _Reader:
         return at
 
     def refuse_offsets(self):
-        """Of brackets that look like offsets in bytes without an address that says so."""
+        """Refuse brackets that look like offsets in bytes where no address confirms them."""
         for name, given in self.bracketed.items():
             if given.keys() == {0, 4} and name.endswith("CW"):
                 raise self.error(

@@ -1,18 +1,17 @@
-"""Register combiners and texture shaders as the NV2A's own words, which an emulator's dump holds.
+"""Register combiners and texture shaders as the NV2A's own words, as in an emulator's dump.
 
     NV097_SET_COMBINER_CONTROL        = 0x00011101
     NV097_SET_COMBINER_COLOR_ICW[0]   = 0xc8c40000
     0x0aa0: 0x00000c00
     PSRGBOutputs[0] = 0x00000c00
 
-A line is a method by its name or its address, and its value; several values, with nothing but spaces and
-commas between them, go to the methods after it.
-Direct3D's names of the same words (PSRGBInputs and the like) are read as well. Lines that name no such method
-are passed over, so that a dump of all state can be given. The first word of what is not there is zero, but
-for the final combiner, which then gives SPARE0.
+A line has a method by its name or its address, and its value. Several values, separated by spaces and commas
+alone, belong to consecutive methods. Direct3D's names of the same words (PSRGBInputs and others) are read
+too. Lines without such a method are skipped, so that a dump of all state can be given. A missing word is
+zero, except for the final combiner, which then gives SPARE0.
 
 Source: the methods' addresses and fields as public headers of the NV2A's 3D class list them (nouveau's
-NV20_TCL_PRIMITIVE_3D, nxdk's nv_regs.h); PS_COMBINERINPUTS and its kin of the Xbox's d3d8types.h.
+NV20_TCL_PRIMITIVE_3D, nxdk's nv_regs.h); PS_COMBINERINPUTS and related macros of the Xbox's d3d8types.h.
 """
 
 from fixedpipe.pipeline.enums import (
@@ -60,7 +59,7 @@ _REGISTERS = {
     0xF: Register.E_TIMES_F,
 }
 _CODES = {register: code for code, register in _REGISTERS.items()} | {Register.DISCARD: 0}
-# By the numbers of the three bits.
+# In the order of the three bits' values.
 _MAPPINGS = (
     Mapping.UNSIGNED_IDENTITY,
     Mapping.UNSIGNED_INVERT,
@@ -83,7 +82,7 @@ _OPERATIONS = {
 _OPERATION_CODES = {operation: code for code, operation in _OPERATIONS.items()}
 # Bits of output words.
 _MUX, _AB_DOT, _CD_DOT, _AB_BLUE, _CD_BLUE = 1 << 14, 1 << 13, 1 << 12, 1 << 19, 1 << 18
-# Of SET_COMBINER_CONTROL, and of the second final word.
+# Bits of SET_COMBINER_CONTROL, and of the second final word.
 _MUX_MSB, _EACH_FACTOR0, _EACH_FACTOR1 = 1 << 8, 1 << 12, 1 << 16
 _CLAMP, _INVERT_SECONDARY, _INVERT_SPARE0 = 1 << 7, 1 << 6, 1 << 5
 
@@ -109,9 +108,9 @@ _MODES = (
     _OP.DOT_PRODUCT,
     _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
 )
-# From here on modes read an earlier unit's texel.
+# This mode and the later ones read an earlier unit's texel.
 _FIRST_READING = _MODES.index(_OP.OFFSET_TEXTURE_2D)
-# The modes' words have no target but these; 1D and rectangle textures are the texture's own matter.
+# A mode's word has no other target; whether a texture is 1D or a rectangle is its own property.
 _MODE_OF = {operation: mode for mode, operation in enumerate(_MODES)} | {
     _OP.TEXTURE_1D: 1,
     _OP.TEXTURE_RECTANGLE: 1,
@@ -124,8 +123,8 @@ _MODE_OF = {operation: mode for mode, operation in enumerate(_MODES)} | {
 def parse(text, start=(1, 1), draw=None):
     """(texture shader stages or None, RegisterCombiners or None, ProgramSources, notes) of a dump.
 
-    ``draw``: the number, from 1, of the draw that it is about, where the dump has several; None is the last.
-    Raises RegisterTextError with line and column, both from 1.
+    ``draw`` is the number, from 1, of a draw in a dump with several; None is the last. Raises
+    RegisterTextError with line and column, both from 1.
     """
     dump = read_dump(text, start, draw)
     words, lines = dump.words, dump.lines
@@ -325,9 +324,9 @@ class _Reader:
 
 
 def format_registers(combiners: RegisterCombiners | None, stages=None) -> str:
-    """The words of register combiners and texture shader stages, a method on each line: ``parse`` reads them.
+    """The words of register combiners and texture shader stages, a method on each line, for ``parse``.
 
-    Colors become bytes. Raises ValueError with a sentence for what the NV2A's words cannot say.
+    Colors become bytes. Raises ValueError with a sentence for states that the NV2A's words cannot express.
     """
     words = {}
     if combiners is not None:

@@ -1,4 +1,4 @@
-"""Names that programs in C give to words of the NV2A's combiners, and the expressions that are made of them.
+"""Names of the NV2A's combiner words in C programs, and expressions of these names.
 
     PS_COMBINERINPUTS(PS_REGISTER_T0 | PS_CHANNEL_RGB, PS_REGISTER_V0, 0, 0)
     MASK(NV097_SET_COMBINER_COLOR_ICW_A_SOURCE, 0x8) | (1u << 28)
@@ -111,7 +111,7 @@ for _field, _mask, _values in _fields():
     _SYMBOLS[f"NV097_{_field}"] = _mask
     _SYMBOLS |= {f"NV097_{_field}_{name}": value for name, value in _values.items()}
 
-# Where a function's arguments go.
+# The lowest bit of each argument of a function.
 _SHIFTS = {
     "PS_COMBINERINPUTS": (24, 16, 8, 0),
     "PS_COMBINEROUTPUTS": (4, 0, 8, 12),
@@ -124,9 +124,9 @@ _SHIFTS = {
     "D3DCOLOR_RGBA": (16, 8, 0, 24),
     "D3DCOLOR_XRGB": (16, 8, 0),
 }
-# MASK(field, value), by the names that programs give to it.
+# MASK(field, value), under the names that programs give it.
 _MASK = re.compile(r"(?:[A-Z]+_)?MASK")
-# The higher binds the tighter, as in C.
+# The higher number binds more tightly, as in C.
 _BINARY = {
     "|": (1, operator.or_),
     "^": (2, operator.xor),
@@ -142,12 +142,12 @@ _TOKEN = re.compile(
     r"|(?P<name>[A-Za-z_]\w*)|(?P<operator><<|>>|[|^&+\-*~(),])|(?P<other>[0-9][\w.]*|\S)"
 )
 _WORD = 0xFFFFFFFF
-# Assumed: no program of the time nests deeper, or has larger numbers before they are cut to words.
+# Assumed: no historical program nests deeper, or has larger numbers before they are cut to words.
 _DEEPEST, _LARGEST = 40, 1 << 64
 
 
 class NoValue(Exception):  # noqa: N818 (it says what was found, and its reader makes an error of it)
-    """What stands where a value belongs is none: ``at`` says where, ``found`` in words what."""
+    """The text at ``at`` is no value; ``found`` describes it."""
 
     def __init__(self, at, found):
         super().__init__(found)
@@ -155,7 +155,7 @@ class NoValue(Exception):  # noqa: N818 (it says what was found, and its reader 
 
 
 def number_of(text, at=0):
-    """The value of a number as C writes it. Raises NoValue for one whose base is not clear."""
+    """The value of a number in C's notation. Raises NoValue for one whose base is not clear."""
     if text[:2] in ("0x", "0X"):
         return int(text[2:][:40] or "0", 16)
     if text[0] == "0" and text.strip("0"):
@@ -164,9 +164,9 @@ def number_of(text, at=0):
 
 
 class Expression:
-    """Reads one value, an expression of C, of a text: ``value`` is it, ``end`` where it ends.
+    """Reads one value, an expression of C, from a text: ``value``, which ends at ``end``.
 
-    Raises NoValue where something else stands there: a variable, a name that is not known, a condition.
+    Raises NoValue for other text: a variable, an unknown name, a condition.
     """
 
     def __init__(self, text, at):
@@ -178,7 +178,7 @@ class Expression:
             raise NoValue(following.start(), f"an expression with {following['other']!r}")
 
     def _peek(self, over_lines=False):
-        """The token that comes, on this line, or where ``over_lines`` or a parenthesis lets it on another."""
+        """The next token on this line, or on a later line with ``over_lines`` or in a parenthesis."""
         text, at = self.text, self.end
         while at < len(text) and text[at] in (" \t\n" if over_lines or self.open else " \t"):
             at += 1
@@ -195,7 +195,7 @@ class Expression:
         left = self._unary(depth)
         while True:
             token, possible = self._peek(), _BINARY
-            if token is None:  # the line ends; one that begins with these goes on with it
+            if token is None:  # The line ends; a line that begins with one of these continues it.
                 token, possible = self._peek(over_lines=True), ("|", "^", "<<")
             if token is None or token["operator"] not in possible:
                 return left
@@ -229,7 +229,7 @@ class Expression:
         raise NoValue(token.start(), repr(token[0][:40]))
 
     def _inside(self, depth):
-        """The values between parentheses, the first of which was taken."""
+        """The values in parentheses, after the opening one."""
         self.open += 1
         values = [self._binary(0, depth + 1)]
         while (token := self._take())["operator"] == ",":

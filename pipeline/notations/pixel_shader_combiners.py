@@ -1,11 +1,11 @@
-"""General combiners in the making, as pixel shaders become them: their constants, operands, and signs.
+"""General combiners under construction from pixel shaders: their constants, operands and signs.
 
-A constant's component is an exact number c in [-1, 1]: k/255, or the decimal that its text says. A combiner
-holds byte(s) of it, where s is c's magnitude, or, of both signs, c + 128/255 or c/2 + 128/255. Byte(s) is
-``floor(255 s + 1/2)``, at most 255, also in exact numbers: halves go up. So -1, which c/2 puts half-way
-between two bytes, is byte 1, read as -254/255, as 1 is read as 254/255.
+A constant's component is an exact number c in [-1, 1]: k/255, or the decimal in its text. A combiner holds
+byte(s), where s is c's magnitude or, for colors of both signs, c + 128/255 or c/2 + 128/255. Byte(s) is
+``floor(255 s + 1/2)``, at most 255, computed in exact numbers, with halves up. So -1, for which c/2 gives a
+half between two bytes, is byte 1 and is read as -254/255, just as 1 is read as 254/255.
 
-Source: docs/numbers.md, N8.10. Assumed: Direct3D's drivers took halves up too; a GeForce 3's picture of
+Source: docs/numbers.md, N8.10. Assumed: Direct3D's drivers rounded halves up too; a GeForce 3's picture of
 ``add r0, v0, c0`` with c0 of both signs and 1 in it would settle it.
 """
 
@@ -48,7 +48,7 @@ MAPPINGS = {
     ("1-", ""): Mapping.UNSIGNED_INVERT,
 }
 SIGNED = (Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE)
-# What makes one of 1, or minus one.
+# Mappings that turn one into 1 or -1.
 ONE_OR_MINUS_ONE = (*SIGNED, Mapping.EXPAND_NORMAL, Mapping.EXPAND_NEGATE)
 NEGATED = {
     Mapping.SIGNED_IDENTITY: Mapping.SIGNED_NEGATE,
@@ -56,8 +56,8 @@ NEGATED = {
     Mapping.HALF_BIAS_NORMAL: Mapping.HALF_BIAS_NEGATE,
 }
 NEGATED |= {negated: mapping for mapping, negated in NEGATED.items()}
-# What stands for SIGNED_IDENTITY and SIGNED_NEGATE of a constant of both signs, by the factor of the reading:
-# where the constant is near zero, and elsewhere, in even steps.
+# The mappings that replace SIGNED_IDENTITY and SIGNED_NEGATE for a constant of both signs, by the factor of
+# the reading: the first for a constant near zero, the second, in even steps, for others.
 READINGS = {
     1: {
         Mapping.SIGNED_IDENTITY: Mapping.HALF_BIAS_NORMAL,
@@ -65,16 +65,18 @@ READINGS = {
     },
     2: {Mapping.SIGNED_IDENTITY: Mapping.EXPAND_NORMAL, Mapping.SIGNED_NEGATE: Mapping.EXPAND_NEGATE},
 }
-_HALF = Fraction(128, 255)  # what these take off
+_HALF = Fraction(128, 255)  # the amount that these mappings subtract
 
 
 @dataclass
 class Stage:
-    """A general combiner in the making, of what ``says`` which line's instructions make of it.
+    """A general combiner under construction.
 
-    ``places``: of each of the two constant registers the halves that are read, "rgb" and "a", and which of
-    the program's constants each of them is, or which Part of one. ``divides``: whether it reads but one color
-    of constants, which may be in both registers.
+    - ``token``, ``says``: the first instruction, and the line and names of the instructions.
+    - ``colors``: the colors of constants, by number or Part.
+    - ``divides``: whether it reads only one color of constants, which may then use both registers.
+    - ``places``: for each of the two constant registers, {half that is read, "rgb" or "a": the number of the
+      program's constant, or a Part of one}.
     """
 
     token: object
@@ -94,12 +96,12 @@ class Stage:
         )
 
     def place(self, number, half):
-        """The constant register whose half is constant ``number``'s, 0 or 1; None: both are taken."""
+        """The constant register, 0 or 1, that holds a half of constant ``number``; None: both are taken."""
         return _place(self.places, number, half)
 
 
 def constant_colors(places, colors):
-    """{field: color} of the state that owns the constant registers; ``places``, ``colors``: as of a Stage."""
+    """{field: color} of the state with the constant registers; ``places`` and ``colors`` are as in Stage."""
     found = {}
     for number, halves in enumerate(places):
         if halves:
@@ -124,10 +126,10 @@ def _place(places, number, half):
 
 
 def share_constants(stages):
-    """Move the constants of all Stages to the program's own two registers; their ``places``, as of a Stage.
+    """Move the constants of all Stages to the program's own two registers; returns the new ``places``.
 
-    A half of the two holds what it holds in the order of the constants' numbers. Raises the notation's error
-    where stages read more than two colors of constants, or more than two alphas.
+    The constants take a register's halves in the order of their numbers. Raises the notation's error where
+    stages read more than two colors of constants, or more than two alphas.
     """
     places = {}, {}
     for half, name in (("rgb", "color"), ("a", "alpha")):
@@ -187,14 +189,14 @@ class Part(NamedTuple):
     negative: bool
 
     def stored(self, color):
-        """What a combiner's constant holds of it."""
+        """The color that a combiner's constant holds for it."""
         sign = -1 if self.negative else 1
         color = exact(color)
         return tuple(map(held, (*(max(0, sign * value) for value in color[:3]), abs(color[3]))))
 
 
 class Operand(NamedTuple):
-    """An input, and whether it is still to be negated, for it has a mapping that cannot be."""
+    """An input, and whether its sign must still change because its mapping has no negation."""
 
     input: CombinerInput
     negated: bool = False
@@ -202,8 +204,10 @@ class Operand(NamedTuple):
 
 @dataclass
 class Dot:
-    """Where an alpha stays in blue: the general combiner of the dot product, and the one from which on the
-    register's own alpha may be written.
+    """An alpha that is still in blue.
+
+    - ``stage``: the general combiner of the dot product.
+    - ``free_from``: the first general combiner that may write the register's own alpha.
     """
 
     stage: int
@@ -211,12 +215,12 @@ class Dot:
 
 
 def one_operand(half):
-    """One, as an operand of a half: "rgb" or "a"."""
+    """One, as an operand of a half, "rgb" or "a"."""
     return Operand(CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, RGB if half == "rgb" else ALPHA))
 
 
 def exact(color):
-    """A color's components in [-1, 1], as the exact numbers that they stand for: k/255, or a decimal."""
+    """A color's components in [-1, 1] as exact numbers: k/255, or a decimal."""
     found = []
     for value in color:
         value = float(max(-1.0, min(1.0, value)))
@@ -226,12 +230,12 @@ def exact(color):
 
 
 def byte_of(number):
-    """The byte that stands for an exact number of [0, 1] and what is beyond: halves go up."""
+    """The byte for an exact number, clamped to [0, 1]; halves go up."""
     return max(0, min(255, (510 * number + 1) // 2))
 
 
 def held(number):
-    """The nearest float64 to an exact number that every machine of bytes takes as ``byte_of`` it."""
+    """The float64 nearest to an exact number that a machine of bytes rounds to ``byte_of`` the number."""
     value, byte = float(number), byte_of(number)
     while constant_byte(value) != byte:
         value = nextafter(value, inf if constant_byte(value) < byte else -inf)
@@ -244,18 +248,19 @@ def of_both_signs(values):
 
 
 def reading(color):
-    """By which factor a color whose red, green and blue differ in sign is read in one input: a key of
-    READINGS. The first reaches from -128/255 to 127/255.
+    """The factor by which one input reads a color whose red, green and blue differ in sign.
+
+    It is a key of READINGS. Factor 1 reaches from -128/255 to 127/255.
     """
     color = exact(color[:3])
     return 1 if 255 * min(color) >= -128 and 255 * max(color) <= 127 else 2
 
 
 def stored(color):
-    """What a combiner's constant, in [0, 1], holds of a color in [-1, 1].
+    """The color in [0, 1] that a combiner's constant holds for a color in [-1, 1].
 
-    Magnitudes, for readers that negate; where red, green and blue differ in sign, what their ``reading`` maps
-    to them.
+    It has magnitudes, for readers that negate. Where red, green and blue differ in sign, it has the numbers
+    that their ``reading`` maps to them.
     """
     factor, numbers = reading(color), exact(color)
     magnitudes = [abs(number) for number in numbers]
@@ -265,8 +270,9 @@ def stored(color):
 
 
 def worst_step(color):
-    """(component, what one input reads for it, in 1/255) of a color of both signs: where the input is further
-    off than a byte has to be; None: nowhere.
+    """(component, value in 1/255) of the worst input of a color of both signs; None where no input is off.
+
+    An input is off if its error is larger than a byte's must be.
     """
     factor, worst = reading(color), None
     for k, number in enumerate(exact(color[:3])):
@@ -289,7 +295,7 @@ def copy_of_blue(register):
 
 
 def compared(a, b):
-    """The alpha portion of what cmp compares, a product, as SPARE0's alpha: half of it and one."""
+    """The alpha portion for cmp's comparison of a product: SPARE0's alpha becomes half of it and one."""
     one = one_operand("a").input
     return AlphaPortion(
         a=a, b=b, c=one, d=one, sum_output=Register.SPARE0, scale=CombinerScale.SCALE_BY_ONE_HALF
@@ -297,8 +303,9 @@ def compared(a, b):
 
 
 def sum_of_products(register, scale):
-    """The portions, rgb and alpha, of dp4's second general combiner: the dot product in ``register``'s color
-    and the product in its alpha, added.
+    """The portions, rgb and alpha, of dp4's second general combiner.
+
+    They add the dot product in ``register``'s color and the product in its alpha.
     """
     portions = []
     for kind, usage, dot in ((RGBPortion, RGB, RGB), (AlphaPortion, ALPHA, BLUE)):
@@ -309,7 +316,7 @@ def sum_of_products(register, scale):
 
 
 def product(instruction, first, second):
-    """The two inputs of a product, with the sign that either still owes."""
+    """The two inputs of a product, with the pending sign of either applied."""
     a, b = first.input, second.input
     if first.negated == second.negated:
         return a, b

@@ -1,11 +1,11 @@
-"""Programs of any notation written as Direct3D 8's pixel shaders.
+"""Writes programs of any notation as Direct3D 8's pixel shaders.
 
-What is written is read before it is given away: of a program that was a pixel shader it has to be the very
-same state, with the same constants; of any other one an equal state (``equal_programs``). What cannot be
-written so is refused. A program that gives SPARE0 without fog is written as one with fog, and a comment says
-so: where fog is disabled they are the same.
+The text is read back before it is returned. A program that was a pixel shader must give the very same state
+and constants; another program must give an equal state (``equal_programs``). Other programs are refused. A
+program that gives SPARE0 without fog is written as one with fog, with a comment: with fog disabled both are
+the same.
 
-The version is ps.1.1, or the first later one that has the instructions. ps.1.0 has the same ones as ps.1.1,
+The version is ps.1.1, or the first later one with the instructions. ps.1.0 has the instructions of ps.1.1,
 and Direct3D 9 dropped it.
 """
 
@@ -41,12 +41,14 @@ _FINAL = FinalCombiner(b=CombinerInput(Register.SPARE0), d=_ZERO, e=_ZERO, f=_ZE
 
 
 def format_pixel_shader(program: Program) -> str:
-    """The pixel shader that reads back as ``program``: as the same texture shader stages, combiners and
-    constants where it was a pixel shader, as equal ones (``equal_programs``) otherwise.
+    """The pixel shader that reads back as ``program``.
 
-    What a reader has to be told beside the text, targets of units and constants of the application's, stands
-    in comments above it, as options of ``fixedpipe combiners``. Raises ValueError with a sentence where
-    ps.1.0 to ps.1.3 cannot say the program.
+    A program that was a pixel shader reads back with the same texture shader stages, combiners and constants.
+    Another program reads back with equal ones (``equal_programs``).
+
+    A reader needs more than the text: the targets of units, and the constants that the application sets. They
+    stand in comments above it, as options of ``fixedpipe combiners``. Raises ValueError with a sentence where
+    ps.1.0 to ps.1.3 cannot express the program.
     """
     combiners = program.combiners
     if combiners is None:
@@ -77,7 +79,7 @@ def format_pixel_shader(program: Program) -> str:
 
 
 def _is_without_fog(final):
-    """Whether the final combiner gives SPARE0's color as it is, by its D, or by its B or C alone."""
+    """Whether the final combiner gives SPARE0's unchanged color, by its D, or by its B or C alone."""
     spare0, one = CombinerInput(Register.SPARE0), replace(_ZERO, mapping=Mapping.UNSIGNED_INVERT)
     a, b, c, d = final.a, final.b, final.c, final.d
     return (a, b, c, d) == (_ZERO, _ZERO, _ZERO, spare0) or (
@@ -126,7 +128,7 @@ def _was_pixel_shader(program):
 
 
 def _written(program, whole):
-    """The text, read back. ``whole``: as of a Writer."""
+    """The text, after it was read back. ``whole`` is that of a Writer."""
     combiners, stages = program.combiners, program.texture_shader
     texture, places, shared = texture_instructions(stages), None, False
     if _was_pixel_shader(program):
@@ -217,7 +219,7 @@ def _allocated(combiners, groups, eyes):
 
 
 def _halves_of_sources(written):
-    """(source, half of it that is read) of what is written."""
+    """(source, the half of it that is read) for each source of a written instruction."""
     for half in ("rgb", "a") if written.mask == "" else (written.mask,):
         for source in written.sources:
             yield source, "a" if source.selector == "a" or (half == "a" and not source.selector) else "rgb"
@@ -227,7 +229,7 @@ def _halves_of_sources(written):
 
 
 def _check(program, shader: PixelShader):
-    """Refuse what does not read back as the program."""
+    """Refuse a text that does not read back as the program."""
     if _was_pixel_shader(program):
         same = (
             shader.combiners == program.combiners
@@ -249,7 +251,7 @@ def _check(program, shader: PixelShader):
 
 
 def _first_difference(program, shader):
-    """What does not read back as it is, in words."""
+    """The first part that reads back differently, in words."""
     stages = program.texture_shader
     for what, count, find in (
         ("Texture shader stage", len(stages or ()), lambda given: plain_stages(given.texture_shader)),

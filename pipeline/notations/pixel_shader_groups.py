@@ -1,6 +1,6 @@
-"""General combiners as the groups of arithmetic instructions of a pixel shader that become them.
+"""The groups of arithmetic pixel shader instructions that become given general combiners.
 
-A group is one instruction, two that a '+' makes a pair, or a cmp or dp4, which become two general combiners.
+A group is one instruction, a pair joined by '+', or a cmp or dp4, which become two general combiners.
 """
 
 from collections.abc import Iterator
@@ -32,10 +32,12 @@ _IN_WORDS = {"rgb": "color", "a": "alpha"}
 
 @dataclass
 class Written:
-    """An instruction that is written: ``mask`` "rgb", "a" or "" for both; ``sources`` one way to say each.
+    """An instruction that is written.
 
-    ``clamped``: of the reads of its result, whether they take it clamped to [0, 1]: {True}, {False}, both, or
-    neither where none can tell.
+    - ``mask``: "rgb", "a", or "" for both.
+    - ``sources``: one wording of each.
+    - ``clamped``: how its result is read: {True} clamped to [0, 1], {False} unclamped, both, or neither where
+      no reader can tell.
     """
 
     instruction: Instruction
@@ -44,7 +46,7 @@ class Written:
     clamped: set[bool] = field(default_factory=set)
 
     def text(self, names):
-        """The words; ``names`` {Constant: name}."""
+        """The words of the instruction; ``names`` is {Constant: name}."""
         saturate = "_sat" if True in self.clamped else ""
         mask = f".{self.mask}" if self.mask else ""
         given = self.instruction
@@ -54,8 +56,11 @@ class Written:
 
 @dataclass
 class Group:
-    """What general combiner ``number``, and the next where it has two, come from: ``choices`` {half: what may
-    be written}, ``together``: as one instruction alone. ``reads``: (half, input, clamped by itself).
+    """The origin of general combiner ``number``, and of the next where a group takes two.
+
+    - ``choices``: {half: instructions that may be written}.
+    - ``together``: whether it must be one instruction.
+    - ``reads``: (half, input, whether the instruction itself clamps it).
     """
 
     number: int
@@ -76,9 +81,7 @@ def dot_products(general) -> Iterator[int]:
 
 
 def alpha_is_read(combiners, number) -> bool:
-    """Whether the alpha of the register whose color general combiner ``number`` writes is read before it is
-    written.
-    """
+    """Whether the alpha of the register that general combiner ``number`` colors is read before a write."""
     register = combiners.general[number].rgb.ab_output
     for stage in combiners.general[number + 1 :]:
         for portion in (stage.rgb, stage.alpha):
@@ -93,17 +96,17 @@ def alpha_is_read(combiners, number) -> bool:
 
 
 class Writer:
-    """The arithmetic instructions of register combiners.
+    """Writes the arithmetic instructions of register combiners.
 
-    ``whole``: the numbers of the dot products that are taken to be a dp3 of all four components.
+    ``whole`` has the numbers of the dot products that count as a dp3 of all four components.
     """
 
     def __init__(self, combiners, operands: Operands, whole: frozenset[int]):
         self.combiners, self.operands, self.whole = combiners, operands, whole
-        self.last = {}  # (register, half): what wrote it
+        self.last = {}  # {(register, half): the Written that wrote it}
 
     def groups(self) -> list[Group]:
-        """The groups, written. Raises ValueError with a sentence where there is none for a combiner."""
+        """The groups, written. Raises ValueError with a sentence for a combiner without one."""
         groups, number = [], 0
         while number < len(self.combiners.general):
             group, taken = self._group(number)
@@ -118,7 +121,7 @@ class Writer:
     # --------------------------------------------------------------------------------------- one group
 
     def _group(self, number):
-        """The Group that begins at a general combiner, and how many it takes."""
+        """The Group that begins at a general combiner, and the number of combiners that it takes."""
         for find in (self._four_components, self._comparison):
             group = find(number)
             if group is not None:
@@ -133,7 +136,7 @@ class Writer:
         return group, 1
 
     def _copies(self, portion):
-        """Whether an alpha portion is the copy of blue that a dp3 asks for by itself."""
+        """Whether an alpha portion is the copy of blue that a dp3 implies."""
         return _COPIES.get(portion) in self.operands.in_blue
 
     def _instructions(self, number, half, portion):
@@ -188,7 +191,7 @@ class Writer:
     # ------------------------------------------------------------------------- what is read and written
 
     def _write(self, group):
-        """Choose what is written, and note what it reads of what was written before."""
+        """Choose the instructions to write, and note what they read of earlier results."""
         number, choices = group.number, group.choices
         common = _in_common(choices["rgb"], choices["a"]) if len(choices) == 2 else None
         if common is None:
@@ -219,7 +222,7 @@ class Writer:
                 self.operands.in_blue.discard(Register.SPARE0)
 
     def _note(self, number, half, given):
-        """Whether an input takes what was written clamped to [0, 1]."""
+        """Note whether an input reads an earlier result clamped to [0, 1]."""
         place = given.register, half_of(given.usage)
         written = self.last.get(place)
         if written is None:
@@ -259,7 +262,7 @@ class Writer:
         return place is not None and CONSTANTS[place] is given.register
 
     def _settle(self, group):
-        """Make one instruction of two halves that say the same, and refuse what one _sat cannot say."""
+        """Join two equal halves into one instruction, and refuse what one _sat cannot express."""
         for written in group.written:
             if len(written.clamped) == 2:
                 name = _NAMES[written.instruction.destination]
@@ -298,7 +301,7 @@ def _alike(first, second):
 
 
 def _in_common(firsts, seconds):
-    """An instruction of each list that are one, and the ways to say its sources; or None."""
+    """An instruction of each list that are equal, and the common wording of their sources; or None."""
     for first in firsts:
         for second in seconds:
             if not _alike(first, second):

@@ -1,4 +1,4 @@
-"""What Direct3D's validator refuses in a pixel shader, or defines otherwise, and the machine does not.
+"""Pixel shaders that Direct3D's validator refuses, or defines in another way, and the machine runs.
 
 Source: the DirectX 8.1 reference of pixel shaders: read port limit, instruction pairing, counting
 instructions, texbem, texkill, cmp.
@@ -6,8 +6,8 @@ instructions, texbem, texkill, cmp.
 
 from fixedpipe.pipeline.notations.pixel_shaders import OVER_TWO_COMBINERS, grouped
 
-# How many different registers of a kind an instruction may read, by version; of other versions two, and three
-# texture registers.
+# The number of different registers of a kind that an instruction may read, by version. Other versions allow
+# two, and three texture registers.
 _PORTS = {"1.0": {"t": 1, "v": 1}, "1.1": {"t": 2}}
 _MOST_TEXTURES, _MOST_OTHERS, _MOST_OF_A_PAIR = 3, 2, 3
 _KINDS = {"t": "texture", "v": "color", "c": "constant"}
@@ -21,7 +21,7 @@ def most_read(version, letter):
 
 
 def validator_notes(listing):
-    """(line, sentence) of each, in the order of the program."""
+    """(line, sentence) of each such place, in the order of the program."""
     offsets, given = {}, set()
     for instruction in listing.texture:
         name, line = instruction.name, instruction.token.line
@@ -70,7 +70,7 @@ def validator_notes(listing):
 
 
 def _of_no_texture(listing):
-    """Of a program without texture instructions, whose texture registers are what units sample.
+    """Notes on a program without texture instructions, whose texture registers hold the units' samples.
 
     Source: the DirectX 8.1 reference of ps.1.x, Registers; the assembler's error X5036.
     """
@@ -101,7 +101,7 @@ def _of_pairs(listing):
 
 
 def _of_slots(listing):
-    """Slots that the chip's stages do not count."""
+    """Notes on slots that the chip's stages do not count."""
     comparisons = [instruction for instruction in listing.arithmetic if instruction.name == "cmp"]
     if len(comparisons) > _MOST_COMPARISONS:
         yield comparisons[_MOST_COMPARISONS].token.line, "a fourth cmp; Direct3D takes three."
@@ -118,14 +118,15 @@ def _of_slots(listing):
             f"texbeml takes one of Direct3D's {_SLOTS} slots of arithmetic, and the instructions take "
             f"{arithmetic}.",
         )
-    # Of texture instructions tex takes none of these, and an offset two.
+    # Of texture instructions, tex takes none of these slots, and an offset takes two.
     addresses = sum(1 + (i.name in _OFFSETS) for i in listing.texture if i.name != "tex")
     if listing.version == "1.0" and arithmetic + luminance + addresses > _SLOTS:
         yield line, f"{arithmetic + luminance + addresses} slots without tex; ps.1.0 has {_SLOTS} in all."
 
 
 def unwritten_note(line, register, half):
-    """(line, sentence) of a half, "rgb" or "a", of r0 or r1 that is read before anything is written to it.
+    """(line, sentence) for a half, "rgb" or "a", of r0 or r1 that is read before it is written.
+
     ``register``: letter and number.
     """
     name, what = "".join(map(str, register)), "alpha" if half == "a" else "color"

@@ -1,7 +1,7 @@
-"""Inputs of register combiners as the sources of a pixel shader that become them.
+"""The pixel shader sources that become given inputs of register combiners.
 
-An input may be said in several ways; an instruction of both halves of its destination needs a way that its
-color and its alpha have in common.
+An input may have several wordings. An instruction of both halves of its destination needs a wording that its
+color and its alpha share.
 """
 
 from dataclasses import dataclass, field
@@ -34,12 +34,14 @@ _WITHOUT_COLOR = (
 
 
 class UnsayableError(ValueError):
-    """What ps.1.x has no words for, as the part of a sentence that follows its place."""
+    """A part that ps.1.x cannot express; the message continues a sentence that names the place."""
 
 
 class Constant(NamedTuple):
-    """A constant whose number is found later: ``register`` of a general combiner, Register.ZERO for one that
-    is zero in all of them, or, ``register`` None, the eye of a texture shader stage.
+    """A constant whose number is chosen later.
+
+    ``register`` is that of a general combiner, or Register.ZERO for a constant that is zero in all of them.
+    None stands for the eye of a texture shader stage.
     """
 
     stage: int
@@ -47,7 +49,7 @@ class Constant(NamedTuple):
 
 
 class Said(NamedTuple):
-    """A source: ``name`` is a register's, or a Constant; ``selector``: "", "a" or "b"."""
+    """The wording of a source: ``name`` is a register's, or a Constant; ``selector`` is "", "a" or "b"."""
 
     sign: str
     name: str | Constant
@@ -55,7 +57,7 @@ class Said(NamedTuple):
     selector: str
 
     def text(self, names):
-        """The words; ``names`` {Constant: name}."""
+        """The words of the source; ``names`` is {Constant: name}."""
         modifier = f"_{self.modifier}" if self.modifier else ""
         selector = f".{self.selector}" if self.selector else ""
         return f"{self.sign}{names.get(self.name, self.name)}{modifier}{selector}"
@@ -67,12 +69,13 @@ class Said(NamedTuple):
 
 @dataclass
 class Operands:
-    """What registers are known to hold, as a program is gone through.
+    """The known contents of registers while the Writer goes through a program.
 
-    ``constants`` {(stage, register, half): number} of a pixel shader's own, ``colors`` {number: color}; None:
-    any number may be taken. ``in_blue``: registers whose alpha ps.1.x takes to be in blue, after a dp3 of all
-    four components. ``ones``: texture registers whose alpha is 1. ``written``: (register, half) by general
-    combiners.
+    - ``constants``: {(stage, register, half): number} of a pixel shader; None: any number may be chosen.
+    - ``colors``: {number: color}.
+    - ``in_blue``: registers whose alpha ps.1.x takes from blue, after a dp3 of all four components.
+    - ``ones``: texture registers whose alpha is 1.
+    - ``written``: (register, half) that general combiners have written.
     """
 
     stages: tuple | None
@@ -99,7 +102,7 @@ class Operands:
 
     @property
     def exact(self):
-        """Whether the program was a pixel shader, which is to read back as the very same state."""
+        """Whether the program was a pixel shader, which must read back as the very same state."""
         return self.constants is not None
 
     def are_parts(self, number, first, second):
@@ -111,7 +114,7 @@ class Operands:
         return found is not None and found == other and of_both_signs(self.colors[found][:3])
 
     def write(self, register, half):
-        """A general combiner writes half of a register."""
+        """Note that a general combiner writes a half of a register."""
         self.written.add((register, half))
         self.positive.discard((register, half))
         self.in_blue.discard(register)
@@ -119,9 +122,9 @@ class Operands:
             self.ones.discard(register)
 
     def sources(self, number, half, given):
-        """The ways to say an input of general combiner ``number``, the best first; none: there is no way.
+        """The wordings of an input of general combiner ``number``, the best first; empty: there is none.
 
-        Raises UnsayableError where what is read cannot be read at all.
+        Raises UnsayableError for a register that cannot be read at all.
         """
         register = given.register
         if register is Register.ZERO:
@@ -161,7 +164,7 @@ class Operands:
         return tuple(Said(sign, name, modifier, s) for s in self._selectors(half, given.usage))
 
     def _ones(self, half, mapping):
-        """ZERO, as what modifiers make of an alpha that is 1."""
+        """Wordings of ZERO as modifiers of an alpha that is 1."""
         words = [w for w, m in MAPPINGS.items() if MAPPINGS_OF_ONE[m] is mapping]
         names = [PIXEL_SHADER_NAMES[register] for register in sorted(self.ones)]
         selectors = self._selectors(half, ALPHA)
@@ -169,7 +172,7 @@ class Operands:
         return tuple(Said(sign, name, modifier, s) for name, sign, modifier in ways for s in selectors)
 
     def _zeros(self, number, half, given):
-        """ZERO, as a constant of zeros, where the program does not say which constants there are."""
+        """Wordings of ZERO as a constant of zeros, where the program does not fix the constants."""
         if self.exact:
             return ()
         sign, modifier = _WORDS[given.mapping]

@@ -1,4 +1,4 @@
-"""Portions of general combiners as the arithmetic instructions of a pixel shader that become them."""
+"""The arithmetic pixel shader instructions that become given portions of general combiners."""
 
 from dataclasses import replace
 from itertools import product as combinations
@@ -15,9 +15,11 @@ _DESTINATIONS = frozenset(REGISTERS.values())
 
 
 class Instruction(NamedTuple):
-    """An instruction of one half. ``sources``: of each, the ways to say it. ``reads``: its inputs, in the
-    order in which the reader of pixel shaders comes to them, each with whether the instruction clamps it by
-    itself, as lrp does its factor.
+    """An instruction of one half.
+
+    - ``sources``: the wordings of each source.
+    - ``reads``: its inputs, in the order in which the reader of pixel shaders meets them, each with whether
+      the instruction clamps it itself, as lrp does with its factor.
     """
 
     name: str
@@ -37,7 +39,7 @@ def _is_minus_one(given):
 
 
 def said_times(operands, number, half, a, b):
-    """The ways to say a * b where b is 1 or, a having no mapping with a minus, -1; none for any other b."""
+    """The wordings of a * b where b is 1, or -1 if a's mapping has no negation; empty for any other b."""
     if is_one(b):
         return operands.sources(number, half, a)
     if _is_minus_one(b) and a.mapping not in NEGATED:
@@ -46,8 +48,9 @@ def said_times(operands, number, half, a, b):
 
 
 def instructions(operands: Operands, number: int, half: str, portion) -> list[Instruction]:
-    """The instructions that a portion, ``half`` "rgb" or "a" of general combiner ``number``, may be; the best
-    first. Raises UnsayableError where there is none.
+    """The instructions that a portion may be, the best first.
+
+    ``half`` is "rgb" or "a" of general combiner ``number``. Raises UnsayableError where there is none.
     """
     portion = portion if operands.exact else _simpler(portion)
     _refuse_what_has_no_words(portion)
@@ -66,7 +69,7 @@ def instructions(operands: Operands, number: int, half: str, portion) -> list[In
 
 
 def _simpler(portion):
-    """The portion without a product of ZERO beside another, its one product as AB."""
+    """The portion without a product of ZERO beside another; its only product becomes AB."""
     names = [name for name, _ in outputs(portion)]
     nothing = CombinerInput(usage=portion.c.usage)
     if names == ["sum"] and not portion.mux_sum:

@@ -1,4 +1,4 @@
-"""Texture shader stages written as the texture instructions of Direct3D 8's pixel shaders."""
+"""Writes texture shader stages as the texture instructions of Direct3D 8's pixel shaders."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from fixedpipe.pipeline.notations.pixel_shader_textures import AFTER_PAD, TEXTUR
 from fixedpipe.pipeline.notations.pixel_shaders import TEXTURE
 from fixedpipe.pipeline.state import TextureShaderStage
 
-# Operation: the instruction, and the target that its unit has to have bound, None where the first is taken.
+# {operation: (instruction, target that its unit must have bound, or None for the first)}.
 _INSTRUCTIONS = {
     operation: (name, None if place == 0 else target)
     for name, operations in TEXTURE_OPERATIONS.items()
@@ -22,8 +22,13 @@ _WITH_EYE = "texm3x3spec"
 
 
 class TextureInstructions(NamedTuple):
-    """Instructions, an eye's place in them as ``{N}``, N its unit; {unit: TextureTarget} of what has to be
-    said beside them; ``comments``: of what the application sets.
+    """The instructions of texture shader stages.
+
+    - ``lines``: the instructions; ``{N}`` stands for the eye of unit N.
+    - ``names``: their names.
+    - ``targets``: {unit: TextureTarget} that must be given beside them.
+    - ``comments``: on state that the application sets.
+    - ``eyes``: {unit: eye}.
     """
 
     lines: tuple[str, ...]
@@ -34,7 +39,7 @@ class TextureInstructions(NamedTuple):
 
 
 def texture_instructions(stages: tuple[TextureShaderStage, ...] | None) -> TextureInstructions:
-    """The instructions of texture shader stages. Raises ValueError where there is none for a stage."""
+    """The instructions of texture shader stages. Raises ValueError for a stage that has none."""
     lines, names, targets, comments, eyes = [], set(), {}, [], {}
     for unit, stage in enumerate(stages or ()):
         if stage.operation is Operation.NONE:
@@ -92,9 +97,9 @@ def _mapping(unit, name, stage):
 
 
 def _matrix(unit, name, stage):
-    """What an application sets of an offset texture, where it is not the initial state.
+    """The application's state for an offset texture, where it is not the initial state.
 
-    Source: D3DTSS_BUMPENVMAT00 to 11, LSCALE and LOFFSET; NV_texture_shader's matrix goes by columns.
+    Source: D3DTSS_BUMPENVMAT00 to 11, LSCALE and LOFFSET; NV_texture_shader's matrix is stored by columns.
     """
     initial = TextureShaderStage()
     given = (*stage.offset_texture_matrix, stage.offset_texture_scale, stage.offset_texture_bias)

@@ -17,7 +17,7 @@ _ACCESSES = {
 }
 _2D, _RECTANGLE = TextureTarget.TEXTURE_2D, TextureTarget.TEXTURE_RECTANGLE
 _3D, _CUBE_MAP = TextureTarget.TEXTURE_3D, TextureTarget.TEXTURE_CUBE_MAP
-# What a texture instruction does, by the target of its unit; the first where no target was given.
+# The operation of a texture instruction, by the target of its unit; the first is the default.
 TEXTURE_OPERATIONS = {
     "tex": {_2D: _OP.TEXTURE_2D} | _ACCESSES,
     "texcoord": {None: _OP.PASS_THROUGH},
@@ -55,10 +55,13 @@ _LAST_ROWS = {name for rows in AFTER_PAD.values() for name in rows[-1]}
 
 
 class ConstantPlace(NamedTuple):
-    """Where constant register ``constant`` went: ``register`` of general combiner ``stage``, of the program
-    (which the final combiner reads) where that is None, or, register
-    None, the constant eye of texture shader stage ``stage``. ``components``: which of the register's it is,
-    "rgba", or "rgb" or "a" where another constant is the others.
+    """The place of constant register ``constant`` in the state.
+
+    - ``stage``, ``register``: a register of general combiner ``stage``; with ``stage`` None, of the program
+      (the final combiner reads it); with ``register`` None, the constant eye of texture shader stage
+      ``stage``.
+    - ``components``: the register's components that it fills: "rgba", or "rgb" or "a" where another constant
+      fills the others.
     """
 
     constant: int
@@ -68,7 +71,7 @@ class ConstantPlace(NamedTuple):
 
 
 def texture_stages(listing, targets, colors):
-    """The stages of all units up to the last that an instruction names, or None, and where eyes came from."""
+    """The stages of all units up to the last that an instruction names, or None, and the places of eyes."""
     by_unit, eyes = {instruction.destination[1]: instruction for instruction in listing.texture}, []
     _check_rows(by_unit)
     stages = []
@@ -87,7 +90,7 @@ def texture_stages(listing, targets, colors):
 
 def _check_rows(by_unit):
     """Refuse rows of a matrix that do not stand in consecutive units."""
-    # texm3x3diff is a second row that looks up as well; texture_shader_problems knows where it may stand.
+    # texm3x3diff is a second row that also looks up; texture_shader_problems checks its place.
     by_unit = {
         unit: instruction._replace(name="texm3x3pad") if instruction.name == "texm3x3diff" else instruction
         for unit, instruction in by_unit.items()

@@ -1,7 +1,7 @@
 """The translation of Direct3D 8's pixel shaders to texture shader stages and register combiners.
 
 Texture register tN is texture unit N; r0 and r1 are SPARE0 and SPARE1, v0 and v1 the primary and the
-secondary color, and an arithmetic instruction, or a pair, is one general combiner:
+secondary color. An arithmetic instruction, or a pair, is one general combiner:
 
     mov d, a          AB = a * 1                         add, sub    AB + CD = a * 1 + (+-b) * 1
     mul d, a, b       AB = a * b                         mad         AB + CD = a * b + c * 1
@@ -12,23 +12,25 @@ secondary color, and an arithmetic instruction, or a pair, is one general combin
 EXPAND_NORMAL, HALF_BIAS_NORMAL, UNSIGNED_INVERT and the NEGATE ones. The final combiner gives r0, with fog.
 Three things have no field of their own:
 
-- ``_sat``: the register keeps [-1, 1]; who reads it maps by UNSIGNED_IDENTITY, which clamps negative values,
-  and says that it means a saturated one, by which the ideal goes.
-- The alpha of a ``dp3``: an alpha portion has no dot product. As red, green and blue are equal, who reads the
-  alpha takes another component, and only where that is impossible (``cnd``, red, green and blue overwritten)
-  is blue copied, by an alpha portion that is free or by one more general combiner, or, where there would be
-  more than eight, by the chip's own blue to alpha.
-- A negative constant: constants are in [0, 1], so the magnitude is stored and the reader negates. Of red,
-  green and blue of both signs, from -128/255 to 127/255, what HALF_BIAS_NORMAL maps to them is stored; of
-  others what EXPAND_NORMAL maps to them, which is even, and so off by up to 1/255. Where that is off, ``mov``
-  and ``mul`` take both constants, what is positive in one and what is negative in the other, and are exact;
-  what cannot is noted (Inferred: there is no other signed reading of a constant; a GeForce 3's output would
-  settle which of them its driver chose).
+- ``_sat``: the register keeps [-1, 1]. Its readers map by UNSIGNED_IDENTITY, which clamps negative values.
+  Their meaning is a saturated value, which the ideal uses.
+- The alpha of a ``dp3``: an alpha portion has no dot product. Red, green and blue are equal, so a reader of
+  the alpha takes another component. Only where that is impossible (``cnd``, red, green and blue overwritten)
+  is blue copied: by a free alpha portion, or by one more general combiner. Where there would be more than
+  eight, the chip's own blue to alpha copies it.
+- A negative constant: constants are in [0, 1], so the magnitude is stored and the reader negates. For red,
+  green and blue of both signs, from -128/255 to 127/255, the numbers that HALF_BIAS_NORMAL maps to them are
+  stored. For others it is those that EXPAND_NORMAL maps to them; these are even, so they are off by up to
+  1/255. Where they are off, ``mov`` and ``mul`` read both constant registers: one has the positive
+  components, the other the negative ones, and the result is exact. Other instructions get a note (Inferred:
+  there is no other signed reading of a constant; a GeForce 3's output would settle which of them its driver
+  chose).
 
-``cmp`` and ``dp4`` take two general combiners each, as their cost in instruction slots says they did.
+``cmp`` and ``dp4`` take two general combiners each, as their cost in instruction slots suggests.
 
-Where nvparse's translation differs from Direct3D's definition (``cnd`` with its two values exchanged, ``-r0``
-as one minus, ``_sat`` dropped, a constant that is named twice taking two places) the definition is followed.
+Where nvparse's translation differs from Direct3D's definition, the definition counts. The differences: it
+exchanges ``cnd``'s two values, reads ``-r0`` as one minus, drops ``_sat``, and gives a constant that is named
+twice two places.
 
 Source: NV_register_combiners, NV_texture_shader; the DirectX 8.1 reference; nvparse's ps1.0_program.cpp, as
 distributed with OGRE 3D, for the correspondence.
@@ -95,9 +97,11 @@ from fixedpipe.pipeline.state import (
 
 @dataclass(frozen=True)
 class PixelShader:
-    """A translated program. ``texture_shader`` is None where it has no texture instruction: units then sample
-    what is bound to them. ``notes``: sentences on what Direct3D would refuse and the hardware does not.
-    ``sources``, ``colors``, ``defined``: as of a Program.
+    """A translated program.
+
+    - ``texture_shader``: None without texture instructions; each unit then samples its bound texture.
+    - ``notes``: sentences on what Direct3D would refuse and the hardware does not.
+    - ``sources``, ``colors``, ``defined``: as in a Program.
     """
 
     version: str
@@ -111,16 +115,16 @@ class PixelShader:
 
 
 def parse(text, targets=None, constants=None, start=(1, 1), per_stage_constants=True):
-    """The PixelShader that a ``ps.1.0`` to ``ps.1.3`` program asks for.
+    """The PixelShader of a ``ps.1.0`` to ``ps.1.3`` program.
 
-    ``targets``: {unit: TextureTarget} of the textures that will be bound, as Direct3D and nvparse learn them
-    from what is bound; where there is none, a 2D texture, or a cube map for texm3x3tex, texm3x3spec and
-    texm3x3vspec. ``constants``: {number: color} of constants that the program does not define itself, black
-    where there is none. ``start``: the line and column at which errors take the text to begin.
-    ``per_stage_constants``: whether each general combiner has two constants; otherwise the program has two.
+    - ``targets``: {unit: TextureTarget} of the bound textures, from which Direct3D and nvparse learn them.
+      Default: a 2D texture, or a cube map for texm3x3tex, texm3x3spec and texm3x3vspec.
+    - ``constants``: {number: color} of constants that the program does not define itself; black by default.
+    - ``start``: the line and column of the text's beginning, for errors.
+    - ``per_stage_constants``: whether each general combiner has two constants; otherwise the program has two.
 
     Raises PixelShaderTextError with line and column, both from 1, where the text is no program, and where the
-    state cannot hold it. ``fixedpipe.pipeline.validation`` checks how many combiners and units a machine has.
+    state cannot hold it. ``fixedpipe.pipeline.validation`` checks a machine's numbers of combiners and units.
     """
     listing = read(text, start)
     colors = {**(constants or {}), **listing.constants}
@@ -160,15 +164,15 @@ class _Translation:
         self.colors = colors
         self.groups = grouped(listing.arithmetic)
         self.stages, self.notes = [], []
-        self.held = {number: self.color(number) for number in range(8)}  # black is stored as it is
+        self.held = {number: self.color(number) for number in range(8)}  # black is stored unchanged
         self.held |= {number: stored(color) for number, color in colors.items()}
-        self.places, self.stored = ({}, {}), {}  # of constants that all general combiners share
+        self.places, self.stored = ({}, {}), {}  # for constants that all general combiners share
         self.dots = {}  # registers whose alpha is in blue
         self.equal = set()  # registers whose four components are equal
-        self.saturated = set()  # (register, half) that readers have to clamp
+        self.saturated = set()  # (register, half) that readers must clamp
         self.written = {(("v", n), half) for n in (0, 1) for half in ("rgb", "a")}
         self.texture = {i.unit: i.name for i in listing.texture}
-        # (register, half) that are 1.  Source: texcoord, whose fourth component is.
+        # (register, half) that are 1.  Source: texcoord, whose fourth component is 1.
         self.ones = {(("t", unit), "a") for unit, name in self.texture.items() if name == "texcoord"}
         for unit in range(4):
             if not self.texture or self.texture.get(unit, WITHOUT_RESULT[0]) not in WITHOUT_RESULT:
@@ -202,7 +206,7 @@ class _Translation:
         )
 
     def sources(self, units):
-        """The ProgramSources; ``units``: how many texture shader stages there are."""
+        """The ProgramSources; ``units`` is the number of texture shader stages."""
         lines = {i.unit: f"line {i.token.line}: {i.name}" for i in self.listing.texture}
         general = tuple(stage.says for stage in self.stages) or ("",)
         return ProgramSources(tuple(lines.get(unit, "") for unit in range(units)), general, "r0, with fog")
@@ -219,7 +223,7 @@ class _Translation:
         )
 
     def share_constants(self):
-        """Leave the constants of all general combiners in the program's own two."""
+        """Move the constants of all general combiners to the program's own two."""
         for stage in self.stages:
             self.stored |= stage.colors
         self.places = share_constants(self.stages)
@@ -338,7 +342,7 @@ class _Translation:
         )
 
     def interpolated(self, stage, half, sources):
-        """The two products of lrp: src0 and one minus src0, both in [0, 1]."""
+        """The two products of lrp: by src0 and by one minus src0, both in [0, 1]."""
         first = sources[0]
         if first.modifier or first.sign == "-":
             raise first.token.error(
@@ -388,7 +392,7 @@ class _Translation:
         self.equal.add(instruction.destination)
 
     def comparison(self, number, instruction):
-        """SPARE0's alpha becomes (src0 + 1) / 2, which is one half and more where src0 is not negative."""
+        """Compute (src0 + 1) / 2 in SPARE0's alpha, which is one half or more where src0 is not negative."""
         tested = instruction.sources[0]
         scalar = tested.selector is not None or instruction.mask == ("a",) or tested.register in self.equal
         if not scalar:
@@ -441,7 +445,7 @@ class _Translation:
         ]
 
     def alpha_of_its_own(self, register, token):
-        """Bring an alpha that is in blue into the register's alpha."""
+        """Copy an alpha that is in blue to the register's alpha."""
         if register not in self.dots:
             return
         dot = self.dots.pop(register)
@@ -470,7 +474,7 @@ class _Translation:
         raise source.token.error(f"{name} is read, but {reason}; write tex {name} first.")
 
     def operand(self, stage, half, source, unsigned=False):
-        """A source as a combiner's input; ``unsigned``: clamped to [0, 1]."""
+        """A source as a combiner's input; ``unsigned`` clamps it to [0, 1]."""
         if source.selector == "b" and half == "rgb":
             raise source.token.error(
                 f"{source.token.text} for red, green and blue; only alpha takes .b. Write the destination "
@@ -497,14 +501,14 @@ class _Translation:
         return Operand(CombinerInput(REGISTERS[source.register], mapping, usage, meaning), negated)
 
     def is_divided(self, half, source):
-        """Whether a source is a color of both signs that one input cannot read as well as bytes can."""
+        """Whether a source is a color of both signs that one input cannot read as exactly as bytes can."""
         if source.letter != "c" or source.modifier or source.sign == "1-" or half_read(half, source) == "a":
             return False
         color = self.color(source.number)
         return of_both_signs(color[:3]) and worst_step(color) is not None
 
     def parts(self, stage, half, source):
-        """The two inputs whose sum a color of both signs is, exactly: a constant each."""
+        """Two inputs whose sum is exactly a color of both signs, with a constant each."""
         inputs, usage = [], RGB if half == "rgb" else BLUE
         for negative in (False, True):
             part = Part(source.number, negative)
@@ -553,12 +557,12 @@ class _Translation:
 
 
 def _number(key):
-    """The number of the constant that a half of a place is, or is a Part of."""
+    """The number of the constant in a half of a place, or of the constant that it is a Part of."""
     return key.number if isinstance(key, Part) else key
 
 
 def _colors_of_constants(halves):
-    """How many inputs of a general combiner's portions, {half: instruction}, are colors of constants."""
+    """The number of inputs of a combiner's portions, {half: instruction}, that are colors of constants."""
     return sum(
         source.letter == "c" and half_read(half, source) == "rgb"
         for half, instruction in halves.items()

@@ -8,15 +8,15 @@
     mad r0.rgb, r0, t0, c0
     + mov r0.a, t0
 
-A program is: the version; any ``def``; texture instructions; arithmetic ones. White space, line ends
-included, separates words; comments run from ``;`` or ``//`` to the end of the line, or between ``/*`` and
-``*/``; case does not matter. This module reads; ``pixel_shader_translation`` translates what it has read.
+A program has the version, any ``def``, texture instructions and arithmetic ones, in this order. White space,
+line ends included, separates words. Comments run from ``;`` or ``//`` to the end of the line, or between
+``/*`` and ``*/``. Case does not matter. This module reads; ``pixel_shader_translation`` translates.
 
 Sources carry at most one of ``-`` and ``1-`` before the register, ``_bias`` or ``_bx2`` after it, and one of
 ``.a`` (``.w``, ``.aaaa``) and ``.b`` (``.z``, ``.bbbb``) last; ``.rgb``, ``.rgba`` and the like are accepted
-and choose nothing.
-Destinations carry ``.rgb``, ``.a`` or nothing. Instructions carry ``_x2``, ``_x4`` or ``_d2``, and ``_sat``.
-An instruction after ``+`` is evaluated together with the one before it, which writes the other half.
+and choose nothing. Destinations carry ``.rgb``, ``.a`` or nothing. Instructions carry ``_x2``, ``_x4`` or
+``_d2``, and ``_sat``. An instruction after ``+`` is evaluated together with the one before it, which writes
+the other half.
 
 Source: the DirectX 8.1 reference of pixel shaders 1.0 to 1.3; the tokens that nvparse's ps1.0 parser takes,
 as distributed with OGRE 3D.
@@ -32,7 +32,7 @@ _MOST_NOTES = 100
 REGISTER_COUNTS = {"r": 2, "c": 8, "t": 4, "v": 2}
 VERSIONS = ("1.0", "1.1", "1.2", "1.3")
 
-# Instruction: how many sources it has, and the version that brought it.
+# {instruction: (number of sources, first version)}.
 ARITHMETIC = {
     "nop": (0, "1.0"),
     "mov": (1, "1.0"),
@@ -67,7 +67,7 @@ TEXTURE = {
     "texm3x2depth": (1, "1.3"),
 }
 OVER_TWO_COMBINERS = ("cmp", "dp4")
-# What later versions have, to be named where it is refused.
+# Instructions of later versions, for their error.
 _LATER = ("phase", "texcrd", "texld", "texdepth", "bem")
 
 MASKS = {"": ("rgb", "a"), "rgba": ("rgb", "a"), "xyzw": ("rgb", "a")}
@@ -77,14 +77,16 @@ SELECTORS |= {written: {"w": "a", "z": "b"}.get(c, c) for c in "awbz" for writte
 
 
 class PixelShaderTextError(ProgramTextError):
-    """A text that is no ``ps.1.0`` to ``ps.1.3`` or ``xps.1.x`` program, or one that register combiners
-    cannot hold.
-    """
+    """A text that is no ``ps.1.0`` to ``ps.1.3`` or ``xps.1.x`` program, or exceeds register combiners."""
 
 
 class Source(NamedTuple):
-    """A source: register letter and number; ``sign`` "", "-" or "1-"; ``modifier`` "", "bias" or "bx2";
-    ``selector`` None, "a" or "b".
+    """A source.
+
+    - ``letter``, ``number``: its register.
+    - ``sign``: "", "-" or "1-".
+    - ``modifier``: "", "bias" or "bx2".
+    - ``selector``: None, "a" or "b".
     """
 
     letter: str
@@ -101,8 +103,11 @@ class Source(NamedTuple):
 
 
 class Instruction(NamedTuple):
-    """``mask`` holds the halves that are written, "rgb" and "a"; ``scale`` is "", "x2", "x4" or "d2";
-    ``paired``: it follows a ``+``.
+    """An instruction.
+
+    - ``scale``: "", "x2", "x4" or "d2".
+    - ``mask``: the halves that are written, "rgb" and "a".
+    - ``paired``: whether it follows a ``+``.
     """
 
     name: str
@@ -116,13 +121,17 @@ class Instruction(NamedTuple):
 
     @property
     def unit(self):
-        """The number of its destination: of a texture instruction the texture unit's."""
+        """The number of its destination; for a texture instruction the texture unit."""
         return self.destination[1]
 
 
 class Listing(NamedTuple):
-    """A program as written: version, {number: color} of its ``def``, its instructions, its end; ``notes``:
-    (line, sentence) on what Direct3D would refuse and nothing here needs.
+    """A program as written.
+
+    - ``constants``: {number: color} of its ``def``.
+    - ``texture``, ``arithmetic``: its instructions.
+    - ``end``: the token at its end.
+    - ``notes``: (line, sentence) on what Direct3D would refuse and this project accepts.
     """
 
     version: str
@@ -156,10 +165,10 @@ def _tokens(text, start):
 
 
 class PixelShaderReader(Reader):
-    """Reads ps.1.0 to ps.1.3; what their dialects share is found here too.
+    """Reads ps.1.0 to ps.1.3, and the parts that their dialects share.
 
-    ``constant_names``: the constant registers, as a pattern and in words; ``least``: the least that a
-    constant holds.
+    - ``constant_names``: the constant registers, as a pattern and in words.
+    - ``least``: the least value of a constant.
     """
 
     constant_names = re.compile(r"c([0-7])"), "c0 to c7"
@@ -170,7 +179,7 @@ class PixelShaderReader(Reader):
         self.notes = []
 
     def note(self, token, sentence):
-        """Say something of a line, once."""
+        """Note a sentence on a line, once."""
         if (token.line, sentence) not in self.notes and len(self.notes) < _MOST_NOTES:
             self.notes.append((token.line, sentence))
 
@@ -185,7 +194,7 @@ class PixelShaderReader(Reader):
         """The Listing of the whole text."""
         version = self.version()
         constants, texture, arithmetic, combiners = {}, [], [], 0
-        previous = None  # the name of the arithmetic instruction before, nop as well
+        previous = None  # the name of the arithmetic instruction before, also of nop
         while self.next.kind != "end":
             paired = self.next.text == "+"
             plus = self.take() if paired else None
@@ -263,7 +272,7 @@ class PixelShaderReader(Reader):
         return version
 
     def check_version(self, token, name, since, version):
-        """Refuse what came with a later version."""
+        """Refuse an instruction of a later version."""
         if version < since:
             raise token.error(f"{name} in ps.{version}; it came with ps.{since}. Begin with ps.{since}.")
 
@@ -347,7 +356,7 @@ class PixelShaderReader(Reader):
         return Instruction(name, scale, "sat" in modifiers, destination, mask, tuple(sources), paired, token)
 
     def destination(self, name):
-        """Register and mask of the destination that comes."""
+        """Register and mask of the next destination."""
         token, text = self.word()
         match = _OPERAND.fullmatch(text)
         if match is None or match[3] or match[1] not in "rtv" or int(match[2]) >= REGISTER_COUNTS[match[1]]:
@@ -363,7 +372,7 @@ class PixelShaderReader(Reader):
         return (match[1], int(match[2])), MASKS[match[4] or ""]
 
     def source(self, name):
-        """The Source that comes."""
+        """The next Source."""
         sign = ""
         first = self.next
         if first.text == "-":
@@ -400,7 +409,7 @@ class PixelShaderReader(Reader):
 
 
 def read(text, start=(1, 1)):
-    """The Listing of a program. ``start``: the line and column at which errors take the text to begin.
+    """The Listing of a program. ``start``: the line and column of the text's beginning, for errors.
 
     Raises PixelShaderTextError with line and column, both from 1.
     """
@@ -408,7 +417,7 @@ def read(text, start=(1, 1)):
 
 
 def too_many_combiners(token):
-    """The error of what takes a ninth general combiner."""
+    """The error for a ninth general combiner."""
     return token.error(
         f"from here on the program takes more than the {MAX_GENERAL_COMBINERS} general combiners of any "
         "machine. Split it into passes."
@@ -416,7 +425,7 @@ def too_many_combiners(token):
 
 
 def half_read(half, source):
-    """Which half of a register a source reads."""
+    """The half of a register that a source reads."""
     return "a" if source.selector == "a" or (half == "a" and source.selector is None) else "rgb"
 
 
@@ -432,7 +441,7 @@ def halves_read(instruction):
 
 
 def grouped(instructions):
-    """Arithmetic instructions as tuples: one alone, or two that a '+' makes a pair."""
+    """Arithmetic instructions as tuples: a single one, or a pair joined by '+'."""
     groups = []
     for instruction in instructions:
         if instruction.paired:

@@ -1,4 +1,4 @@
-"""Where in a program's text its parts stand, and its own words for what a machine refuses."""
+"""The lines of a program's parts in its text, and error messages in the text's own words."""
 
 import re
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fixedpipe.pipeline.enums import Register
 from fixedpipe.pipeline.notations.register_combiner_words import REGISTER_NAMES
 
-# A pixel shader's registers; constants have names of their own, which differ from combiner to combiner.
+# A pixel shader's registers. Constants have their own names, which differ from combiner to combiner.
 PIXEL_SHADER_NAMES = {
     Register.PRIMARY_COLOR: "v0",
     Register.SECONDARY_COLOR: "v1",
@@ -17,17 +17,17 @@ PIXEL_SHADER_NAMES = {
 
 
 def is_pixel_shader(notations: tuple[str, ...]) -> bool:
-    """Whether a program with these headers is Direct3D's, which leaves targets and constants to others."""
+    """Whether a program with these headers is Direct3D's: the application sets its targets and constants."""
     return any(re.match(r"x?ps\.", name) for name in notations)
 
 
 @dataclass(frozen=True)
 class ProgramSources:
-    """The lines of a text that say what a stage does, "line 39: lrp + mul" for instance.
+    """The lines of a text that define each stage, "line 39: lrp + mul" for instance.
 
-    texture_shader, general  of each texture shader stage and general combiner, "" where no line says it
-    final                    of the final combiner
-    unset                    which of its outputs, "out.rgb" and "out.a", the text does not set
+    - ``texture_shader``, ``general``: for each texture shader stage and general combiner; "" without a line.
+    - ``final``: for the final combiner.
+    - ``unset``: its outputs, "out.rgb" and "out.a", that the text does not set.
     """
 
     texture_shader: tuple[str, ...] = ()

@@ -1,8 +1,8 @@
-"""A program in any of the notations that nvparse took, as texture shader stages and register combiners.
+"""A program in any of nvparse's notations, as texture shader stages and register combiners.
 
-The header says which: ``!!TS1.0``, ``!!RC1.0``, both one after the other (as the Cg compiler's profile fp20
-writes them), ``ps.1.0`` to ``ps.1.3``, or the Xbox's ``xps.1.0`` and ``xps.1.1``. A text without one may be a
-dump of the NV2A's registers.
+The header names the notation: ``!!TS1.0``, ``!!RC1.0``, both one after the other (as the Cg compiler's
+profile fp20 writes them), ``ps.1.0`` to ``ps.1.3``, or the Xbox's ``xps.1.0`` and ``xps.1.1``. A text without
+a header may be a dump of the NV2A's registers.
 """
 
 import re
@@ -24,13 +24,13 @@ from fixedpipe.pipeline.notations.tokens import ProgramTextError
 from fixedpipe.pipeline.programs.texture_shader_rules import texture_target
 from fixedpipe.pipeline.state import Color, RegisterCombiners, TextureShaderStage
 
-# Assumed: more than any program with its comments; reading as many takes seconds.
+# Assumed: more than any program with its comments; reading this many takes seconds.
 MOST_CHARACTERS = 1_000_000
-# What may precede a header: white space, and the comments of either notation.
+# The text that may precede a header: white space, and the comments of either notation.
 _SKIPPED = re.compile(r"(?: \s+ | //[^\n]* | /\*.*?\*/ | \#[^\n]* | ;[^\n]* )*+", re.VERBOSE | re.DOTALL)
-# What ends a string of C, and a file of CP/M's, where nothing follows.
+# The end mark of a C string, and of a CP/M file, where nothing follows.
 _END_MARKS = re.compile(r"[\0\x1a]+\s*\Z")
-# Instructions to a preprocessor, which are comments by their looks.
+# Preprocessor directives, which look like comments.
 _DIRECTIVE = re.compile(
     r"^[ \t]*(#(?:define|include|undef|ifdef|ifndef|if|else|elif|endif|pragma)\b)", re.MULTILINE
 )
@@ -40,12 +40,17 @@ _SECOND_HEADER = re.compile(r"^[ \t]*!!(?:TS|RC)1\.0", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Program:
-    """``notations``: the headers, in order. ``texture_shader`` is None where the text says nothing of it:
-    each unit then samples what is bound to it. ``combiners`` is None where it has texture shaders alone.
-    ``targets``: of the texture that each unit's stage reads, None where it reads none. ``constants``: where a
-    pixel shader's constant registers went, ``colors`` {number: color} what each is by the text or by whoever
-    sets it, ``defined`` the numbers of those that the text defines. ``notes``: sentences on what a stricter
-    reader would refuse. ``sources``: which lines say what.
+    """A program.
+
+    - ``notations``: the headers, in order.
+    - ``texture_shader``: None where the text has none; each unit then samples its bound texture.
+    - ``combiners``: None where it has texture shaders alone.
+    - ``targets``: the target of the texture that each unit's stage reads, or None.
+    - ``constants``: the places of a pixel shader's constant registers.
+    - ``colors``: {number: color} of these constants, from the text or from the application.
+    - ``defined``: the numbers of the constants that the text defines.
+    - ``notes``: sentences on what a stricter reader would refuse.
+    - ``sources``: the lines of each part.
     """
 
     notations: tuple[str, ...]
@@ -59,7 +64,7 @@ class Program:
     defined: frozenset[int] = frozenset()
 
     def tell(self, sentence: str) -> str:
-        """A sentence about the state in the program's own words, with the lines that it is about."""
+        """A sentence about the state in the program's own words, with the lines that it concerns."""
         return self.sources.tell(sentence, self.notations)
 
 
@@ -77,11 +82,14 @@ def parse_program(
 ) -> Program:
     """The Program that a text holds.
 
-    ``targets`` {unit: TextureTarget} and ``constants`` {number: color}: what a pixel shader leaves to whoever
-    binds textures and sets constants. ``per_stage_constants``: whether a pixel shader's general combiners
-    have two constants each (NV_register_combiners2), as the machine's profile says; otherwise all of them
-    share the program's two, and more are refused. ``draw``: of a dump of registers that has several draws,
-    the number, from 1, of the one that is asked for; None is the last, and of no meaning to other notations.
+    - ``targets``: {unit: TextureTarget} of the bound textures, for a pixel shader.
+    - ``constants``: {number: color} that the application sets, for a pixel shader.
+    - ``per_stage_constants``: whether a pixel shader's general combiners have two constants each
+      (NV_register_combiners2), as the machine's profile says. Otherwise all of them share the program's two,
+      and more are refused.
+    - ``draw``: the number, from 1, of a draw in a dump of registers with several; None is the last. Other
+      notations ignore it.
+
     Raises ProgramTextError with line and column, both from 1.
     """
     if len(text) > MOST_CHARACTERS:
@@ -118,7 +126,7 @@ def parse_program(
             *_place(text, at),
         )
     if not header.group().startswith("!!"):
-        # Comments of the other notations, before the version, are none of this one's.
+        # Comments of the other notations before the version are no comments of this one.
         xbox = header.group().lower().startswith("xps")
         translation = xbox_pixel_shader_translation if xbox else pixel_shader_translation
         shader = translation.parse(text[at:], targets, constants, _place(text, at), per_stage_constants)

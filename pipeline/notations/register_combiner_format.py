@@ -1,4 +1,4 @@
-"""Register combiners written as ``!!RC1.0`` programs, which ``register_combiners`` reads back."""
+"""Writes register combiners as ``!!RC1.0`` programs, which ``register_combiners`` reads back."""
 
 from decimal import Decimal
 from math import isfinite
@@ -60,7 +60,7 @@ def _format_stage(stage):
     for name, color in (("const0", stage.constant_color0), ("const1", stage.constant_color1)):
         if color is not None:
             lines.append("  " + _format_color(name, color))
-    # Every general combiner has a portion; one that does nothing shows its zeros.
+    # Every general combiner has a portion; an unused one shows its zeros.
     portions = _format_portion("rgb", stage.rgb, UNUSED_RGB) + _format_portion(
         "alpha", stage.alpha, UNUSED_ALPHA
     )
@@ -102,7 +102,7 @@ def _format_final(final, clamp):
 
 
 def _without_a_word(combiners):
-    """What of the combiners is a machine's own, beyond NV_register_combiners, or None."""
+    """The first field that a machine adds to NV_register_combiners and the combiners use, or None."""
     initial = RegisterCombiners()
     for name in ("mux_select", "invert_spare0", "invert_secondary_color"):
         if getattr(combiners, name) != getattr(initial, name):
@@ -118,10 +118,10 @@ def _without_a_word(combiners):
 
 
 def format_program(combiners: RegisterCombiners) -> str:
-    """The canonical ``!!RC1.0`` program of register combiners: ``parse`` gives them back, equal.
+    """The canonical ``!!RC1.0`` program of register combiners; ``parse`` reads it back as equal ones.
 
-    Raises ValueError with a sentence where ``combiners`` is what no program can say: no general combiner or
-    more than eight, a constant that is not finite, or what NV_register_combiners forbids.
+    Raises ValueError with a sentence for ``combiners`` that no program can express: no general combiner or
+    more than eight, a constant that is not finite, or combinations that NV_register_combiners forbids.
     """
     if not 1 <= len(combiners.general) <= MAX_GENERAL_COMBINERS:
         raise ValueError(

@@ -1,5 +1,6 @@
-"""The words of the ``!!RC1.0`` notation: ``register_combiners`` reads them, ``register_combiner_format``
-writes them.
+"""The words of the ``!!RC1.0`` notation, for its reader and its writer.
+
+The reader is ``register_combiners``, the writer ``register_combiner_format``.
 """
 
 from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
@@ -54,7 +55,7 @@ SCALE_WORDS = {scale: word for word, scale in SCALES.items()}
 
 ZERO_INPUTS = {usage: CombinerInput(Register.ZERO, usage=usage) for usage in ComponentUsage}
 ONE_INPUTS = {usage: CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage) for usage in ComponentUsage}
-# The mapping of ZERO that stands for a mapping of ``one``.  Source: nvparse's rc1.0_register.h.
+# The mapping of ZERO that replaces a mapping of ``one``.  Source: nvparse's rc1.0_register.h.
 MAPPINGS_OF_ONE = {
     Mapping.UNSIGNED_IDENTITY: Mapping.UNSIGNED_INVERT,
     Mapping.UNSIGNED_INVERT: Mapping.UNSIGNED_IDENTITY,
@@ -88,7 +89,7 @@ UNUSED_STAGE = GeneralCombiner(rgb=UNUSED_RGB, alpha=UNUSED_ALPHA)
 
 
 def format_input(given, usage, plain):
-    """A combiner variable as text: ``usage`` is its portion's, ``plain`` the mapping that needs no word."""
+    """A combiner variable as text; ``usage`` is its portion's, ``plain`` is the mapping without a word."""
     suffix = "" if given.usage is usage else USAGE_SUFFIXES[given.usage]
     name = REGISTER_NAMES[given.register] + suffix
     if given.mapping is plain:

@@ -1,4 +1,4 @@
-"""Register combiners as text, in the ``!!RC1.0`` notation that NVIDIA's nvparse made customary.
+"""Register combiners as text, in the ``!!RC1.0`` notation of NVIDIA's nvparse.
 
     !!RC1.0
     const0 = (0.5, 0.5, 0.5, 1);
@@ -11,25 +11,31 @@
     out.rgb = lerp(fog.a, spare0, fog);
     out.a = tex0;
 
-A program is: the header; at most one ``const0`` and one ``const1``; general combiners in braces; the final
-combiner. A general combiner holds its own constants (NV_register_combiners2), then an ``rgb`` portion, an
-``alpha`` portion, or both in either order. A portion holds one product or two (``*``, or ``.`` for a dot
-product, or a single register, times one), then ``sum()`` or ``mux()`` if there are two, then one scale or
-bias. The final combiner holds ``final_product`` and ``clamp_color_sum()`` in either order, then ``out.rgb``
-and ``out.a`` in either order, at least one of them. Comments run from ``//`` or ``#`` to the end of the line,
-or between ``/*`` and ``*/``.
+A program has, in this order: the header; at most one ``const0`` and one ``const1``; general combiners in
+braces; the final combiner. A general combiner holds its own constants (NV_register_combiners2), then an
+``rgb`` portion, an ``alpha`` portion, or both in either order. A portion holds one product or two (``*``, or
+``.`` for a dot product, or a single register, times one). If there are two, ``sum()`` or ``mux()`` may
+follow, and then one scale or bias. The final combiner holds ``final_product`` and ``clamp_color_sum()`` in
+either order, then ``out.rgb`` and ``out.a`` in either order, at least one of them. Comments run from ``//``
+or ``#`` to the end of the line, or between ``/*`` and ``*/``.
 
-What a program leaves out is zero: a missing portion discards its outputs, a missing second product reads
-zeros, a missing sum is discarded, a missing ``out.rgb`` or ``out.a`` is zero, a missing ``clamp_color_sum()``
-leaves the sum unclamped, and a program without a general combiner has one that does nothing. A register alone
-is SIGNED_IDENTITY in a general combiner and UNSIGNED_IDENTITY in the final one, and takes the components of
-its portion unless ``.rgb``, ``.a`` or ``.b`` says otherwise. ``one`` is ZERO through UNSIGNED_INVERT, and
-minus one is ZERO through EXPAND_NORMAL.
+Everything that a program omits is zero:
+
+- A missing portion discards its outputs.
+- A missing second product reads zeros.
+- A missing sum is discarded.
+- A missing ``out.rgb`` or ``out.a`` is zero.
+- A missing ``clamp_color_sum()`` leaves the sum unclamped.
+- A program without a general combiner has one that does nothing.
+
+A register alone is SIGNED_IDENTITY in a general combiner and UNSIGNED_IDENTITY in the final one. It takes the
+components of its portion unless ``.rgb``, ``.a`` or ``.b`` says otherwise. ``one`` is ZERO through
+UNSIGNED_INVERT, and minus one is ZERO through EXPAND_NORMAL.
 
 Beyond nvparse: ``sum()`` and ``mux()`` may follow dot products, as NV_register_combiners allows since version
-1.6; ``one`` may carry a component; white space and comments may precede the header; a constant that is not
-given is (0, 0, 0, 0), not what an earlier program left behind. Narrower than nvparse: an output may only
-carry the component that its portion writes, where nvparse ignores .a in an rgb and .b in an alpha portion.
+1.6; ``one`` may carry a component; white space and comments may precede the header; a missing constant is (0,
+0, 0, 0), and not the value that an earlier program left. Narrower than nvparse: an output may only carry the
+component that its portion writes, where nvparse ignores .a in an rgb and .b in an alpha portion.
 
 Source: the grammar, tokens and validation of nvparse's rc1.0 parser, as distributed with OGRE 3D.
 """
@@ -75,7 +81,7 @@ _FUNCTIONS = ("expand", "half_bias", "unsigned", "unsigned_invert")
 
 
 class CombinerTextError(ProgramTextError):
-    """A text that is no ``!!RC1.0`` program; ``line`` and ``column`` (from 1) say where."""
+    """A text that is no ``!!RC1.0`` program; ``line`` and ``column`` (from 1) give the place."""
 
 
 # ------------------------------------------------------------------------------------------- tokens
@@ -108,7 +114,7 @@ def _tokens(text, start):
 
 
 class _Term(NamedTuple):
-    """One product of a portion: where it goes, its two inputs, and whether it is a dot product."""
+    """One product of a portion: its output, its two inputs, and whether it is a dot product."""
 
     output: Register
     inputs: tuple[CombinerInput, CombinerInput]
@@ -119,7 +125,7 @@ class _Parser(Reader):
     def __init__(self, text, start):
         super().__init__(_tokens(text, start))
         self.general_lines, self.final_tokens, self.unset = [], [], ()
-        self.positions = {}  # where each field of the result was written, by the paths of combiner_problems
+        self.positions = {}  # the place of each field of the result, by the paths of combiner_problems
 
     def follows(self, *texts):
         return self.next.kind != "end" and self.next.text in texts
@@ -166,7 +172,7 @@ class _Parser(Reader):
             raise token.error(f"{token.found} where the header belongs; begin the program with !!RC1.0.")
 
     def constants(self):
-        """Any ``const0 = (r, g, b, a);`` that stand here, by name."""
+        """Any ``const0 = (r, g, b, a);`` at this place, by name."""
         given = {}
         while self.follows("const0", "const1"):
             name = self.take()
@@ -303,7 +309,7 @@ class _Parser(Reader):
         )
 
     def output(self, usage):
-        """The register before ``=``, whose component, if it carries one, is the portion's."""
+        """The register before ``=``; a component that it carries must be the portion's."""
         token = self.register_token("the register that a statement writes")
         register, _, component = token.text.partition(".")
         if register == "one":
@@ -365,7 +371,7 @@ class _Parser(Reader):
         return CombinerInput(_REGISTERS[name], mapping, chosen)
 
     def function(self):
-        """``name(register)`` if one of the mappings follows, as (its name's token, the register's token)."""
+        """(the name's token, the register's token) of the next mapping, ``name(register)``."""
         name = self.take()
         self.expect("(", f"after {name.text}")
         register = self.register_token(f"the register that {name.text} maps")
@@ -526,13 +532,13 @@ class _Parser(Reader):
 
 
 def parse(text: str, start: tuple[int, int] = (1, 1)) -> RegisterCombiners:
-    """The register combiners that an ``!!RC1.0`` program describes.
+    """The register combiners of an ``!!RC1.0`` program.
 
-    ``start``: the line and column at which errors take the text to begin.
+    ``start`` is the line and column of the text's beginning, for errors.
 
-    Raises CombinerTextError with line and column, both from 1, where the text is no program, and where it
-    describes what NV_register_combiners forbids. How many general combiners, texture units or constants a
-    machine has is checked by ``fixedpipe.pipeline.validation``.
+    Raises CombinerTextError with line and column, both from 1, where the text is no program, and where
+    NV_register_combiners forbids its combiners. ``fixedpipe.pipeline.validation`` checks a machine's numbers
+    of general combiners, texture units and constants.
     """
     return parse_with_sources(text, start)[0]
 
@@ -540,6 +546,6 @@ def parse(text: str, start: tuple[int, int] = (1, 1)) -> RegisterCombiners:
 def parse_with_sources(
     text: str, start: tuple[int, int] = (1, 1)
 ) -> tuple[RegisterCombiners, ProgramSources]:
-    """As ``parse``, and which lines say what."""
+    """The result of ``parse``, and the lines of its parts."""
     parser = _Parser(text, start)
     return parser.program(), parser.sources()

@@ -1,4 +1,4 @@
-"""Texture shaders as text, in the ``!!TS1.0`` notation that NVIDIA's nvparse made customary.
+"""Texture shaders as text, in the ``!!TS1.0`` notation of NVIDIA's nvparse.
 
     !!TS1.0
     texture_2d();
@@ -6,7 +6,7 @@
     dot_product_reflect_cube_map_eye_from_qs_2of3(expand(tex0));
     dot_product_reflect_cube_map_eye_from_qs_3of3(expand(tex0));
 
-A program is: the header; one to four instructions, each ended by ``;``, the first for texture unit 0, the
+A program has the header and one to four instructions, each ended by ``;``: the first for texture unit 0, the
 next for unit 1, and so on. ``tex0`` to ``tex2`` are the results of earlier units; ``expand()`` is
 EXPAND_NORMAL of a dot product's. An operation over several units has an instruction for each, ``_1of2`` and
 ``_2of2``, or ``_1of3`` to ``_3of3``, in this order and without another between them. Comments run from ``//``
@@ -23,10 +23,10 @@ or ``#`` to the end of the line, or between ``/*`` and ``*/``.
     dot_product_cube_map_and_reflect_cube_map_eye_from_qs_1of3(texN) ...
     and _const_eye_1of3(texN, x, y, z) ...
 
-Where nvparse's own translation is mistaken, what the notation means is followed: ``dot_product_3d_3of3``
-reads a 3D texture (nvparse sets DOT_PRODUCT_TEXTURE_2D), the eye of ``_const_eye_1of3`` becomes CONST_EYE
-(nvparse sets the zeros of ``_3of3``). Beyond nvparse: white space and comments may precede the header, and
-what NV_texture_shader calls inconsistent, which nvparse leaves to the driver, is refused.
+Where nvparse's own translation is wrong, this one follows the notation's meaning. ``dot_product_3d_3of3``
+reads a 3D texture (nvparse sets DOT_PRODUCT_TEXTURE_2D). The eye of ``_const_eye_1of3`` becomes CONST_EYE
+(nvparse sets the zeros of ``_3of3``). Beyond nvparse: white space and comments may precede the header. Stages
+that NV_texture_shader calls inconsistent are refused; nvparse leaves them to the driver.
 
 Source: the grammar, tokens and validation of nvparse's ts1.0 parser, as distributed with OGRE 3D;
 NV_texture_shader, NV_texture_shader2.
@@ -64,7 +64,7 @@ _OFFSET = {
     "offset_rectangle": _OP.OFFSET_TEXTURE_RECTANGLE,
     "offset_rectangle_scale": _OP.OFFSET_TEXTURE_RECTANGLE_SCALE,
 }
-# Operations over several units: what each of them does.
+# Operations over several units, and the operation of each unit.
 _DOT = _OP.DOT_PRODUCT
 _DIFFUSE, _REFLECT = _OP.DOT_PRODUCT_DIFFUSE_CUBE_MAP, _OP.DOT_PRODUCT_REFLECT_CUBE_MAP
 _REFLECT_CONST = _OP.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP
@@ -83,7 +83,7 @@ _WITH_EYE = ("dot_product_reflect_cube_map_const_eye", "dot_product_cube_map_and
 
 
 class _Part(NamedTuple):
-    """One instruction of a group: which group, which of its instructions (from 0), and what it does."""
+    """One instruction of a group: the group, the instruction's number (from 0), and its operation."""
 
     group: str
     number: int
@@ -103,7 +103,7 @@ INSTRUCTION_NAMES = (*_SIMPLE, "cull_fragment", *_OFFSET, *_DEPENDENT, *_PARTS)
 
 
 class TextureShaderTextError(ProgramTextError):
-    """A text that is no ``!!TS1.0`` program; ``line`` and ``column`` (from 1) say where."""
+    """A text that is no ``!!TS1.0`` program; ``line`` and ``column`` (from 1) give the place."""
 
 
 _TOKEN = re.compile(
@@ -153,7 +153,7 @@ class _Parser(Reader):
         return stages
 
     def instruction(self, name, number):
-        """A stage; the eye of a ``_const_eye_1of3`` stays with it until ``_with_eyes``."""
+        """A stage; it holds the eye of a ``_const_eye_1of3`` until ``_with_eyes``."""
         self.expect("(", f"after {name.text}")
         given = {}
         if name.text in _SIMPLE:
@@ -263,7 +263,7 @@ def _check_order(names):
 
 
 def _with_eyes(names, stages):
-    """The stages with each constant eye where CONST_EYE is state: at the reflection."""
+    """The stages with each constant eye moved to the reflection, where CONST_EYE is state."""
     eye, moved = None, []
     initial = TextureShaderStage().constant_eye
     for name, stage in zip(names, stages, strict=True):
@@ -279,11 +279,11 @@ def _with_eyes(names, stages):
 
 
 def parse(text: str, start: tuple[int, int] = (1, 1)) -> tuple[TextureShaderStage, ...]:
-    """The stages, one for each instruction, that a ``!!TS1.0`` program describes, the first for unit 0.
+    """The stages of a ``!!TS1.0`` program, one for each instruction, the first for unit 0.
 
-    ``start``: the line and column at which errors take the text to begin. Raises TextureShaderTextError with
-    line and column, both from 1, where the text is no program, and where it describes what NV_texture_shader
-    forbids. Which operations a machine has is checked by ``fixedpipe.pipeline.validation``.
+    ``start`` is the line and column of the text's beginning, for errors. Raises TextureShaderTextError with
+    line and column, both from 1, where the text is no program, and where NV_texture_shader forbids its
+    stages. ``fixedpipe.pipeline.validation`` checks a machine's operations.
     """
     return parse_with_sources(text, start)[0]
 
@@ -291,7 +291,7 @@ def parse(text: str, start: tuple[int, int] = (1, 1)) -> tuple[TextureShaderStag
 def parse_with_sources(
     text: str, start: tuple[int, int] = (1, 1)
 ) -> tuple[tuple[TextureShaderStage, ...], ProgramSources]:
-    """As ``parse``, and which lines say what."""
+    """The result of ``parse``, and the lines of its parts."""
     parser = _Parser(text, start)
     return parser.program(), ProgramSources(texture_shader=tuple(parser.lines))
 
@@ -334,10 +334,10 @@ def _group_at(number, stages):
 
 
 def format_stages(stages: Sequence[TextureShaderStage]) -> str:
-    """The canonical ``!!TS1.0`` program of texture shader stages: ``parse`` gives them back, equal, but for
-    fields that their operations do not read, which are the initial ones then.
+    """The canonical ``!!TS1.0`` program of texture shader stages; ``parse`` reads it back as equal ones.
 
-    Raises ValueError with a sentence where ``stages`` are what no program can say.
+    Fields that their operations do not read come back as the initial ones. Raises ValueError with a sentence
+    for ``stages`` that no program can express.
     """
     if not 1 <= len(stages) <= MAX_STAGES:
         raise ValueError(f"A program has 1 to {MAX_STAGES} instructions; there are {len(stages)} stages.")

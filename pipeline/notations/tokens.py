@@ -1,14 +1,14 @@
-"""What the notations ``!!RC1.0``, ``!!TS1.0`` and ``ps.1.x`` share: tokens, errors that say where."""
+"""Tokens and errors with places, which the notations ``!!RC1.0``, ``!!TS1.0`` and ``ps.1.x`` share."""
 
 from math import isfinite
 from typing import NamedTuple
 
-# Characters of a text that a sentence quotes.
+# The number of a text's characters that a message quotes.
 _QUOTED = 40
 
 
 class ProgramTextError(ValueError):
-    """A text that is no program of its notation; ``line`` and ``column`` (from 1) say where."""
+    """A text that is no program of its notation; ``line`` and ``column`` (from 1) give the place."""
 
     def __init__(self, sentence, line, column):
         super().__init__(f"line {line}, column {column}: {sentence}")
@@ -26,7 +26,7 @@ class Token(NamedTuple):
 
     @property
     def found(self):
-        """The token in words, for a sentence that says what else belongs in its place."""
+        """The token in words, for a message on what else belongs in its place."""
         if self.kind == "end":
             return "the text ends"
         rest = len(self.text) - _QUOTED
@@ -41,8 +41,9 @@ class Token(NamedTuple):
         return self.failure(sentence, self.line, self.column)
 
     def number(self, sign=""):
-        """The value of a number; ``sign``: what stands before it. Raises the notation's error where it is
-        more than a float holds.
+        """The value of a number; ``sign`` is the text before it.
+
+        Raises the notation's error for a number beyond the range of a float.
         """
         value = float(sign + self.text.lower().rstrip("f"))
         if not isfinite(value):
@@ -51,11 +52,13 @@ class Token(NamedTuple):
 
 
 def scan(text, pattern, failure, start=(1, 1)):
-    """The tokens of a text one after the other, those of kind "space" left out, an "end" token last.
+    """Yields the tokens of a text, without those of kind "space", with an "end" token last.
 
-    They are found as they are asked for, so that a text of any length is read no further than its first
-    error. ``pattern``: one named group for each kind of token. ``start``: line and column of the text's first
-    character. Raises ``failure`` where no kind fits.
+    They are read one at a time, so that a text of any length is read no further than its first error.
+
+    - ``pattern``: one named group for each kind of token.
+    - ``failure``: the error that is raised where no kind fits.
+    - ``start``: line and column of the text's first character.
     """
     at, (line, column) = 0, start
     line_start = 1 - column
@@ -77,9 +80,10 @@ def scan(text, pattern, failure, start=(1, 1)):
 
 
 class Reader:
-    """Goes through a text's tokens, as ``scan`` gives them.
+    """Goes through a text's tokens, from ``scan``.
 
-    ``next``: the token that comes, at last the one of kind "end" again and again; ``last``: the one before.
+    - ``next``: the next token; after the last, always the one of kind "end".
+    - ``last``: the token before it.
     """
 
     def __init__(self, tokens):
@@ -87,7 +91,7 @@ class Reader:
         self.next = self.last = next(self.tokens)
 
     def take(self):
-        """The token that comes, behind which the reader then is."""
+        """The next token; the reader moves behind it."""
         self.last = self.next
         self.next = next(self.tokens, self.last)
         return self.last

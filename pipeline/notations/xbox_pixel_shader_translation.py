@@ -7,16 +7,16 @@ An instruction, or a pair, is one general combiner, whose fields its operands na
     cnd d, r0, a, b    mux: CD = a * 1, AB = b * 1     lrp          AB + CD = a * b + (1 - a) * c
     xmma, xmmc, xdm, xdd d0, d1, (d2,) a, b, c, d       AB, CD and their sum or mux, as they are named
 
-``_x2``, ``_x4``, ``_d2``, ``_bias`` and ``_bx2`` are the output scale and bias, of every result. A dot
-product whose destination has alpha is copied there by the chip's blue to alpha. Constants are the two
-registers of each combiner, whole, in the order in which the instruction names them; xfc's are the program's.
-Without xfc the final combiner gives r0, with fog.
+``_x2``, ``_x4``, ``_d2``, ``_bias`` and ``_bx2`` are the output scale and bias, of every result. The chip's
+blue to alpha copies a dot product to its destination's alpha, if it has one. Constants are the two registers
+of each combiner, whole, in the order in which the instruction names them; xfc's are the program's. Without
+xfc the final combiner gives r0, with fog.
 
-Source: a dp3 of four components sets blue to alpha and one of .rgb does not, the order of constants, xfc's
-clamped sum, ``.b`` that is red, green and blue for them and blue for alpha: words that an assembler made, in
-public examples that have text and words. Inferred: xdm's and xdd's dot products have their alpha likewise,
-and the whole of a constant goes to a combiner, since a definition names one for each of the two registers.
-Assumed: a program without xfc has fog, which Direct3D sets by its render states.
+Source: words that an assembler made, in public examples that have text and words. They show that a dp3 of
+four components sets blue to alpha and one of .rgb does not, the order of constants, xfc's clamped sum, and
+that ``.b`` is red, green and blue for colors and blue for alpha. Inferred: xdm's and xdd's dot products have
+their alpha likewise, and the whole of a constant goes to a combiner, because a definition names one for each
+of the two registers. Assumed: a program without xfc has fog, which Direct3D sets by its render states.
 """
 
 from dataclasses import replace
@@ -64,14 +64,15 @@ _NAMED = {
     "prod": Register.E_TIMES_F,
     "sum": Register.SPARE0_PLUS_SECONDARY_COLOR,
 }
-# Of each instruction, which of its products are dot products; the others have none.
+# The products of each instruction that are dot products; other instructions have none.
 _DOTS = {"dp3": (True, False), "xdm": (True, False), "xdd": (True, True)}
 _BLACK = (0.0, 0.0, 0.0, 0.0)
 
 
 def parse(text, targets=None, constants=None, start=(1, 1), per_stage_constants=True):
-    """The PixelShader that an ``xps.1.0`` or ``xps.1.1`` program asks for; parameters and errors as
-    ``pixel_shader_translation.parse`` has them.
+    """The PixelShader of an ``xps.1.0`` or ``xps.1.1`` program.
+
+    Parameters and errors are those of ``pixel_shader_translation.parse``.
     """
     listing = read(text, start)
     colors = {**(constants or {}), **listing.constants}
@@ -97,7 +98,7 @@ def parse(text, targets=None, constants=None, start=(1, 1), per_stage_constants=
 
 
 class _Constants:
-    """The two constant registers of a general combiner, or of the final one, ``whose`` in words."""
+    """The two constant registers of a combiner; ``whose`` names a general or the final combiner in words."""
 
     def __init__(self, whose):
         self.whose, self.numbers = whose, []
@@ -114,7 +115,7 @@ class _Constants:
         return CONSTANTS[self.numbers.index(source.number)]
 
     def colors(self, colors):
-        """{field: color in [0, 1]} of the state that owns the registers."""
+        """{field: color in [0, 1]} of the state with the registers."""
         return {
             f"constant_color{place}": tuple(max(0.0, min(1.0, c)) for c in colors.get(number, _BLACK))
             for place, number in enumerate(self.numbers)
@@ -137,8 +138,9 @@ def _shared(listing):
 
 
 class _Translation:
-    """The instructions of one program, in order. ``shared``: the _Constants of all combiners, None: each has
-    its own.
+    """The instructions of one program, in order.
+
+    ``shared`` are the _Constants of all combiners; None: each has its own.
     """
 
     def __init__(self, listing, colors, shared):
@@ -182,7 +184,7 @@ class _Translation:
             self.check_written(xfc.token, R0, "rgb")
         no_c = (inputs["c"].register, inputs["c"].mapping) == (Register.ZERO, Mapping.UNSIGNED_IDENTITY)
         if inputs["a"].register is Register.SPARE0_PLUS_SECONDARY_COLOR and no_c:
-            # A times B is B times A, and register combiners take the sum in B alone of the two.
+            # A times B is B times A, and of these two only B of the register combiners takes the sum.
             inputs["a"], inputs["b"] = inputs["b"], inputs["a"]
         self.keep(own, None)
         return RegisterCombiners(
@@ -190,7 +192,7 @@ class _Translation:
         )
 
     def sources(self, units):
-        """The ProgramSources; ``units``: how many texture shader stages there are."""
+        """The ProgramSources; ``units`` is the number of texture shader stages."""
         lines = {i.unit: f"line {i.token.line}: {i.name}" for i in self.listing.texture}
         general = tuple(
             f"line {group[0].token.line}: {' + '.join(i.name for i in group)}" for group in self.groups
@@ -200,7 +202,7 @@ class _Translation:
         return ProgramSources(tuple(lines.get(unit, "") for unit in range(units)), general or ("",), final)
 
     def keep(self, constants, stage):
-        """Say where constants went: to general combiner ``stage``, or, None, to the program's own."""
+        """Note the places of constants: general combiner ``stage``; None: the program's own registers."""
         self.places += [
             ConstantPlace(number, stage, CONSTANTS[place]) for place, number in enumerate(constants.numbers)
         ]
@@ -218,7 +220,7 @@ class _Translation:
                     )
                 taken[half] = instruction
         own = self.shared or _Constants("one general combiner")
-        # In the order of the text, by which constants take their places.
+        # The order of the text decides which registers constants take.
         portions = {
             half: self.portion(own, half, instruction)
             for instruction in group
@@ -235,7 +237,7 @@ class _Translation:
         )
 
     def portion(self, own, half, instruction):
-        """A portion: what the instruction computes of red, green and blue, or of alpha."""
+        """A portion: the instruction's result for red, green and blue, or for alpha."""
         name, dots = instruction.name, _DOTS.get(instruction.name, (False, False))
         usage = RGB if half == "rgb" else ALPHA
         zero, one = CombinerInput(usage=usage), CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT, usage)
@@ -313,7 +315,7 @@ class _Translation:
         return replace(given, mapping=mapping)
 
     def interpolated(self, own, half, sources):
-        """A, B, C, D of lrp: A is its factor, C one minus that, both in [0, 1]."""
+        """A, B, C, D of lrp: A is its factor, C is one minus the factor, both in [0, 1]."""
         first = sources[0]
         if first.modifier in ("bias", "bx2") or first.sign == "-":
             raise first.token.error(
@@ -330,8 +332,10 @@ class _Translation:
     # ------------------------------------------------------------------------------------- operands
 
     def input(self, own, half, source, final=False):
-        """A source as a combiner's variable. ``own``: the constants of its combiner; ``final``: of xfc, whose
-        variables are clamped to [0, 1] by themselves.
+        """A source as a combiner's variable.
+
+        - ``own``: the constants of its combiner.
+        - ``final``: whether it belongs to xfc, which clamps its variables to [0, 1].
         """
         component = "a" if source.selector == "a" or (half == "a" and source.selector is None) else "rgb"
         if source.selector == "b" and half == "rgb":
@@ -360,7 +364,7 @@ class _Translation:
         return CombinerInput(register, mapping, usage, meaning)
 
     def check_written(self, token, register, component):
-        """Note or refuse a register that holds nothing yet. ``register``: letter and number."""
+        """Note or refuse a register that is read before it is written. ``register``: letter and number."""
         if (register, component) in self.written:
             return
         letter, number = register

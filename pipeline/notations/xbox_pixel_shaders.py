@@ -1,5 +1,6 @@
-"""The Xbox's pixel shaders ``xps.1.0`` and ``xps.1.1`` as text, which ``xbox_pixel_shader_translation``
-translates.
+"""The Xbox's pixel shaders ``xps.1.0`` and ``xps.1.1`` as text.
+
+``xbox_pixel_shader_translation`` translates them.
 
     xps.1.1
     def c0, 1, 0, 0, 0
@@ -9,7 +10,7 @@ translates.
     xfc fog.a, r0, fog.rgb, zero, zero, zero, r0.a  ; r0, with fog
 
 White space, comments, case, ``def``, the order of a program and the ``+`` of pairs are those of ``ps.1.x``
-(``pixel_shaders``). Its own:
+(``pixel_shaders``). Its own instructions:
 
     xmma d0, d1, d2, a, b, c, d   d0 = a * b, d1 = c * d, d2 = a * b + c * d
     xmmc d0, d1, d2, a, b, c, d   d2 = c * d where the mux takes it, by r0's alpha, a * b elsewhere
@@ -18,20 +19,19 @@ White space, comments, case, ``def``, the order of a program and the ``+`` of pa
     xfc a, b, c, d, e, f, g       the final combiner: rgb a * b + (1 - a) * c + d, alpha g; prod is e * f,
                                   sum is r0 + v1. Once, and last
 
-``discard`` stands for a destination that is not wanted, ``zero`` and ``one`` (``0``, ``1``) for numbers,
-``fog`` for the fog's color and, as xfc's fog.a, its factor. Sources carry one of ``-`` and ``1-``, and one of
-``_bias``, ``_bx2`` and ``_sat``; ``.a`` and ``.b`` as in ``ps.1.x``. Results carry one of ``_x2``, ``_x4``,
-``_d2``, ``_bias`` (minus one half) and ``_bx2`` (that, times two), and no ``_sat``: the hardware has no such
-field.
+``discard`` stands for an unwanted destination, ``zero`` and ``one`` (``0``, ``1``) for numbers, ``fog`` for
+the fog's color and, as xfc's fog.a, its factor. Sources carry one of ``-`` and ``1-``, and one of ``_bias``,
+``_bx2`` and ``_sat``; ``.a`` and ``.b`` are as in ``ps.1.x``. Results carry one of ``_x2``, ``_x4``, ``_d2``,
+``_bias`` (minus one half) and ``_bx2`` (that, times two). They carry no ``_sat``, because the hardware has no
+such field.
 
 Source: the programs of public Xbox homebrew (XBMC's renderers and fonts, ShadeWorm) for xmma, xfc, discard,
 zero, registers and modifiers; the listings of Cxbx-Reloaded and Dxbx for the order of operands, prod, sum and
 the texture instructions; public tests that assemble texts by a title's own assembler and compare the words
-with PS_COMBINERINPUTS and its kin, for what becomes of each operand.
-Inferred: cmp, dp4 and ps.1.2's texture instructions are none of this dialect, for no public program has them
-and the NV2A has no mode or field for them. Assumed: texture instructions come before all others, as in every
-public program; that xps.1.0 is read as xps.1.1; that .rgb chooses nothing for alpha, as in ps.1.x. An
-assembler's manual would settle these.
+with PS_COMBINERINPUTS and related macros, for the field of each operand. Inferred: this dialect has no cmp,
+dp4 and ps.1.2 texture instructions, because no public program has them and the NV2A has no mode or field for
+them. Assumed: texture instructions come before all others, as in every public program; xps.1.0 is read as
+xps.1.1; .rgb chooses nothing for alpha, as in ps.1.x. An assembler's manual would settle these.
 """
 
 import re
@@ -52,7 +52,7 @@ from fixedpipe.pipeline.notations.tokens import Token
 VERSIONS = ("1.0", "1.1")
 # Assumed: the four bits by which a definition names the constant of a combiner reach sixteen.
 CONSTANT_COUNT = 16
-# Instruction: how many destinations and sources it has.
+# {instruction: (number of destinations, number of sources)}.
 ARITHMETIC = {
     "nop": (0, 0),
     "mov": (1, 1),
@@ -69,7 +69,7 @@ ARITHMETIC = {
     "xdd": (2, 4),
     "xfc": (0, 7),
 }
-# Which of ps.1.x's texture instructions the NV2A has no mode for, and its own.  Source: PS_TEXTUREMODES.
+# The texture instructions of ps.1.x for which the NV2A has no mode, and its own. Source: PS_TEXTUREMODES.
 _ABSENT = ("texreg2rgb", "texdp3", "texdp3tex", "texm3x3")
 OWN_TEXTURE = ("texm3x3diff", "texbrdf")
 TEXTURES = (*(name for name in TEXTURE if name not in _ABSENT), *OWN_TEXTURE)
@@ -79,16 +79,20 @@ _OPERAND = re.compile(r"(discard|zero|one|fog|prod|sum|[a-z][0-9]{1,2})((?:_[a-z
 
 
 class Destination(NamedTuple):
-    """``register``: letter and number, None for discard; ``mask``: the halves that are written."""
+    """A destination: ``register`` is letter and number, None for discard; ``mask`` has the written halves."""
 
     register: tuple[str, int] | None
     mask: tuple[str, ...]
 
 
 class Operand(NamedTuple):
-    """``name``: a register's letter, or "zero", "fog", "prod", "sum"; ``number`` 0 where it has none.
-    ``sign`` "", "-" or "1-"; ``modifier`` "", "bias", "bx2" or "sat"; ``selector`` None, "a" or "b". One is
-    1-zero.
+    """A source; one is 1-zero.
+
+    - ``name``: a register's letter, or "zero", "fog", "prod", "sum".
+    - ``number``: the register's, 0 for a name without one.
+    - ``sign``: "", "-" or "1-".
+    - ``modifier``: "", "bias", "bx2" or "sat".
+    - ``selector``: None, "a" or "b".
     """
 
     name: str
@@ -100,7 +104,7 @@ class Operand(NamedTuple):
 
 
 class XboxInstruction(NamedTuple):
-    """``modifier``: one of MODIFIERS or ""; ``paired``: it follows a ``+``."""
+    """An instruction: ``modifier`` is one of MODIFIERS or ""; ``paired`` says that it follows a ``+``."""
 
     name: str
     modifier: str
@@ -111,13 +115,13 @@ class XboxInstruction(NamedTuple):
 
     @property
     def halves(self):
-        """The halves, "rgb" and "a", that it computes: of what it keeps, or of all where it keeps none."""
+        """The halves, "rgb" and "a", that it computes: of its kept destinations, or of all without any."""
         kept = [d for d in self.destinations if d.register is not None] or self.destinations
         return tuple(half for half in ("rgb", "a") if any(half in d.mask for d in kept))
 
 
 class XboxListing(NamedTuple):
-    """As ``pixel_shaders.Listing``; ``final``: the xfc, or None."""
+    """A program as written, like ``pixel_shaders.Listing``; ``final`` is the xfc, or None."""
 
     version: str
     constants: dict
@@ -211,8 +215,10 @@ class _Reader(PixelShaderReader):
         return instruction
 
     def own_texture(self, token, name):
-        """texm3x3diff t2, t0; texbrdf t3, whose source Cxbx-Reloaded's listings write and other texts do
-        not: the mode reads the two units before, whatever it is.
+        """texm3x3diff t2, t0, or texbrdf t3.
+
+        Cxbx-Reloaded's listings write a source of texbrdf and other texts do not. The mode reads the two
+        units before in either case.
         """
         place, text = self.word()
         if not re.fullmatch(r"t[0-3]", text):
@@ -281,7 +287,7 @@ class _Reader(PixelShaderReader):
         return Destination(None if discarded else (letter, int(number)), mask)
 
     def operand(self, name, place):
-        """A source. ``place``: which of the instruction's it is, from 0: xfc's differ."""
+        """A source. ``place`` is its number in the instruction, from 0, because xfc's sources differ."""
         sign, first = "", self.next
         if first.text == "-":
             self.take()
@@ -292,7 +298,7 @@ class _Reader(PixelShaderReader):
                 self.take()
                 sign = "1-"
             elif first.number() in (0.0, 1.0):
-                # As Cxbx-Reloaded's listings write zero and its complement.
+                # Cxbx-Reloaded's listings write zero and its complement so.
                 return Operand("zero", 0, "1-" if first.number() else "", "", None, first)
             else:
                 raise first.error(
@@ -334,7 +340,7 @@ class _Reader(PixelShaderReader):
             )
         name, number = (match[1], 0) if match[1] in _NAMED else (match[1][0], int(match[1][1:]))
         if name == "one":
-            # Zero's complement: a mapping of a register, which has room for one.
+            # Zero's complement is a mapping of a register, which holds one mapping.
             if modifier in ("bias", "bx2") or sign == "-":
                 raise token.error(
                     f"{sign}{token.text} maps one, which is itself a mapping of zero; write a constant."
@@ -344,7 +350,7 @@ class _Reader(PixelShaderReader):
 
     @staticmethod
     def check_final(given, place):
-        """Refuse what xfc's inputs cannot be. ``place``: 0 to 6, A to G."""
+        """Refuse a source that xfc's input cannot be. ``place``: 0 to 6, A to G."""
         variable = "abcdefg"[place].upper()
         if given.sign == "-" or given.modifier in ("bias", "bx2"):
             raise given.token.error(
@@ -358,13 +364,13 @@ class _Reader(PixelShaderReader):
 
 
 def _within(letter, number):
-    """Whether a register of that number exists. ``number``: its digits, "" where they are none."""
+    """Whether a register of that number exists. ``number`` has its digits, or "" where they are none."""
     counts = {**REGISTER_COUNTS, "c": CONSTANT_COUNT}
     return number.isdecimal() and str(int(number)) == number and int(number) < counts.get(letter, 0)
 
 
 def read(text, start=(1, 1)):
-    """The XboxListing of a program. ``start``: the line and column at which errors take the text to begin.
+    """The XboxListing of a program. ``start``: the line and column of the text's beginning, for errors.
 
     Raises PixelShaderTextError with line and column, both from 1.
     """
