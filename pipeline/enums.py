@@ -1,7 +1,7 @@
 """The tokens of OpenGL 1.2.1 and its extensions, without ``GL_`` and without vendor suffix.
 
-The integer values are this project's own. Those that kernels decide on come from ``raster/codes.py``, the one
-list of codes; ``pipeline/native/`` writes them into the rows that kernels read.
+The integer values are this project's own. ``raster/codes.py``, the one list of codes, has the values that
+kernels test; ``pipeline/native/`` writes them into the rows that kernels read.
 
 Source: OpenGL 1.2.1 (Segal, Akeley 1999); NV_register_combiners; EXT_texture_cube_map; NV_texgen_reflection;
 EXT_stencil_wrap; EXT_blend_minmax; EXT_blend_subtract; EXT_texture_lod_bias; NV_texture_shader; ARB_shadow;
@@ -14,7 +14,7 @@ from fixedpipe.raster import codes as C
 
 
 class PrimitiveType(IntEnum):
-    """What Begin takes (section 2.6.1)."""
+    """The primitive types of Begin (section 2.6.1)."""
 
     TRIANGLES = 0
     TRIANGLE_STRIP = 1
@@ -34,8 +34,10 @@ class PrimitiveType(IntEnum):
 
 
 class VertexStage(IntEnum):
-    """What turns vertices into window coordinates: chapter 2's transformation, or a vertex program whose
-    results the mesh holds.
+    """The stage that gives window coordinates.
+
+    - FIXED_FUNCTION: the transformation of chapter 2.
+    - PROGRAM_RESULTS: a vertex program, whose results the mesh holds.
     """
 
     FIXED_FUNCTION = 0
@@ -43,15 +45,15 @@ class VertexStage(IntEnum):
 
 
 class SecondaryColor(IntEnum):
-    """What a machine with a lighting unit hands on as the secondary colour."""
+    """The source of the secondary colour that a machine with a lighting unit passes on."""
 
-    FROM_VERTEX = 0  # as the vertex stage left it, with its alpha
-    OPAQUE = 1  # its alpha is 1
+    FROM_VERTEX = 0  # the vertex stage's, with its alpha
+    OPAQUE = 1  # with an alpha of 1
     DISABLED = 2  # (0, 0, 0, 1); lighting then adds its specular terms to the primary colour
 
 
 class ColorSource(IntEnum):
-    """Where a lighting unit takes a material's colour from: the material, or one of the vertex's colours."""
+    """The source of a material's colour in a lighting unit: the material, or one of the vertex's colours."""
 
     MATERIAL = 0
     PRIMARY = 1
@@ -79,9 +81,9 @@ class ComparisonFunction(IntEnum):
 
 
 class DepthFormat(IntEnum):
-    """What a depth buffer's words are. A fixed format's code is its width, a float format's minus its width.
+    """The words of a depth buffer. A fixed format's code is its width, a float format's is minus its width.
 
-    The floats have no sign; 16 bits are 4 of exponent and 12 of fraction, up to 511.9375, 24 bits are 8 and
+    The floats have no sign. 16 bits are 4 of exponent and 12 of fraction, up to 511.9375. 24 bits are 8 and
     16, up to almost 2**128. Their words grow with the depth, as a fixed format's do
     (``fixedpipe.pipeline.textures.depth_words``).
     """
@@ -99,7 +101,7 @@ class DepthFormat(IntEnum):
 
     @property
     def bits(self):
-        """How wide a word is."""
+        """The number of bits of a word."""
         return abs(self)
 
 
@@ -117,7 +119,7 @@ class StencilOperation(IntEnum):
 
 
 class BlendFactor(IntEnum):
-    """Tables 4.1 and 4.2. Which of them a machine takes where is for validate to check."""
+    """Tables 4.1 and 4.2. ``validate`` checks which factors a machine takes as source and as destination."""
 
     ZERO = C.FACTOR_ZERO
     ONE = C.FACTOR_ONE
@@ -137,7 +139,7 @@ class BlendFactor(IntEnum):
 
 
 class BlendEquation(IntEnum):
-    """Section 4.1.6 (imaging subset), EXT_blend_minmax, EXT_blend_subtract; the signed two: the NV2A."""
+    """Section 4.1.6 (imaging subset), EXT_blend_minmax, EXT_blend_subtract; signed: the NV2A's."""
 
     FUNC_ADD = C.EQUATION_FUNC_ADD
     FUNC_SUBTRACT = C.EQUATION_FUNC_SUBTRACT
@@ -185,7 +187,7 @@ class FrontFace(IntEnum):
 
 
 class PolygonMode(IntEnum):
-    """Section 3.5.4: what of a polygon is drawn, its vertices, its boundary edges or its interior."""
+    """Section 3.5.4: the part of a polygon that is drawn: its vertices, boundary edges or interior."""
 
     POINT = 0
     LINE = 1
@@ -193,8 +195,11 @@ class PolygonMode(IntEnum):
 
 
 class LineRasterization(IntEnum):
-    """Which pixels a line draws: one for each step along its longer axis (section 3.4.1), or those inside the
-    rectangle that has the line in its middle (section 3.4.3's, without antialiasing).
+    """The pixels that a line draws.
+
+    - STEPS: one for each step along its longer axis (section 3.4.1).
+    - RECTANGLE: those inside the rectangle that has the line in its middle (section 3.4.3, without
+      antialiasing).
 
     The NV2A's SET_SMOOTHING_CONTROL chooses: 0xFFFF0000 and 0xFFFF0001.
     """
@@ -211,7 +216,10 @@ class ShadeModel(IntEnum):
 
 
 class ProvokingVertex(IntEnum):
-    """Which vertex gives a flat-shaded primitive its colour: OpenGL 1.2.1 table 2.12 (LAST), or the first."""
+    """The vertex that gives a flat-shaded primitive its colour.
+
+    LAST is OpenGL 1.2.1's, table 2.12.
+    """
 
     LAST = 0
     FIRST = 1
@@ -228,8 +236,9 @@ class TextureTarget(IntEnum):
 
 
 class InternalFormat(IntEnum):
-    """Sized internal formats, table 3.16: base format and resolution of each component; and those of
-    extensions, which only ``fixedpipe.pipeline.textures.words`` makes.
+    """Sized internal formats, table 3.16: base format and resolution of each component; extensions' formats.
+
+    Only ``fixedpipe.pipeline.textures.words`` makes textures of the extensions' formats.
     """
 
     ALPHA4 = 0
@@ -258,32 +267,34 @@ class InternalFormat(IntEnum):
     HILO16 = 23  # NV_texture_shader: HI in alpha and red, LO in green and blue, high bytes first
     DEPTH_COMPONENT16 = 24  # ARB_depth_texture
     DEPTH_COMPONENT24 = 25
-    DEPTH_COMPONENT16_FLOAT = 26  # the NV2A's own, from here on
+    DEPTH_COMPONENT16_FLOAT = 26  # the NV2A's own formats, from here on
     DEPTH_COMPONENT24_FLOAT = 27
     R6_G5_B5 = 28
-    GREEN8_BLUE8 = 29  # blue in red too, green in alpha too
-    RED8_BLUE8 = 30  # blue in green too, red in alpha too
+    GREEN8_BLUE8 = 29  # blue also in red, green also in alpha
+    RED8_BLUE8 = 30  # blue also in green, red also in alpha
     WHITE_ALPHA8 = 31  # red, green, blue 255
     LUMINANCE16 = 32  # red 255, the high byte in green, the low byte in blue, alpha 255
-    ALPHA12 = 33  # table 3.16's twelve-bit formats, for machines with components so wide
+    ALPHA12 = 33  # table 3.16's twelve-bit formats, for machines with components of that width
     LUMINANCE12 = 34
     LUMINANCE12_ALPHA4 = 35
     LUMINANCE12_ALPHA12 = 36
     INTENSITY12 = 37
     RGB12 = 38
     RGBA12 = 39
-    SIGNED_HILO16 = 40  # NV_texture_shader, from here on; as HILO16, its words are two's complement
-    DSDT8 = 41  # ds in blue and red, dt in green and alpha, all of them signed
+    SIGNED_HILO16 = 40  # NV_texture_shader, from here on; like HILO16, with two's complement words
+    DSDT8 = 41  # ds in blue and red, dt in green and alpha, all signed
     DSDT8_MAG8 = 42  # ds in blue and dt in green, signed; the magnitude in red
     SIGNED_RGBA8 = 43
 
 
 class TexelWord(IntEnum):
-    """How a texel lies in memory, highest bits first: TexImage's format and type in one (EXT_bgra and the
-    packed pixels of OpenGL 1.2, MESA_ycbcr_texture), as Direct3D and the NV2A name them.
+    """The layout of a texel in memory, highest bits first: TexImage's format and type in one.
 
-    YUY2 and UYVY: words of 16 bits; the even word of a pair holds U (Cb), the odd one V (Cr).
-    V8U8, L6V5U5, X8L8V8U8, Q8W8V8U8, V16U16: Direct3D 8's; U, V, W and Q are two's complement.
+    The names are Direct3D's and the NV2A's, for EXT_bgra, the packed pixels of OpenGL 1.2 and
+    MESA_ycbcr_texture.
+
+    - YUY2, UYVY: words of 16 bits; the even word of a pair holds U (Cb), the odd one V (Cr).
+    - V8U8, L6V5U5, X8L8V8U8, Q8W8V8U8, V16U16: Direct3D 8's; U, V, W and Q are two's complement.
     """
 
     A8R8G8B8 = 0
@@ -329,7 +340,7 @@ class BaseFormat(IntEnum):
 
 
 class TextureFilter(IntEnum):
-    """Section 3.8.5; the magnification filter takes the first two."""
+    """Section 3.8.5; the magnification filter is one of the first two."""
 
     NEAREST = 0
     LINEAR = 1
@@ -346,7 +357,7 @@ class TextureFilter(IntEnum):
 
     @property
     def mipmap(self):
-        """Which levels are read: a ``MIPMAP_`` code of ``raster/codes.py``."""
+        """The levels that are read: a ``MIPMAP_`` code of ``raster/codes.py``."""
         if self in (TextureFilter.NEAREST, TextureFilter.LINEAR):
             return C.MIPMAP_NONE
         nearest = TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_NEAREST
@@ -364,7 +375,7 @@ class WrapMode(IntEnum):
 
 
 class TexGenMode(IntEnum):
-    """Section 2.10.4, EXT_texture_cube_map, NV_texgen_reflection. NONE: generation disabled."""
+    """Section 2.10.4, EXT_texture_cube_map, NV_texgen_reflection. NONE: generation is disabled."""
 
     NONE = 0
     OBJECT_LINEAR = 1
@@ -390,7 +401,7 @@ class FogCoordinateSource(IntEnum):
 
 
 class FogGeneration(IntEnum):
-    """Where the NV2A's fog coordinate comes from (its SET_FOG_GEN_MODE)."""
+    """The source of the NV2A's fog coordinate (its SET_FOG_GEN_MODE)."""
 
     SECONDARY_ALPHA = 0
     RADIAL = 1
@@ -400,8 +411,10 @@ class FogGeneration(IntEnum):
 
 
 class FogArithmetic(IntEnum):
-    """How a machine computes the fog factor (a profile field): the function of the iterated coordinate,
-    rounded to nearest, or the NV2A's table.
+    """How a machine computes the fog factor (a profile field).
+
+    - ROUNDED: the function of the iterated coordinate, rounded to nearest.
+    - TABLE: the NV2A's table.
     """
 
     ROUNDED = 0
@@ -452,12 +465,14 @@ class Mapping(IntEnum):
 
 
 class Meaning(IntEnum):
-    """What a program means by a combiner variable, where a machine holds it by other means. Machines compute
-    the same with each; the ideal goes by it.
+    """What a program means by a combiner variable, where a machine holds the value in another form.
 
-    PLAIN: what the register holds. SATURATED: that, clamped to [0, 1]; a machine's registers end at 1, the
-    ideal's do not. SIGNED_CONSTANT: a constant with components of both signs, c, stored as (c + 256/255)/2
-    or as c + 128/255, which a machine's EXPAND_NORMAL or HALF_BIAS_NORMAL makes of bytes.
+    A machine computes the same with each meaning; only the ideal uses it.
+
+    - PLAIN: the register's contents.
+    - SATURATED: the contents, clamped to [0, 1]. A machine's registers end at 1; the ideal's do not.
+    - SIGNED_CONSTANT: a constant c with components of both signs. It is stored as (c + 256/255)/2 or as c +
+      128/255, from whose bytes a machine's EXPAND_NORMAL or HALF_BIAS_NORMAL makes c.
     """
 
     PLAIN = 0
@@ -466,7 +481,7 @@ class Meaning(IntEnum):
 
 
 class ComponentUsage(IntEnum):
-    """Which components of a register a variable takes (NV_register_combiners, section 3.8.12.2)."""
+    """The components of a register that a variable takes (NV_register_combiners, section 3.8.12.2)."""
 
     RGB = C.USAGE_RGB
     ALPHA = C.USAGE_ALPHA
@@ -490,28 +505,28 @@ class CombinerBias(IntEnum):
 
 
 class MuxSelect(IntEnum):
-    """Which bit of SPARE0's alpha selects a mux: NV_register_combiners' most significant, or the lowest."""
+    """The bit of SPARE0's alpha that selects a mux: NV_register_combiners' highest, or the lowest."""
 
     MSB = 0
     LSB = 1
 
 
 class ProductRounding(IntEnum):
-    """Where a general combiner brings the /255 scale back: once after the sum, or after every product."""
+    """Where a general combiner divides by 255: once after the sum, or after every product."""
 
     JOINT = 0
     PER_PRODUCT = 1
 
 
 class WindowOrigin(IntEnum):
-    """Where the device counts rows from before snapping (a profile field)."""
+    """The row from which the device counts before snapping (a profile field)."""
 
     UPPER_LEFT = 0
     LOWER_LEFT = 1
 
 
 class ColorFormat(IntEnum):
-    """How a pbuffer keeps colours: the chip's surface formats, components from the word's high bits down.
+    """A pbuffer's colour formats: the chip's surface formats, components from the word's high bits down.
 
     An X component is padding, stored as zeros (Z) or ones (O). Source: nv_objects.h, SURFACE_FORMAT_COLOR.
     """
@@ -527,14 +542,14 @@ class ColorFormat(IntEnum):
 
 
 class MagnificationThreshold(IntEnum):
-    """The lambda up to which a texture is magnified: 0 always (the chip), or OpenGL's c of section 3.8.6."""
+    """The lambda up to which a texture is magnified: always 0 (the chip), or OpenGL's c of section 3.8.6."""
 
     ZERO = 0
     OPENGL_C = 1
 
 
 class TextureShaderOperation(IntEnum):
-    """SHADER_OPERATION: NV_texture_shader, NV_texture_shader2 and, last, the NV2A's own."""
+    """SHADER_OPERATION: NV_texture_shader, NV_texture_shader2 and, last, the NV2A's own operations."""
 
     NONE = C.OPERATION_NONE
     TEXTURE_1D = C.OPERATION_TEXTURE_1D
@@ -563,9 +578,9 @@ class TextureShaderOperation(IntEnum):
 
 
 class DotProductMapping(IntEnum):
-    """How a dot product reads the previous stage's texel, as the NV2A's SET_DOT_RGBMAPPING numbers them.
+    """How a dot product reads the previous stage's texel, by the numbers of the NV2A's SET_DOT_RGBMAPPING.
 
-    The first two are RGBA_UNSIGNED_DOT_PRODUCT_MAPPING's; the HILO mappings read two words of 16 bits: alpha
+    The first two are RGBA_UNSIGNED_DOT_PRODUCT_MAPPING's. The HILO mappings read two words of 16 bits: alpha
     and red, green and blue.
     """
 
@@ -578,14 +593,14 @@ class DotProductMapping(IntEnum):
 
 
 class CullMode(IntEnum):
-    """CULL_MODES (NV_texture_shader): which coordinates a CULL_FRAGMENT stage keeps."""
+    """CULL_MODES (NV_texture_shader): the coordinates that a CULL_FRAGMENT stage keeps."""
 
     GEQUAL = C.CULL_MODE_GEQUAL
     LESS = C.CULL_MODE_LESS
 
 
 class TextureCompareMode(IntEnum):
-    """TEXTURE_COMPARE_MODE (ARB_shadow), and what the NV2A's two-dimensional stages compare instead of r."""
+    """TEXTURE_COMPARE_MODE (ARB_shadow), and the NV2A's 0, which its 2D stages compare instead of r."""
 
     NONE = C.COMPARE_MODE_NONE
     COMPARE_R_TO_TEXTURE = C.COMPARE_MODE_R_TO_TEXTURE
@@ -609,11 +624,14 @@ class TextureEnvironmentMode(IntEnum):
 
 
 class ColorKeyOperation(IntEnum):
-    """What becomes of a texel that equals a unit's color key: its alpha is 0, all its components are, or its
-    fragment ends.
+    """The result for a texel that equals a unit's color key.
 
-    Source: the NV2A's color key modes (nxdk_pgraph_tests, color_key_tests). KILL is what Direct3D up to 7
-    does where D3DRENDERSTATE_COLORKEYENABLE is set.
+    - ALPHA: its alpha is 0.
+    - RGBA: all its components are 0.
+    - KILL: its fragment is discarded.
+
+    Source: the NV2A's color key modes (nxdk_pgraph_tests, color_key_tests). Direct3D up to 7 does KILL where
+    D3DRENDERSTATE_COLORKEYENABLE is set.
     """
 
     ALPHA = 0
@@ -624,7 +642,7 @@ class ColorKeyOperation(IntEnum):
 class CombineFunction(IntEnum):
     """COMBINE_RGB and COMBINE_ALPHA: EXT_ and ARB_texture_env_combine (SUBTRACT: ARB_ alone), _dot3.
 
-    A COMBINE4 environment takes ADD and ADD_SIGNED alone, of two products.
+    A COMBINE4 environment takes ADD and ADD_SIGNED alone, each of two products.
     """
 
     REPLACE = 0
@@ -638,8 +656,10 @@ class CombineFunction(IntEnum):
 
 
 class CombineSource(IntEnum):
-    """SOURCEn_RGB and SOURCEn_ALPHA; ZERO and the numbered textures: NV_texture_env_combine4 (the textures
-    also ARB_texture_env_crossbar).
+    """SOURCEn_RGB and SOURCEn_ALPHA.
+
+    ZERO and the numbered textures are NV_texture_env_combine4's; the textures also
+    ARB_texture_env_crossbar's.
     """
 
     TEXTURE = 0
@@ -654,7 +674,7 @@ class CombineSource(IntEnum):
 
 
 class CombineOperand(IntEnum):
-    """OPERANDn_RGB and OPERANDn_ALPHA, which take the two of alpha alone."""
+    """OPERANDn_RGB and OPERANDn_ALPHA; the latter takes only the two operands of alpha."""
 
     SRC_COLOR = 0
     ONE_MINUS_SRC_COLOR = 1
@@ -663,7 +683,7 @@ class CombineOperand(IntEnum):
 
 
 class ColorBuffer(IntEnum):
-    """What DrawBuffer and ReadBuffer take (sections 4.2.1, 4.3.2): the window's or an auxiliary buffer."""
+    """The buffers of DrawBuffer and ReadBuffer (sections 4.2.1, 4.3.2): the window's or an auxiliary one."""
 
     BACK = 0
     AUX0 = 1
@@ -673,7 +693,7 @@ class ColorBuffer(IntEnum):
 
 
 class ConvolutionBorderMode(IntEnum):
-    """CONVOLUTION_BORDER_MODE (section 3.6.5): what a filter reads beyond an image's edge."""
+    """CONVOLUTION_BORDER_MODE (section 3.6.5): the pixels that a filter reads beyond an image's edge."""
 
     REDUCE = C.CONVOLUTION_REDUCE
     CONSTANT_BORDER = C.CONVOLUTION_CONSTANT_BORDER
@@ -681,8 +701,10 @@ class ConvolutionBorderMode(IntEnum):
 
 
 class ColorWeights(IntEnum):
-    """How a machine iterates colours (a profile field): with weights of eight bits, as the NV2A does, or
-    exactly, rounded to the nearest value of a component.
+    """How a machine iterates colours (a profile field).
+
+    - EIGHT_BITS: with weights of eight bits, as the NV2A does.
+    - EXACT: exactly, rounded to the nearest value of a component.
     """
 
     EIGHT_BITS = 0
@@ -690,13 +712,15 @@ class ColorWeights(IntEnum):
 
 
 class Clamp(IntEnum):
-    """The places where a machine clamps, each of which can be switched off (``Profile.without_clamps``).
+    """The places where a machine clamps; each can be switched off (``Profile.without_clamps``).
 
-    MAPPING: the lower clamp of the unsigned input mappings and the upper one of UNSIGNED_INVERT.
-    GENERAL_COMBINER: the outputs of a general combiner. TEXTURE_ENVIRONMENT: each unit's result.
-    COLOR_SUM: SPARE0_PLUS_SECONDARY_COLOR, and the color sum where combiners are off. FINAL_COMBINER: its RGB
-    and alpha, and a fragment's colour after fog. BLENDING: what blending writes. VERTEX_COLOR: colours of
-    vertices before they are iterated.
+    - VERTEX_COLOR: colours of vertices before they are iterated.
+    - MAPPING: the lower clamp of the unsigned input mappings and the upper one of UNSIGNED_INVERT.
+    - GENERAL_COMBINER: the outputs of a general combiner.
+    - TEXTURE_ENVIRONMENT: each unit's result.
+    - COLOR_SUM: SPARE0_PLUS_SECONDARY_COLOR, and the color sum where combiners are disabled.
+    - FINAL_COMBINER: its RGB and alpha, and a fragment's colour after fog.
+    - BLENDING: the results of blending.
     """
 
     VERTEX_COLOR = 0
@@ -709,9 +733,11 @@ class Clamp(IntEnum):
 
 
 class CombinerFunction(IntEnum):
-    """What a general combiner of the future puts in the place of AB + CD (Kautz, Seidel 2000, section 5.1).
+    """A future general combiner's function in place of AB + CD (Kautz, Seidel 2000, section 5.1).
 
-    SQUARE_ROOT: of the sum, at least 0. DIVIDE: AB by CD. EXPONENTIAL: e to the power of the sum.
+    - SQUARE_ROOT: of the sum, at least 0.
+    - DIVIDE: AB by CD.
+    - EXPONENTIAL: e to the power of the sum.
     """
 
     NONE = C.COMBINER_FUNCTION_NONE
@@ -721,7 +747,7 @@ class CombinerFunction(IntEnum):
 
 
 class AccumOperation(IntEnum):
-    """What Accum takes (section 4.2.4)."""
+    """The operations of Accum (section 4.2.4)."""
 
     ACCUM = 0
     LOAD = 1
@@ -731,7 +757,7 @@ class AccumOperation(IntEnum):
 
 
 class PixelCopyType(IntEnum):
-    """What CopyPixels takes (section 4.3.3)."""
+    """The types of CopyPixels (section 4.3.3)."""
 
     COLOR = 0
     DEPTH = 1
@@ -739,8 +765,9 @@ class PixelCopyType(IntEnum):
 
 
 class PixelTexGenMode(IntEnum):
-    """PIXEL_TEX_GEN_MODE (SGIX_pixel_texture): which components of a fragment's colour are the current raster
-    colour's; the others are the pixel group's.
+    """PIXEL_TEX_GEN_MODE (SGIX_pixel_texture): the components that a fragment takes from the raster position.
+
+    These are the current raster colour's. The other components are the pixel group's.
     """
 
     NONE = 0
@@ -757,8 +784,9 @@ class PixelFragmentSource(IntEnum):
 
 
 class PixelTexGenQ(IntEnum):
-    """Which volume of a four-dimensional texture q chooses (SGIX_impact_pixel_texture): the nearest, or one
-    of the two that a linear filter would take.
+    """How q selects a volume of a four-dimensional texture (SGIX_impact_pixel_texture).
+
+    It is the nearest volume, or one of the two that a linear filter would take.
     """
 
     ROUND = C.TEX_GEN_Q_ROUND
@@ -767,7 +795,7 @@ class PixelTexGenQ(IntEnum):
 
 
 class PixelTexGenAlpha(IntEnum):
-    """Which eight bits of a group's twelve bits of alpha replace a texel's (SGIX_impact_pixel_texture)."""
+    """The eight bits of a group's twelve bits of alpha that replace a texel's (SGIX_impact_pixel_texture)."""
 
     MS = 0
     LS = 1

@@ -1,8 +1,8 @@
-"""What a machine can do and how wide its numbers are.
+"""The features of a machine and the widths of its numbers.
 
-A machine is one value of ``Profile``; this package has a literal for each that descends from no other.
-Every value stands beside its evidence, in a section by subject (``fixedpipe.pipeline.profiles.sections``).
-Code asks what a machine can do, never which machine it is.
+A machine is one value of ``Profile``. This package has a literal for each machine that is no descendant of
+another. Every value stands beside its evidence, in a section by subject
+(``fixedpipe.pipeline.profiles.sections``). Code asks what a machine can do, never which machine it is.
 """
 
 from collections.abc import Mapping
@@ -27,18 +27,18 @@ from fixedpipe.pipeline.profiles.sections import (
     Vertices,
 )
 
-# Bits of components, and subpixel bits, of the compiled kernels; the column engine alone draws at others.
+# The compiled kernels' bits of components and of subpixels; only the column engine draws with others.
 NATIVE_BITS = 8
 NATIVE_SUBPIXEL_BITS = 4
 
 
 @dataclass(frozen=True, kw_only=True)
 class Driver:
-    """A driver of a machine, by what the machine is with it and its profile is not.
+    """A driver of a machine, by the properties in which the machine with it differs from its profile.
 
-    name   what it is asked for by, as in "Detonator XP"
-    since  when it came, in words
-    facts  fields of the profile's sections, each as known(value, evidence); none: the profile is as with it
+    - ``name``: the name in ``with_driver``, as in "Detonator XP".
+    - ``since``: its date, in words.
+    - ``facts``: fields of the profile's sections, each as known(value, evidence); empty: nothing differs.
     """
 
     name: str
@@ -50,10 +50,13 @@ class Driver:
 class Profile:
     """A machine.
 
-    ``name`` is what errors call it, ``description`` one line. ``ancestor`` is the machine that it was made
-    from (``descendant``); None: it was written whole. ``changed_from`` is the machine that this one is with
-    other values (``changed``); equal machines may differ in it. ``drivers`` are those whose dates are known,
-    the oldest first; ``driver`` is the name of the one that it has (``with_driver``), None: none was chosen.
+    - ``name``: its name in messages.
+    - ``description``: one line.
+    - ``ancestor``: the machine that it was made from (``descendant``); None: it was written whole.
+    - ``changed_from``: the machine that this one is with other values (``changed``); equal machines may
+      differ in it.
+    - ``drivers``: its drivers whose dates are known, the oldest first.
+    - ``driver``: the name of the driver that it has (``with_driver``); None: none was chosen.
 
     Raises ValueError for ``diamond_exit_lines`` with ``color_weights`` EIGHT_BITS.
     """
@@ -75,7 +78,7 @@ class Profile:
     driver: str | None = None
 
     def __post_init__(self) -> None:
-        # Weights of eight bits are measured between 0 and 1 and clamp nothing; a line of diamonds takes
+        # Weights of eight bits were measured between 0 and 1 and clamp nothing. A line of diamonds takes
         # values beyond its ends (docs/numbers.md, sections 4 and 11).
         if self.arithmetic.diamond_exit_lines and self.arithmetic.color_weights == ColorWeights.EIGHT_BITS:
             raise ValueError(
@@ -84,7 +87,7 @@ class Profile:
                 f"steps (diamond_exit_lines False)."
             )
 
-    if not TYPE_CHECKING:  # to which any name would be there
+    if not TYPE_CHECKING:  # to a type checker every name would exist
 
         def __getattr__(self, name):
             section = SECTION_OF.get(name)
@@ -93,12 +96,12 @@ class Profile:
 
     @property
     def widest_depth(self) -> int:
-        """The widest fixed format that a depth buffer may have: the one it has where none is asked for."""
+        """The widest fixed format that a depth buffer may have; it is the default."""
         return max(self.framebuffers.depth_bits)
 
     @property
     def facts(self) -> Mapping[str, Known]:
-        """Every field of every section by its name, in order: value and evidence."""
+        """{name: value and evidence} of every field of every section, in order."""
         everything = {}
         for name, section in SECTION_OF.items():
             fields = getattr(self, section)
@@ -114,9 +117,9 @@ class Profile:
     ) -> "Profile":
         """The same machine with other ``values`` by their fields' names, for a study or a test.
 
-        ``evidence`` is said of each of them; ``name``: the changed machine's, None: this one's.
+        ``evidence`` is that of each value. ``name`` is the changed machine's; None: this one's.
 
-        Raises TypeError for a name that no section has, and for a value that is not what its field is;
+        Raises TypeError for a name that no section has, and for a value that does not fit its field;
         ValueError for evidence without a tag.
         """
         given = {field: known(value, evidence) for field, value in values.items()}
@@ -127,8 +130,8 @@ class Profile:
     ) -> "Profile":
         """A machine that is made from this one and differs in ``own``: fields as known(value, evidence).
 
-        ``inherited``: the evidence of every other field; None: this machine's, where what is said of it holds
-        of the descendant in its own right, as a specification's words do.
+        ``inherited`` is the evidence of every other field. None: this machine's evidence, where it also holds
+        for the descendant itself, as a specification's words do.
 
         Raises TypeError for a name that no section has, ValueError for a value without evidence.
         """
@@ -138,10 +141,10 @@ class Profile:
         return self._with(own, name=name, description=description, **changes)
 
     def with_driver(self, name: str) -> "Profile":
-        """The machine as it was with one of its ``drivers``. What a later one brought is refused, in a
-        sentence that names that driver.
+        """The machine as it was with one of its ``drivers``.
 
-        Raises ValueError for a name that none of them has, and where a driver was chosen already.
+        It refuses what a later driver brought, in a sentence that names that driver. Raises ValueError for a
+        name that no driver has, and where a driver was already chosen.
         """
         if self.driver is not None:
             raise ValueError(
@@ -165,7 +168,7 @@ class Profile:
         return tuple(own.with_driver(name) for name in names[first:])
 
     def _with(self, given, **changes):
-        """The machine with fields as ``given``, each with its evidence, and other changes of its own."""
+        """The machine with fields as ``given``, each with its evidence, and with other changes."""
         if unknown := given.keys() - SECTION_OF.keys():
             near = [field for name in sorted(unknown) for field in get_close_matches(name, SECTION_OF)]
             raise TypeError(
@@ -193,12 +196,14 @@ class Profile:
     ) -> "Profile":
         """The same machine with other widths, each of 4 to 16 bits; None: its own.
 
-        ``combiner_bits``: of a value of one in combiners and texture environments (registers have a sign
-        beside). ``texture_bits``: of texel components of the machine's widest formats. ``framebuffer_bits``:
-        of a colour buffer's components. ``filter_fraction_bits``: of a linear filter's weights.
-        ``subpixel_bits``: of window coordinates. Pbuffers keep their formats.
+        - ``combiner_bits``: of a value of one in combiners and texture environments (registers also have a
+          sign).
+        - ``texture_bits``: of texel components of the machine's widest formats.
+        - ``framebuffer_bits``: of a colour buffer's components.
+        - ``filter_fraction_bits``: of a linear filter's weights.
+        - ``subpixel_bits``: of window coordinates.
 
-        Raises ValueError for a width that is not 4 to 16.
+        Pbuffers keep their formats. Raises ValueError for a width that is not 4 to 16.
         """
         asked = {
             "combiner_bits": combiner_bits,
@@ -223,7 +228,7 @@ class Profile:
     def without_clamps(self, *clamps: Clamp) -> "Profile":
         """The same machine with these of its clamps (``fixedpipe.pipeline.enums.Clamp``) switched off.
 
-        Raises ValueError for what is no Clamp.
+        Raises ValueError for a value that is no Clamp.
         """
         for clamp in clamps:
             if not isinstance(clamp, Clamp):

@@ -1,8 +1,8 @@
-"""What a machine has, by subject: the sections of a profile. Each field has its meaning beside it.
+"""A machine's properties by subject: the sections of a profile. Each field's meaning stands beside it.
 
-All but ``Arithmetic`` say what a machine has, and so what it refuses: numbers are the most that it takes (0:
-it has none), sets are what it accepts. ``Arithmetic`` says how it computes what it accepts. No two sections
-have a field of one name (``SECTION_OF``).
+All sections except ``Arithmetic`` say what a machine has, and so what it refuses. Their numbers are the most
+that it takes (0: it has none), and their sets are what it accepts. ``Arithmetic`` says how it computes what
+it accepts. No two sections have a field of the same name (``SECTION_OF``).
 """
 
 from dataclasses import dataclass
@@ -48,59 +48,59 @@ class Textures(Section):
     power_of_two_textures: bool  # whether edges must be powers of two
     texture_targets: frozenset[TextureTarget]
     internal_formats: frozenset[InternalFormat]
-    texture_borders: frozenset[int]  # texels of a texture's border on either side that it may have
+    texture_borders: frozenset[int]  # border texels that a texture may have on either side
     wrap_modes: frozenset[WrapMode]
-    cylinder_wrap: bool  # of a TextureUnit
-    signed_components: bool  # of any texture, by its sampler
+    cylinder_wrap: bool  # the field of a TextureUnit
+    signed_components: bool  # whether a sampler can read any texture as signed
     hilo_as_color: bool  # whether registers receive the bytes of HILO and DSDT texels, or (0, 0, 0, 0)
     max_lod_bias: float  # levels, of either sign
-    max_anisotropy: float  # 1: none
-    max_probes: int  # of footprint assembly; 1: none
-    exact_probes: bool  # any number of them, and not powers of two alone
+    max_anisotropy: float  # 1: no anisotropic filter
+    max_probes: int  # of footprint assembly; 1: no footprint assembly
+    exact_probes: bool  # any number of probes, and not only powers of two
     texture_color_table: bool  # SGI_texture_color_table
     color_key_operations: frozenset[ColorKeyOperation]  # of a unit's color key
     evaluate_before_filtering: bool  # a pass is evaluated at texels and its results are filtered
     texture_compare_modes: frozenset[TextureCompareMode]
     shadow_functions: frozenset[ComparisonFunction]  # of a texture comparison
-    shadow_ambient: bool  # SGIX_shadow_ambient: what a texel in shadow is
-    depth_texture_modes: tuple[BaseFormat, ...]  # what depth textures may be, the usual one first
-    depths_as_colors: bool  # whether a depth texture is read without a comparison too
-    # Whether depths that come from texture coordinates, those that a depth texture is compared with and those
-    # of DOT_PRODUCT_DEPTH_REPLACE, are in depth-buffer units, not in [0, 1].
+    shadow_ambient: bool  # SGIX_shadow_ambient: the value of a texel in shadow
+    depth_texture_modes: tuple[BaseFormat, ...]  # the modes of depth textures, the default first
+    depths_as_colors: bool  # whether a depth texture can be read without a comparison
+    # Whether depths from texture coordinates are in depth-buffer units, and not in [0, 1]. A depth texture is
+    # compared with such depths, and DOT_PRODUCT_DEPTH_REPLACE computes them.
     depth_units_in_coordinates: bool
 
 
 @dataclass(frozen=True, kw_only=True)
 class TextureShaders(Section):
-    """Dependent lookups of NV_texture_shader and its like."""
+    """Dependent lookups: NV_texture_shader and similar extensions."""
 
-    texture_shader_operations: frozenset[TextureShaderOperation]  # none: no texture shaders
+    texture_shader_operations: frozenset[TextureShaderOperation]  # empty: no texture shaders
     dot_product_mappings: frozenset[DotProductMapping]
     foreign_texture_targets: bool  # whether cube maps are read as volumes, and 2D textures as either
-    offset_scale_clamped: bool  # whether what OFFSET_TEXTURE_*_SCALE multiplies by is at most 1
-    roughness_lookups: bool  # whether 2D lookups of bumps are filtered by their roughness
+    offset_scale_clamped: bool  # whether the factor of OFFSET_TEXTURE_*_SCALE is at most 1
+    roughness_lookups: bool  # whether roughness filters 2D lookups of bumps
 
 
 @dataclass(frozen=True, kw_only=True)
 class Combiners(Section):
-    """What makes one colour of texels and iterated colours: texture environments, register combiners."""
+    """How texels and iterated colours become one colour: texture environments, register combiners."""
 
     texture_environment_modes: frozenset[TextureEnvironmentMode]
     combine_functions: frozenset[CombineFunction]  # of COMBINE
     texture_environment_crossbar: bool  # sources TEXTUREn
     max_general_combiners: int  # MAX_GENERAL_COMBINERS_NV; 0: no register combiners
     per_stage_constants: bool  # NV_register_combiners2
-    combiner_functions: frozenset[CombinerFunction]  # of the future board
+    combiner_functions: frozenset[CombinerFunction]  # the future board's
     combiner_lookup: bool  # CombinerLookup
     blue_to_alpha: bool  # ab_blue_to_alpha, cd_blue_to_alpha of RGB portions
     final_alpha_from_blue: bool  # whether the final combiner's G takes BLUE
-    ycbcr_conversion: bool  # of texture units' registers
+    ycbcr_conversion: bool  # of the units' results, before the combiners
     combiner_flags: bool  # muxes by the lowest bit, inverted terms of the color sum
 
 
 @dataclass(frozen=True, kw_only=True)
 class Vertices(Section):
-    """Lights and what else is computed at a vertex."""
+    """Lights and the other computations at a vertex."""
 
     max_lights: int
     max_clip_planes: int
@@ -109,31 +109,31 @@ class Vertices(Section):
     texgen_modes: frozenset[TexGenMode]
     fog_coordinate: bool  # EXT_fog_coord
     point_parameters: bool  # EXT_point_parameters
-    composite_matrix: bool  # Composite, in place of projection and viewport
+    composite_matrix: bool  # Composite, which replaces projection and viewport
     vertex_weighting: bool  # EXT_vertex_weighting
 
 
 @dataclass(frozen=True, kw_only=True)
 class Primitives(Section):
-    """Points, lines, and what is iterated over a primitive."""
+    """Points, lines, and iteration over a primitive."""
 
     max_point_size: float  # pixels
     max_line_width: float  # pixels
     line_stipple: bool
-    # Where in a pixel smooth lines and polygons are asked for what they cover, 1/16 pixel from its middle, y
-    # up; none: nothing is smooth.
+    # The places in a pixel that decide its coverage by smooth lines and polygons, in 1/16 pixel from its
+    # middle, y up; empty: nothing is smooth.
     smoothing_samples: tuple[tuple[int, int], ...]
     point_sprite_units: frozenset[int]  # texture units whose coordinates point sprites may replace
-    perspective_hint: bool  # whether PERSPECTIVE_CORRECTION_HINT is followed
+    perspective_hint: bool  # whether the machine follows PERSPECTIVE_CORRECTION_HINT
     spherical_interpolation: bool  # of vectors in texture coordinates
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fragments(Section):
-    """What is done to a fragment after it is coloured: sums, fog, tests, blending."""
+    """The operations on a coloured fragment: sums, fog, tests, blending."""
 
     color_sum: bool
-    fog_registers: bool  # FogRegisters, in place of a fog's density, start and end
+    fog_registers: bool  # FogRegisters, which replace a fog's density, start and end
     depth_clamp: bool  # NV_depth_clamp
     w_buffering: bool  # clip w as depth
     max_window_rectangles: int  # of a WindowClip
@@ -146,29 +146,28 @@ class Fragments(Section):
 
 @dataclass(frozen=True, kw_only=True)
 class Framebuffers(Section):
-    """Buffers of a window and of pbuffers."""
+    """The buffers of a window and of pbuffers."""
 
     max_viewport: int  # pixels along an edge
-    color_bits: tuple[int, ...]  # widths that a component may have, the usual one first
-    # Formats that a depth buffer may have; a fixed format is its width.
+    color_bits: tuple[int, ...]  # the widths of a component that it has, the default first
+    # The formats of a depth buffer that it has; a fixed format is given by its width.
     depth_bits: tuple[DepthFormat | int, ...]
     stencil_bits: int
     accumulation_bits: int  # of a component, with its sign; 0: no accumulation buffer
     auxiliary_buffers: int
-    samples: tuple[int, ...]  # how many a pixel may have, the usual number first
-    shades_samples: (
-        bool  # of several each computes its own fragment; else all take that of the pixel's middle
-    )
-    surface_formats: frozenset[ColorFormat]  # of pbuffers' colours; none: no pbuffers
-    shared_depth: bool  # whether a pbuffer's depths may be the window's or another pbuffer's
+    samples: tuple[int, ...]  # the numbers of samples of a pixel that it has, the default first
+    # Whether each of several samples computes its own fragment; else all take that of the pixel's middle.
+    shades_samples: bool
+    surface_formats: frozenset[ColorFormat]  # of pbuffers' colours; empty: no pbuffers
+    shared_depth: bool  # whether a pbuffer can share the depths of the window or another pbuffer
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pixels(Section):
-    """Rectangles of pixels on their way: pixel transfer and pixel textures."""
+    """Rectangles of pixels: pixel transfer and pixel textures."""
 
     max_pixel_map_table: int  # entries of a pixel map
-    transfers_texture_queries: bool  # whether what GetTexImage returns goes through pixel transfer
+    transfers_texture_queries: bool  # whether the results of GetTexImage pass through pixel transfer
     color_matrix: bool
     color_tables: bool  # of pixel transfer
     max_color_table_size: int  # entries of a colour table and of a histogram
@@ -184,38 +183,35 @@ class Pixels(Section):
 class Arithmetic(Section):
     """How the machine computes what it accepts; docs/numbers.md has each rule."""
 
-    exact: bool  # float64 without limits (the ideal machine; the fields below then do not matter)
-    clamps: frozenset[Clamp]  # those that are on
-    lighting: (
-        LightingArithmetic  # OpenGL's equations in float64, or a unit's short floats and rational functions
-    )
-    color_mantissa_bits: int  # significant bits that a float vertex colour keeps on its way to a byte
-    fog_arithmetic: FogArithmetic  # how the factor is computed
+    exact: bool  # float64 without limits (the ideal machine); the other fields then do not matter
+    clamps: frozenset[Clamp]  # the clamps that are on
+    # OpenGL's equations in float64, or a lighting unit's short floats and rational functions.
+    lighting: LightingArithmetic
+    color_mantissa_bits: int  # significant bits that a float vertex colour keeps before it becomes a byte
+    fog_arithmetic: FogArithmetic  # how the machine computes the fog factor
     subpixel_bits: int  # of a snapped window coordinate
     guard_band: int  # pixels around the screen that need no clipping
-    device_origin: WindowOrigin  # where rows are counted from before snapping
+    device_origin: WindowOrigin  # the row from which rows are counted before snapping
     color_weights: ColorWeights  # of iterated colours
-    # Whether lines draw the pixels whose diamond they leave (OpenGL 1.2.1, section 3.4.1), not those of the
-    # NV2A's steps; it takes color_weights EXACT.
+    # Whether lines draw the pixels whose diamond they leave (OpenGL 1.2.1, section 3.4.1), instead of those
+    # of the NV2A's steps; this needs color_weights EXACT.
     diamond_exit_lines: bool
-    magnification_threshold: (
-        MagnificationThreshold  # the lambda up to which the magnification filter is taken
-    )
+    magnification_threshold: MagnificationThreshold  # the lambda up to which textures are magnified
     filter_fraction_bits: int  # of a linear filter's weights
     texture_bits: int  # of the widest texels' components
-    dithered_s3tc_dxt1: bool  # DXT1's colours are ordered-dithered to 5, 6 and 5 bits when they are decoded
+    dithered_s3tc_dxt1: bool  # whether decoding DXT1 dithers its colours to 5, 6 and 5 bits
     combiner_bits: int  # of a combiner's value of one
     combiner_range: float  # registers hold values below this, of either sign
     clamp_low: int  # the least value of a general combiner's sum: -256 or -255
     offset_fraction: bool  # whether a fixed depth format adds a polygon offset's fraction too
-    expand_half: float  # what an 8-bit EXPAND mapping takes as one half: 128 or 127.5
+    expand_half: float  # the value that an 8-bit EXPAND mapping takes as one half: 128 or 127.5
     product_rounding: ProductRounding
-    round_before_scale: bool  # a general combiner's sum
-    add_signed_scale_by_four: bool  # where not, an ADD_SIGNED texture environment takes a scale of 4 as 2
+    round_before_scale: bool  # a general combiner's sum is rounded before its scale
+    add_signed_scale_by_four: bool  # if not, an ADD_SIGNED texture environment takes a scale of 4 as 2
     clamps_color_matrix: bool  # components are clamped to [0, 1] after a colour matrix or its scale and bias
 
 
-# The sections by their names in a profile, in order; the name of each field's section.
+# The sections by their names in a profile, in order; then the name of each field's section.
 SECTIONS: dict[str, type[Section]] = {
     "textures": Textures,
     "texture_shaders": TextureShaders,
