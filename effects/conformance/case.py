@@ -1,7 +1,9 @@
 """A case: what a capture's program drew, and which pixels of it the chip alone decides."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,9 @@ class Shows(IntEnum):
     COLOR = 0
     ZETA = 1
     ZETA_TEXTURE = 2
+
+
+SHOWS = {"": Shows.COLOR, "_ZB": Shows.ZETA}  # by what ends a case's name, in suites that capture both
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,6 +71,11 @@ class Case:
                 f"{MOST_EXCLUDED:.1%} may be."
             )
 
+    @classmethod
+    def of(cls, commands, *given):
+        """The case whose frame is ``commands(*given)``, compared everywhere."""
+        return cls(commands=tuple(commands(*given)))
+
     def _inside(self):
         pixels = np.zeros((HEIGHT, WIDTH), bool)
         for left, top, right, bottom in self.region:
@@ -109,3 +119,28 @@ class Inputs:
 
         with Image.open(self.path(name)) as image:
             return np.array(image.convert("RGBA"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suite:
+    """A suite's cases, each built when it is asked for.
+
+    name   the captures' folder
+    cases  by name, in order: the function that builds the Case, from nothing or from ``inputs``
+    open   one line on why pixels differ, for cases that say nothing themselves; empty: nothing is open
+    """
+
+    name: str
+    cases: Mapping[str, Callable[..., Case]]
+    open: str = ""
+
+    def names(self):
+        """The names of the cases, in order."""
+        return list(self.cases)
+
+    def case(self, name, inputs):
+        """The Case of that name, None where the suite has none. Raises MissingInput."""
+        build = self.cases.get(name)
+        if build is None:
+            return None
+        return build(inputs=inputs) if "inputs" in signature(build).parameters else build()

@@ -8,7 +8,7 @@ from pkgutil import iter_modules
 import numpy as np
 
 from fixedpipe.effects.conformance import suites
-from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, MissingInput, Shows
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, MissingInput, Shows, Suite
 from fixedpipe.pipeline.enums import TexelWord
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
@@ -63,7 +63,7 @@ def module_name(suite):
 
 
 def known_suites():
-    """Module of every suite, by the name of its captures' folder.
+    """Every Suite by its name, as the modules of ``suites`` have it.
 
     Raises ValueError for a module that says no suite, or is not named as its suite, so no two can claim one.
     """
@@ -80,7 +80,7 @@ def known_suites():
                 f"{name}.py says that it is {module.SUITE}; call it {module_name(module.SUITE)}.py, or give "
                 "it its own suite's name."
             )
-        found[module.SUITE] = module
+        found[module.SUITE] = Suite(name=module.SUITE, cases=module.CASES, open=getattr(module, "OPEN", ""))
     return found
 
 
@@ -102,15 +102,18 @@ def zeta_colors(framebuffer):
     return out
 
 
-def compare(suite, module, name, theirs, inputs, threads=None, profile=NV2A):
-    """Redraw one case on a machine and compare it with its capture ``theirs``, uint8 [HEIGHT, WIDTH, 4]."""
+def compare(suite, known, name, theirs, inputs, threads=None, profile=NV2A):
+    """Redraw one case on a machine and compare it with its capture ``theirs``, uint8 [HEIGHT, WIDTH, 4].
+
+    ``suite``: its name; ``known``: the Suite, None where nobody has redrawn it.
+    """
     given = {"suite": suite, "name": name, "theirs": theirs}
     try:
-        case = module.case(name, inputs) if module is not None else None
+        case = known.case(name, inputs) if known is not None else None
     except MissingInput as missing:
         return Comparison(**given, note=str(missing))
     if case is None:
-        note = "the suite has no such case" if module is not None else "the suite is not covered"
+        note = "the suite has no such case" if known is not None else "the suite is not covered"
         return Comparison(**given, note=note)
     framebuffer = execute(
         case.commands, profile, WIDTH, HEIGHT, depth_bits=case.depth_bits, threads=threads
@@ -129,5 +132,5 @@ def compare(suite, module, name, theirs, inputs, threads=None, profile=NV2A):
         compared=compared,
         equal=(ours == theirs).all(-1),
         # What a suite leaves open is said of each of its cases that is not exact and gives no reason itself.
-        note=case.explanation or getattr(module, "OPEN", ""),
+        note=case.explanation or known.open,
     )

@@ -25,20 +25,20 @@ class Capture:
     read: Callable[[], np.ndarray]
 
 
-def _compare(capture, module, inputs, profile):
+def _compare(capture, suite, inputs, profile):
     theirs = capture.read()
     try:
-        return compare(capture.suite, module, capture.name, theirs, inputs, 1, profile)
+        return compare(capture.suite, suite, capture.name, theirs, inputs, 1, profile)
     # A case is a program of its own: whatever stops it, the other cases' results are worth having.
     except Exception as error:
         note = f"{type(error).__name__}: {' '.join(str(error).split())}"
         return Comparison(suite=capture.suite, name=capture.name, theirs=theirs, failed=True, note=note)
 
 
-def compare_all(captures, modules, inputs, threads=None, profile=NV2A, jobs=None):
+def compare_all(captures, suites, inputs, threads=None, profile=NV2A, jobs=None):
     """Yield the Comparison of every Capture, in their order.
 
-    ``modules``: of the suites, by name (``known_suites()``). ``inputs``: an Inputs. ``threads``: cases at a
+    ``suites``: by name (``known_suites()``). ``inputs``: an Inputs. ``threads``: cases at a
     time; None: one per processor. ``jobs``: cases at a time, each in a process of its own, which finds the
     suites itself; the captures' ``read`` has to be picklable then. ``profile``: the machine. The bits are the
     same for any number. What ``read`` raises is raised here; what a case raises is its Comparison's note.
@@ -48,7 +48,7 @@ def compare_all(captures, modules, inputs, threads=None, profile=NV2A, jobs=None
         with ThreadPoolExecutor(threads, "fixedpipe-case") as pool:
             submit = partial(pool.submit, _compare)
             yield from _in_order(
-                submit, ((c, modules.get(c.suite), inputs, profile) for c in captures), threads
+                submit, ((c, suites.get(c.suite), inputs, profile) for c in captures), threads
             )
         return
     context = multiprocessing.get_context("spawn")

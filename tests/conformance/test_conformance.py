@@ -8,8 +8,8 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ from PIL import Image
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.conformance import redraw, run
 from fixedpipe.effects.conformance.captures import find_captures
-from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Exclusion, Inputs, MissingInput
+from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Exclusion, Inputs, MissingInput, Suite
 from fixedpipe.effects.conformance.run import compare_all
 from fixedpipe.effects.reports.conformance import difference_picture
 from fixedpipe.pipeline.commands import Clear
@@ -50,28 +50,28 @@ RED, BLUE, TEXT = (255, 0, 0, 255), (0, 0, 255, 255), (255, 255, 255, 0)
 # ------------------------------------------------------------------------------------- suites, as they are
 
 
-def some_names(module):
+def some_names(known):
     """Up to MOST names of a suite, evenly spread, the first and the last among them."""
-    names = module.names()
+    names = known.names()
     return [names[i] for i in np.unique(np.linspace(0, len(names) - 1, MOST).astype(int))]
 
 
 @pytest.mark.parametrize("suite", SUITES)
 def test_a_suite_s_names_are_its_own_and_no_other_is_a_case(suite):
-    module = SUITES[suite]
-    names = list(module.names())
-    assert names and len(set(names)) == len(names)
+    known = SUITES[suite]
+    names = known.names()
+    assert names
     assert all(re.fullmatch(r"[^\s/]+", name) for name in names)
     for unknown in ("", "no such case", names[0] + "_", names[0][:-1] + "?"):
-        assert module.case(unknown, INPUTS) is None
+        assert known.case(unknown, INPUTS) is None
 
 
 @pytest.mark.parametrize("suite", SUITES)
 def test_a_suite_s_cases_are_frames_that_the_machine_can_hold(suite):
-    module = SUITES[suite]
-    for name in some_names(module):
+    known = SUITES[suite]
+    for name in some_names(known):
         try:
-            case = module.case(name, INPUTS)
+            case = known.case(name, INPUTS)
         except MissingInput as missing:
             absent = INPUTS.folder is None or any(file in str(missing) for file in NOT_AMONG_THE_INPUTS)
             assert absent, f"{name} needs a file that nobody has"
@@ -85,11 +85,11 @@ def test_a_suite_s_cases_are_frames_that_the_machine_can_hold(suite):
 @pytest.mark.parametrize("suite", SUITES)
 def test_a_suite_is_drawn_the_same_way_twice(suite):
     """A case is data: building it once more gives the same picture."""
-    module = SUITES[suite]
-    name = module.names()[-1]
+    known = SUITES[suite]
+    name = known.names()[-1]
     blank = np.zeros((HEIGHT, WIDTH, 4), np.uint8)
     try:
-        first, second = (redraw.compare(suite, module, name, blank, INPUTS, threads=n) for n in (1, 2))
+        first, second = (redraw.compare(suite, known, name, blank, INPUTS, threads=n) for n in (1, 2))
     except MissingInput:
         pytest.skip("needs a file of the inputs")
     if first.covered:
@@ -135,11 +135,11 @@ def plain(color):
     return Case(commands=(Clear(label="all", color=tuple(c / 255 for c in color)),))
 
 
-def broken_case(name, inputs):
+def broken_case():
     raise RuntimeError("the case's own\nmistake")
 
 
-def needy_case(name, inputs):
+def needy_case(inputs):
     return inputs.path("nowhere.dds")
 
 
@@ -147,9 +147,9 @@ def needy_case(name, inputs):
 def suites(monkeypatch):
     """Known suites: Plain draws red and blue windows; Broken and Needy cannot be drawn."""
     known = {
-        "Plain": SimpleNamespace(case=lambda name, _: {"Red": plain(RED), "Blue": plain(BLUE)}.get(name)),
-        "Broken": SimpleNamespace(case=broken_case),
-        "Needy": SimpleNamespace(case=needy_case),
+        "Plain": Suite(name="Plain", cases={"Red": partial(plain, RED), "Blue": partial(plain, BLUE)}),
+        "Broken": Suite(name="Broken", cases={"Red": broken_case}),
+        "Needy": Suite(name="Needy", cases={"Red": needy_case}),
     }
     monkeypatch.setattr(redraw, "known_suites", lambda: known)
     return known
@@ -217,9 +217,9 @@ def test_equal_pixels_are_counted_and_the_last_line_sums_up(suites, tmp_path):
 
 
 def test_a_real_case_agrees_with_itself_and_one_changed_pixel_is_caught(tmp_path):
-    name, module = "AlphaFuncNotEqual_Enabled", SUITES["Alpha_func"]
+    name, known = "AlphaFuncNotEqual_Enabled", SUITES["Alpha_func"]
     blank = np.zeros((HEIGHT, WIDTH, 4), np.uint8)
-    ours = redraw.compare("Alpha_func", module, name, blank, INPUTS).ours
+    ours = redraw.compare("Alpha_func", known, name, blank, INPUTS).ours
     changed = ours.copy()
     changed[300, 200, 2] ^= 1
     (tmp_path / "Alpha_func").mkdir()
@@ -233,7 +233,7 @@ def test_a_real_case_agrees_with_itself_and_one_changed_pixel_is_caught(tmp_path
 
 def test_an_explanation_is_said_only_of_a_case_that_is_not_exact(suites, tmp_path):
     explained = replace(plain(RED), explanation="a tie")
-    suites["Plain"].case = lambda name, inputs: explained
+    suites["Plain"] = Suite(name="Plain", cases=dict.fromkeys(("Exact", "Off"), lambda: explained))
     save(tmp_path, "Plain", "Exact")
     save(tmp_path, "Plain", "Off", ((0, 0), BLUE))
     said = conformance(tmp_path).stdout.splitlines()
@@ -277,7 +277,8 @@ def test_inputs_are_found(suites, tmp_path, how):
     folder = tmp_path / ("inputs" if how == "beside" else "elsewhere")
     folder.mkdir()
     (folder / "nowhere.dds").touch()
-    suites["Needy"].case = lambda name, inputs: plain(RED) if inputs.path("nowhere.dds") else None
+    found = {"Red": lambda inputs: plain(RED) if inputs.path("nowhere.dds") else None}
+    suites["Needy"] = Suite(name="Needy", cases=found)
     environment = {"FIXEDPIPE_INPUTS": str(folder)} if how == "environment" else {}
     result = conformance(results, *(("--inputs", folder) if how == "option" else ()), **environment)
     assert "Needy/Red: 307200 / 307200" in result.stdout
@@ -417,7 +418,8 @@ def test_the_progress_bar_keeps_out_of_the_lines(tmp_path, piped):
 @pytest.mark.parametrize("threads", [1, 2, 7])
 def test_any_number_of_threads_gives_the_cases_in_their_order(suites, tmp_path, threads):
     names = [f"{i:02d}" for i in range(20)]
-    suites["Plain"].case = lambda name, inputs: plain((int(name), 0, 0, 255))
+    cases = {name: partial(plain, (i, 0, 0, 255)) for i, name in enumerate(names)}
+    suites["Plain"] = Suite(name="Plain", cases=cases)
     for i, name in enumerate(names):
         save(tmp_path, "Plain", name, color=(i, 0, 0, 255))
     found = list(compare_all(find_captures(tmp_path), suites, Inputs(None), threads))
@@ -430,8 +432,8 @@ def test_a_difference_is_seen_and_what_is_not_compared_is_told_apart():
     theirs[10, 20] = (254, 0, 0, 255)
     theirs[12, 20] = TEXT
     case = replace(plain(RED), region=((0, 0, WIDTH, 100),))
-    module = SimpleNamespace(case=lambda name, inputs: case)
-    found = difference_picture(redraw.compare("Plain", module, "Red", theirs, Inputs(None)))
+    known = Suite(name="Plain", cases={"Red": lambda: case})
+    found = difference_picture(redraw.compare("Plain", known, "Red", theirs, Inputs(None)))
     colors = {tuple(found[y, x].tolist()) for x, y in ((20, 10), (20, 12), (0, 0), (0, 200))}
     assert len(colors) == 4
     assert tuple(found[0, 0].tolist()) == (51, 0, 0)
@@ -461,14 +463,6 @@ def test_no_case_agrees_with_fewer_pixels_than_accepted(captures, capfd, sampled
         with capfd.disabled():
             print(f"\n{len(better)} cases agree better than accepted: make accept-conformance keeps them so.")
     assert not worse, "\n".join(worse)
-
-
-@pytest.mark.needs_shared
-def test_a_suite_draws_no_capture_that_it_does_not_name(captures):
-    for capture in find_captures(captures):
-        module = SUITES.get(capture.suite)
-        if module and capture.name not in module.names():
-            assert module.case(capture.name, INPUTS) is None, f"{capture.suite}/{capture.name}"
 
 
 EXACT, OFF, NONE = {"S/a": (9, 9)}, {"S/a": (8, 9)}, {"S/a": None}

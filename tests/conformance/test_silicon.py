@@ -29,7 +29,7 @@ def test_every_pixel_of_a_depth_capture_is_the_chip_s(captures, name):
     if not path.exists():
         pytest.skip(f"the folder of captures has no {path.relative_to(captures)}")
     capture = np.array(Image.open(path).convert("RGBA"))
-    case = depth_buffer.case(name, None)
+    case = depth_buffer.CASES[name]()
     framebuffer = execute(case.commands, GEFORCE_256, WIDTH, HEIGHT, depth_bits=case.depth_bits).framebuffer
     ours = framebuffer.image() if case.shows == Shows.COLOR else zeta_colors(framebuffer)
     drawn = (capture != TEXT).any(-1)

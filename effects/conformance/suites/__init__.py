@@ -1,3 +1,3 @@
-"""One module per suite. A module has ``SUITE`` (the captures' folder), ``names()`` (every case that the
-suite's program draws) and ``case(name, inputs)`` (a Case, or None for a name that is not the suite's).
+"""One module per suite. A module has ``SUITE``, the captures' folder, and ``CASES``, every case that the
+suite's program draws: by its name, in order, the function that builds it, from nothing or from ``inputs``.
 """

@@ -4,6 +4,7 @@ Source: src/tests/alpha_func_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
@@ -32,11 +33,6 @@ GRADIENTS = (  # colour, alpha on the left, alpha on the right; each quad is 64 
 )
 
 
-def names():
-    """Every case of the suite."""
-    return [f"AlphaFunc{f}_{switch}" for f in FUNCTIONS for switch in ("Enabled", "Disabled")]
-
-
 def _quads():
     positions, colors = [], []
     for row, (color, left, right) in enumerate(GRADIENTS):
@@ -49,12 +45,14 @@ def _quads():
     return scenes.window_mesh(positions, colors=scenes.single(colors))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    function, switch = name.removeprefix("AlphaFunc").split("_")
-    test = AlphaTest(FUNCTIONS[function], REFERENCE / 255) if switch == "Enabled" else None
+def _case(function, enabled):
+    test = AlphaTest(function, REFERENCE / 255) if enabled else None
     state = replace(scenes.DEFAULT, alpha_test=test)
     return Case(commands=(scenes.clear(0xFF222322), Draw(label="quads", mesh=_quads(), state=state)))
+
+
+CASES = {
+    f"AlphaFunc{name}_{switch}": partial(_case, function, switch == "Enabled")
+    for name, function in FUNCTIONS.items()
+    for switch in ("Enabled", "Disabled")
+}

@@ -8,6 +8,7 @@ GPUAAWriteAfterCPUWrite, which draws with four samples; no capture here says whe
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -24,27 +25,9 @@ SIZE, CELL, INSET = 128, 8, 64
 BACKGROUND = 0xFF050505
 BLUE = 0xFF3333C0
 # The two colours of a small texture, and whether memory of 0xCC is left around it.
-TEXTURES = {
-    "CreateSurfaceWithCenter1": (0xFF808080, BLUE, True),
-    "CreateSurfaceWithCenterCorner2": (0xFF808080, BLUE, True),
-    "CreateSurfaceWithSquareOffset4": (0xFF808080, BLUE, True),
-    "CPUWriteIgnoresSurfaceConfig": (0xFFCC3333, BLUE, False),
-    "NonAACPURoundTrip": (0xFF336666, 0xFF33FF33, False),
-}
 # Those of the window, which the processor writes.
-WINDOWS = {
-    "AAOnThenOffCPUWrite": (0xFF808080, 0xFF5555FF),
-    "SurfaceStatesAreIndependent": (0xFF008080, BLUE),
-    "FramebufferNotModifiedBySurfaceState": (0xFF222222, 0xFF88AA00),
-}
-DRAWN = {"FBSurfaceWithCenter1": 1, "FBSurfaceWithCenterCorner2": 2}  # and the samples of a pixel
 DIAMOND_COLOR = (0.25, 0.95, 0.75)
 DIAMOND = ((INSET, HEIGHT / 2), (WIDTH / 2, INSET), (WIDTH - INSET, HEIGHT / 2), (WIDTH / 2, HEIGHT - INSET))
-
-
-def names():
-    """Every case of the suite but one."""
-    return [*TEXTURES, *WINDOWS, *DRAWN]
 
 
 def _texture(first, second, framed):
@@ -105,21 +88,35 @@ def _two_samples(diamond):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name in TEXTURES:
-        texture = TexImage(label="texture", texture="texture", image=_image(_texture(*TEXTURES[name])))
-        return Case(commands=(scenes.clear(BACKGROUND), texture, _diamond_of_texels()))
-    if name in WINDOWS:
-        board = _image(scenes.checkerboard(*WINDOWS[name], CELL, WIDTH)[:HEIGHT])
-        whole = scenes.rectangle(0, 0, WIDTH, HEIGHT)
-        shown = surface_memory.shown("window", "window", whole, WIDTH, HEIGHT)
-        return Case(commands=(TexImage(label="window", texture="window", image=board), shown))
-    if name not in DRAWN:
-        return None
+def _on_texture(*texels):
+    texture = TexImage(label="texture", texture="texture", image=_image(_texture(*texels)))
+    return Case(commands=(scenes.clear(BACKGROUND), texture, _diamond_of_texels()))
+
+
+def _on_window(*colors):
+    board = _image(scenes.checkerboard(*colors, CELL, WIDTH)[:HEIGHT])
+    whole = scenes.rectangle(0, 0, WIDTH, HEIGHT)
+    shown = surface_memory.shown("window", "window", whole, WIDTH, HEIGHT)
+    return Case(commands=(TexImage(label="window", texture="window", image=board), shown))
+
+
+def _drawn(samples):
     mesh = scenes.window_mesh(DIAMOND, colors=scenes.single([DIAMOND_COLOR] * 4))
     diamond = Draw(label="diamond", mesh=mesh, state=scenes.DEFAULT)
-    if DRAWN[name] == 1:
+    if samples == 1:
         return Case(commands=(scenes.clear(BACKGROUND), diamond))
     return Case(commands=_two_samples(diamond))
+
+
+CASES = {  # every case of the suite but one
+    "CreateSurfaceWithCenter1": partial(_on_texture, 0xFF808080, BLUE, True),
+    "CreateSurfaceWithCenterCorner2": partial(_on_texture, 0xFF808080, BLUE, True),
+    "CreateSurfaceWithSquareOffset4": partial(_on_texture, 0xFF808080, BLUE, True),
+    "CPUWriteIgnoresSurfaceConfig": partial(_on_texture, 0xFFCC3333, BLUE, False),
+    "NonAACPURoundTrip": partial(_on_texture, 0xFF336666, 0xFF33FF33, False),
+    "AAOnThenOffCPUWrite": partial(_on_window, 0xFF808080, 0xFF5555FF),
+    "SurfaceStatesAreIndependent": partial(_on_window, 0xFF008080, BLUE),
+    "FramebufferNotModifiedBySurfaceState": partial(_on_window, 0xFF222222, 0xFF88AA00),
+    "FBSurfaceWithCenter1": partial(_drawn, 1),
+    "FBSurfaceWithCenterCorner2": partial(_drawn, 2),
+}

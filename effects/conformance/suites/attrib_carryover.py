@@ -5,6 +5,8 @@ command (49 captures). Source: src/tests/attribute_carryover_tests.cpp and its v
 nxdk_pgraph_tests.
 """
 
+from functools import partial
+
 import numpy as np
 
 from fixedpipe.effects.conformance import scenes, vertex_programs
@@ -47,24 +49,9 @@ VALUES = {
     "ie": (0.25, 0.0, 0.6, 1.0),
 }  # fmt: skip
 INDICES = {"L": (1, 0), "T": (2, 0, 1)}  # of "ie"
-CASES = {
-    f"{shape}-{attribute}{'_'.join(f'{v:.1f}' for v in np.array(VALUES[how], np.float32).tolist())}-{how}": (
-        shape,
-        attribute,
-        how,
-    )
-    for shape in INDICES
-    for attribute in ATTRIBUTES
-    for how in VALUES
-}
 LEFT, TOP, MIDDLE, RIGHT, BOTTOM = WIDTH / 5, HEIGHT / 6, WIDTH / 2, WIDTH * 4 / 5, HEIGHT * 5 / 6
 GREEN, MAGENTA, WHITE = (0.0, 1.0, 0.0, 1.0), (1.0, 0.0, 1.0, 1.0), (1.0, 1.0, 1.0, 1.0)
 GREENISH = {"WGHT": (0.66,), "FOGC": (0.5,), "PSIZ": (0.7,)}  # of the vertex that is green elsewhere
-
-
-def names():
-    """Every case of the suite."""
-    return list(CASES)
 
 
 def _positions(shape):
@@ -92,12 +79,7 @@ def _draw(shape, how, positions, number, inputs):
     return Draw(label="shape", mesh=mesh, state=scenes.DEFAULT)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in CASES:
-        return None
-    shape, attribute, how = CASES[name]
+def _case(shape, attribute, how):
     number, register, size = ATTRIBUTES[attribute]
     first, second = _positions(shape)
     tested = _given(shape, register, size, VALUES[how])
@@ -112,3 +94,13 @@ def case(name, inputs):
             _draw(shape, how, second, number, {register: tuple(carried)}),
         )
     )
+
+
+CASES = {
+    f"{shape}-{attribute}{'_'.join(f'{v:.1f}' for v in np.array(VALUES[how], np.float32).tolist())}-{how}": (
+        partial(_case, shape, attribute, how)
+    )
+    for shape in INDICES
+    for attribute in ATTRIBUTES
+    for how in VALUES
+}

@@ -4,6 +4,7 @@ Source: src/tests/attribute_float_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -26,12 +27,6 @@ ENDS = {
 }  # fmt: skip
 MULTIPLIERS = (1.0, 0.0, -np.inf, np.inf, np.copysign(np.nan, -1.0), np.nan)  # after a gradient as it is
 INSET = 0.2
-COLORS = "Colors"
-
-
-def names():
-    """Every case of the suite."""
-    return [*ENDS, COLORS]
 
 
 def _gradients(first, last):
@@ -75,12 +70,13 @@ def _colors():
         )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name == COLORS:
-        return Case(commands=(scenes.clear(0xFF333333), *_colors()))
-    if name not in ENDS:
-        return None
-    first, last = scenes.from_patterns(ENDS[name])
+def _gradient(patterns):
+    first, last = scenes.from_patterns(patterns)
     return Case(commands=(scenes.clear(0xFF6495ED), *_gradients(first, last)))
+
+
+def _colored():
+    return Case(commands=(scenes.clear(0xFF333333), *_colors()))
+
+
+CASES = {name: partial(_gradient, patterns) for name, patterns in ENDS.items()} | {"Colors": _colored}

@@ -4,6 +4,7 @@ Source: src/tests/blend_surface_tests.cpp of nxdk_pgraph_tests, with pbkitpluspl
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -53,12 +54,6 @@ FACTORS = {"DstAlpha": BlendFactor.DST_ALPHA, "1-DstAlpha": BlendFactor.ONE_MINU
 SIZE, HALF, SMALL = 128, 64, 8  # of the surface, the pattern and the squares, pixels
 UNBLENDED = replace(scenes.DEFAULT, blending=None)
 OPAQUE = replace(UNBLENDED, color_mask=ColorMask(alpha=False))  # the alpha shown is one
-
-
-def names():
-    """Every case of the suite."""
-    blended = [f"{s}_{b}" for s in SURFACES for b in BLENDINGS]
-    return blended + [f"{factor}_{s}" for factor in FACTORS for s in SURFACES] + list(SURFACES)
 
 
 def ramps(size):
@@ -149,29 +144,36 @@ def _shown(surface, draws, *pictures):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    if name in SURFACES:  # the program's first version
-        draws = _blended(BLENDINGS["Add_SrcA_1-SrcA"], TexelWord.A8R8G8B8, squares=False)
-        picture = _corners(256, 176, SIZE), UNBLENDED
-        return Case(commands=(scenes.clear(0xFF050505), *_shown(name, draws, picture)))
+def _blends(surface, blending):
     commands = [scenes.clear(0xFF555555)]
-    factor, _, surface = name.partition("_")
-    if factor in FACTORS:
-        for k, word in enumerate(BACKGROUNDS):
-            left, top = 32 + 144 * (k % 4), 92 + 160 * (k // 4)
-            halves = (
-                (_corners(left, top, SIZE, SIZE // 2), scenes.DEFAULT),  # over the window by its alpha
-                (_corners(left, top + SIZE // 2, SIZE, SIZE // 2), OPAQUE),
-            )
-            commands += _shown(surface, _times_alpha(FACTORS[factor], word), *halves)
-        return Case(commands=tuple(commands))
-    surface = name.split("_Add")[0]
-    blending = BLENDINGS[name.removeprefix(f"{surface}_")]
     for k, word in enumerate(WORDS):
         left, top = 32 + 144 * (k % 4), 92 + 144 * (k // 4)
         commands += _shown(surface, _blended(blending, word), (_corners(left, top, SIZE), OPAQUE))
     return Case(commands=tuple(commands))
+
+
+def _scales(surface, factor):
+    commands = [scenes.clear(0xFF555555)]
+    for k, word in enumerate(BACKGROUNDS):
+        left, top = 32 + 144 * (k % 4), 92 + 160 * (k // 4)
+        halves = (
+            (_corners(left, top, SIZE, SIZE // 2), scenes.DEFAULT),  # over the window by its alpha
+            (_corners(left, top + SIZE // 2, SIZE, SIZE // 2), OPAQUE),
+        )
+        commands += _shown(surface, _times_alpha(factor, word), *halves)
+    return Case(commands=tuple(commands))
+
+
+def _first_version(surface):
+    draws = _blended(BLENDINGS["Add_SrcA_1-SrcA"], TexelWord.A8R8G8B8, squares=False)
+    picture = _corners(256, 176, SIZE), UNBLENDED
+    return Case(commands=(scenes.clear(0xFF050505), *_shown(surface, draws, picture)))
+
+
+CASES = {
+    **{
+        f"{s}_{name}": partial(_blends, s, blending) for s in SURFACES for name, blending in BLENDINGS.items()
+    },
+    **{f"{name}_{s}": partial(_scales, s, factor) for name, factor in FACTORS.items() for s in SURFACES},
+    **{surface: partial(_first_version, surface) for surface in SURFACES},
+}

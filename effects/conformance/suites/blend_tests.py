@@ -5,6 +5,8 @@ exchanges red and blue once more: the colours here are those that the pictures s
 """
 
 from dataclasses import replace
+from functools import partial
+from itertools import product
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import Case
@@ -45,13 +47,6 @@ CONSTANT = scenes.argb(0x55555555)
 RGB, ALPHA = ColorMask(alpha=False), ColorMask(red=False, green=False, blue=False)
 NESTED = (0x7F00CC00, 0xFFCC0000, 0x800000FF, 0x00FFFFFF)  # squares one inside another, 0xAARRGGBB
 SWATCHES = (0xDD00DD00, 0xDDDD0000, 0xDD0000DD, 0xDDFFFFFF)  # squares below one another
-
-
-def names():
-    """Every case of the suite."""
-    pairs = [(e, s, d) for e in EQUATIONS for s in FACTORS for d in FACTORS]
-    single = [f"{s}_{e}_{d}" for e, s, d in pairs if (s, d) != ("0", "0")]
-    return single + [f"#spot_{s}_{e}" for e in EQUATIONS for s in FACTORS]
 
 
 class _Surface:
@@ -141,13 +136,11 @@ def _spot(source, equation):
     return (*_background(16), *surface.shown(64, 64))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    if name.startswith("#spot_"):
-        source, equation = name.removeprefix("#spot_").rsplit("_", 1)
-        return Case(commands=_spot(FACTORS[source], EQUATIONS[equation]))
-    source, equation, destination = name.split("_")
-    return Case(commands=_single(FACTORS[source], EQUATIONS[equation], FACTORS[destination]))
+CASES = {
+    f"{s}_{e}_{d}": partial(Case.of, _single, FACTORS[s], EQUATIONS[e], FACTORS[d])
+    for e, s, d in product(EQUATIONS, FACTORS, FACTORS)
+    if (s, d) != ("0", "0")
+} | {
+    f"#spot_{s}_{e}": partial(Case.of, _spot, FACTORS[s], EQUATIONS[e])
+    for e, s in product(EQUATIONS, FACTORS)
+}

@@ -3,6 +3,8 @@
 Source: src/tests/bump_env_lum_tests.cpp of nxdk_pgraph_tests.
 """
 
+from functools import partial
+
 from fixedpipe.effects.conformance import bump_quads
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import SignedComponents
@@ -11,34 +13,16 @@ SUITE = "Bump_env_lum"
 
 FORMATS = bump_quads.formats(without=())
 VARIED = ("R6G5B5", "X8R8G8B8")
-CASES = {
-    **{f"BumpEnvLum_{name}": (name, False, False) for name in FORMATS},
-    **{
-        f"BumpEnvLum_{ending}": (name, *switches)
-        for name in VARIED
-        for ending, switches in bump_quads.variants(name).items()
-    },
-}
 COLORS = (0x7F014500, 0x80034500, 0x7F014500, 0x80034500)
 CROSSED = (0x00017F00, 0x00017F00, 0xFF038000, 0xFF038000)
 MATRIX, TURNED = (0.3, 0.0, 5.0, 0.0), (0.0, -0.1, 0.0, 0.3)  # columns
-
-
-def names():
-    """Every case of the suite."""
-    return list(CASES)
 
 
 def _signs(column, row):
     return SignedComponents(red=column, green=row, blue=column)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in CASES:
-        return None
-    form, crossed, turned = CASES[name]
+def _case(form, crossed=False, turned=False):
     return bump_quads.offset_case(
         CROSSED if crossed else COLORS,
         FORMATS[form],
@@ -49,3 +33,13 @@ def case(name, inputs):
         offset_texture_scale=0.7,
         offset_texture_bias=0.3,
     )
+
+
+CASES = {
+    **{f"BumpEnvLum_{form}": partial(_case, form) for form in FORMATS},
+    **{
+        f"BumpEnvLum_{ending}": partial(_case, form, *switches)
+        for form in VARIED
+        for ending, switches in bump_quads.variants(form).items()
+    },
+}

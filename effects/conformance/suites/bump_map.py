@@ -3,6 +3,8 @@
 Source: src/tests/bump_map_tests.cpp of nxdk_pgraph_tests.
 """
 
+from functools import partial
+
 import numpy as np
 
 from fixedpipe.effects.conformance import bump_quads, scenes
@@ -14,11 +16,6 @@ from fixedpipe.pipeline.textures.words import texture_of_words
 SUITE = "Bump_map"
 
 FORMATS = bump_quads.formats(without=("R16B16",))
-HILO = {"BumpMap_R16B16": False, "BumpMap_R16B16_B": True}  # crossed on blue
-CASES = {
-    **{f"BumpMap_{name}": (name, False, False) for name in FORMATS},
-    **{f"BumpMap_{e}": ("G8B8", *switches) for e, switches in bump_quads.variants("G8B8").items()},
-}
 COLORS = (0x007F4500, 0x00804500, 0x007F4500, 0x00804500)
 CROSSED = (0x00457F00, 0x00457F00, 0x00458000, 0x00458000)
 MATRIX, TURNED = (0.3, 0.0, 0.5, 0.0), (0.0, -0.1, 0.0, 0.3)  # columns
@@ -26,11 +23,6 @@ MATRIX, TURNED = (0.3, 0.0, 0.5, 0.0), (0.0, -0.1, 0.0, 0.3)  # columns
 WORDS = (0x02020101, 0x02020303, 0xFFFF0101, 0xFFFF0303)
 CROSSED_WORDS = (0x02020303, 0x0202FFFF, 0x00000303, 0x0000FFFF)
 CHECKERS = (0xFF0000FE, 0x7F202122)
-
-
-def names():
-    """Every case of the suite."""
-    return [*CASES, *HILO]
 
 
 def _hilo(crossed):
@@ -56,14 +48,7 @@ def _hilo(crossed):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name in HILO:
-        return _hilo(HILO[name])
-    if name not in CASES:
-        return None
-    form, crossed, turned = CASES[name]
+def _case(form, crossed=False, turned=False):
     return bump_quads.offset_case(
         CROSSED if crossed else COLORS,
         FORMATS[form],
@@ -72,3 +57,11 @@ def case(name, inputs):
         lambda column, row: SignedComponents(green=row, blue=column),
         CHECKERS,
     )
+
+
+CASES = {
+    **{f"BumpMap_{form}": partial(_case, form) for form in FORMATS},
+    **{f"BumpMap_{e}": partial(_case, "G8B8", *s) for e, s in bump_quads.variants("G8B8").items()},
+    "BumpMap_R16B16": partial(_hilo, False),
+    "BumpMap_R16B16_B": partial(_hilo, True),
+}

@@ -6,9 +6,11 @@ as words A8B8G8R8, whatever its own are: of 16 bits two lie in each.
 """
 
 from dataclasses import replace
+from functools import partial
+from itertools import product
 
 from fixedpipe.effects.conformance import scenes, surface_memory
-from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Shows
+from fixedpipe.effects.conformance.case import HEIGHT, SHOWS, WIDTH, Case
 from fixedpipe.pipeline.commands import Clear, Draw, MakeCurrent, ReadPixels
 from fixedpipe.pipeline.enums import ColorFormat, PrimitiveType, TexelWord
 
@@ -30,13 +32,7 @@ SIZE, MARK, LEFT, TOP, STEP, COLUMNS = 128, 2, 48, 128, 144, 4
 QUADS, QUAD_COLORS = 4, ((1.0, 0.0, 0.0), (0.5, 0.5, 0.5), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
 
 
-def names():
-    """Every case of the suite."""
-    masked = [f"C{mask:08X}_Depth_{depth}{zeta}" for mask in MASKS for depth in "yn" for zeta in ("", "_ZB")]
-    return masked + list(SURFACES)
-
-
-def _masked(name):
+def _masked(shows):
     """Quads, and a clear that the masks do not hold back."""
     width, height = WIDTH // (1 + 2 * QUADS), HEIGHT // 4
     draws = []
@@ -45,7 +41,6 @@ def _masked(name):
         corners = scenes.rectangle(left, top, left + width, top + height, 10.0 - 0.5 * k)
         mesh = scenes.window_mesh(corners, PrimitiveType.POLYGON, colors=scenes.single(QUAD_COLORS))
         draws.append(Draw(label=f"quad {k}", mesh=mesh, state=scenes.DEFAULT))
-    shows = Shows.ZETA if name.endswith("_ZB") else Shows.COLOR
     return Case(
         commands=(scenes.clear(0xFF000000), *draws, scenes.clear(0x7F7F7F7F)), shows=shows, depth_bits=16
     )
@@ -80,9 +75,7 @@ def _surfaces(color_format):
     return Case(commands=tuple(commands))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    return _surfaces(SURFACES[name]) if name in SURFACES else _masked(name)
+CASES = {
+    f"C{mask:08X}_Depth_{depth}{zeta}": partial(_masked, shows)
+    for mask, depth, (zeta, shows) in product(MASKS, "yn", SHOWS.items())
+} | {name: partial(_surfaces, color_format) for name, color_format in SURFACES.items()}

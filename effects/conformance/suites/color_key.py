@@ -6,6 +6,8 @@ used.
 """
 
 from dataclasses import replace
+from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -36,14 +38,8 @@ PLACES = (
     (1.0, -1.25),
 )  # of each stage's first quad; its second lies
 SECOND = 1.6  # to the right of it
-UNSAMPLED, X_ALPHA, X_KEY = "UnsampledTex", "XAlphaFormat", 0xCC00FF00
+X_KEY = 0xCC00FF00
 BACKGROUND = 0xFF00CC00
-
-
-def names():
-    """Every case of the suite."""
-    keyed = [f"{ignored}{s}_{mode}" for ignored in ("", "IgnAlphaCh_") for s in STAGES for mode in MODES]
-    return [*keyed, UNSAMPLED, X_ALPHA]
 
 
 def _squares(first, second, cell):
@@ -100,26 +96,39 @@ def _quad(units, ignores_alpha, place, programmed):
     return Draw(label=units[0].texture, mesh=_mesh(*place, programmed), state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    if name == X_ALPHA:
-        at = np.arange(SIZE) // (SIZE // 4)
-        words = np.where((at[:, None] + at) % 2 == 1, X_KEY & 0xFFFFFF, X_KEY)
-        unit = _unit("texture", X_KEY, "AlphaColor")
-        store = _store("texture", words, TexelWord.X8R8G8B8)
-        return Case(commands=(scenes.clear(0xFF999999), store, _quad((unit,), False, (0.0, 0.0), True)))
-    commands = [scenes.clear(BACKGROUND), *(_store(f"texture {k}", texels(k)) for k in range(4))]
-    if name == UNSAMPLED:
-        one = _unit("texture 0", COLOR_KEYS[0], "AlphaColor")
-        two = _unit("texture 1", COLOR_KEYS[1] | 0xFF000000, "AlphaColor")
-        commands += [_quad((one,), False, (-1.6, 0.0), True), _quad((one, two), False, (1.6, 0.0), True)]
-        return Case(commands=tuple(commands))
-    ignores, programmed, mode = name.startswith("Ign"), "ProgTex" in name, name.split("_")[-1]
+def _stores():
+    return [scenes.clear(BACKGROUND), *(_store(f"texture {k}", texels(k)) for k in range(4))]
+
+
+def _keyed(ignores, programmed, mode):
+    commands = _stores()
     for k, (x, y) in enumerate(PLACES):
         for keys, right in ((COLOR_KEYS, 0.0), (ALPHA_KEYS, SECOND)):
             unit = _unit(f"texture {k}", keys[k], mode)
             commands.append(_quad((unit,), ignores, (x + right, y), programmed))
     return Case(commands=tuple(commands))
+
+
+def _unsampled():
+    one = _unit("texture 0", COLOR_KEYS[0], "AlphaColor")
+    two = _unit("texture 1", COLOR_KEYS[1] | 0xFF000000, "AlphaColor")
+    quads = _quad((one,), False, (-1.6, 0.0), True), _quad((one, two), False, (1.6, 0.0), True)
+    return Case(commands=(*_stores(), *quads))
+
+
+def _x_alpha():
+    at = np.arange(SIZE) // (SIZE // 4)
+    words = np.where((at[:, None] + at) % 2 == 1, X_KEY & 0xFFFFFF, X_KEY)
+    unit = _unit("texture", X_KEY, "AlphaColor")
+    store = _store("texture", words, TexelWord.X8R8G8B8)
+    return Case(commands=(scenes.clear(0xFF999999), store, _quad((unit,), False, (0.0, 0.0), True)))
+
+
+CASES = {
+    **{
+        f"{ignored}{stage}_{mode}": partial(_keyed, bool(ignored), stage == "ProgTex", mode)
+        for ignored, stage, mode in product(("", "IgnAlphaCh_"), STAGES, MODES)
+    },
+    "UnsampledTex": _unsampled,
+    "XAlphaFormat": _x_alpha,
+}

@@ -26,16 +26,7 @@ CORNERS = (  # upper left, upper right, lower right, lower left; alpha shrinks f
 )
 
 
-def names():
-    """The suite's one case: RGB written, 32774 FUNC_ADD, 772 DST_ALPHA, 0 ZERO."""
-    return ["C00010101_O32774_S772_D0"]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case():
     commands = [scenes.clear(0x30222222)]
     for word, (left, top, right, bottom) in BACKDROPS:
         corners = scenes.rectangle(left, top, right, bottom, 20.0)
@@ -52,3 +43,6 @@ def case(name, inputs):
     )
     mesh = scenes.window_mesh(positions, colors=scenes.single(colors))
     return Case(commands=(*commands, Draw(label="quads", mesh=mesh, state=state)))
+
+
+CASES = {"C00010101_O32774_S772_D0": _case}  # RGB written, FUNC_ADD, DST_ALPHA, ZERO

@@ -12,22 +12,15 @@ from fixedpipe.pipeline.state import ColorMask
 
 SUITE = "Color_Zeta_Disable"
 
-NAME = "MaskOff_ZB"
 CHECKERS = 0xFF202020, 0xFF000000, 24  # two colors and a square's edge, texels
 
 
-def names():
-    """The one case of the suite."""
-    return [NAME]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name != NAME:
-        return None
+def _case():
     corners = scenes.rectangle(WIDTH / 4, HEIGHT / 4, WIDTH * 3 / 4, HEIGHT * 3 / 4, 10)
     state = replace(scenes.DEFAULT, color_mask=ColorMask(False, False, False, False))
     quad = scenes.window_mesh(corners, colors=scenes.single([(0.5, 0.5, 1.0, 0.85)] * 4))
     background = scenes.background(*CHECKERS, corners=scenes.rectangle(0, 0, WIDTH, HEIGHT, 0.1))
     return Case(commands=(scenes.clear(0xFE312F31), *background, Draw(label="quad", mesh=quad, state=state)))
+
+
+CASES = {"MaskOff_ZB": _case}

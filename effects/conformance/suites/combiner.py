@@ -6,6 +6,7 @@ SignedPassThroughPipeline, which read signed textures.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -457,7 +458,7 @@ def _signed_combiner_ops():
     return commands
 
 
-CASES = {
+COMMANDS = {
     "AlphaFromBlue": _alpha_from_blue,
     "ColorAlphaIndependence": _color_alpha_independence,
     "CombinerOps": _combiner_ops,
@@ -475,12 +476,4 @@ CASES = {
 }
 
 
-def names():
-    """Every case of the suite that is built."""
-    return list(CASES)
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    return Case(commands=tuple(CASES[name]())) if name in CASES else None
+CASES = {name: partial(Case.of, commands) for name, commands in COMMANDS.items()}

@@ -27,11 +27,6 @@ ROWS = (
 ACROSS, DOWN, WIDTH, HEIGHT, TOP = 128.0, 80.0, 64.0, 40.0, 100.0  # pixels, of columns, rows and shapes
 
 
-def names():
-    """Every case of the suite."""
-    return ["BeginWithoutEnd"]
-
-
 def _corners(shape, column, row):
     left, top = ACROSS * (column + 1) - WIDTH / 2, TOP + DOWN * row
     right, bottom = left + WIDTH, top + HEIGHT
@@ -51,14 +46,13 @@ def _draw(label, shapes, row, first):
     return Draw(label=label, mesh=mesh, state=replace(scenes.DEFAULT, polygon=scenes.FRONT_FACES))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case():
     draws = [
         draw
         for row, shapes in enumerate(ROWS)
         for draw in (_draw("ended", shapes[:1], row, 0), _draw("not ended", shapes[1:], row, 1))
     ]
     return Case(commands=(scenes.clear(0xFE242424), *draws))
+
+
+CASES = {"BeginWithoutEnd": _case}

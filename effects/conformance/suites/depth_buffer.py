@@ -5,11 +5,12 @@ no value. Source: src/tests/depth_format_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from fixedpipe.effects.conformance import scenes
-from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.effects.conformance.case import SHOWS, Case
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat
 from fixedpipe.pipeline.state import DepthClamp, DepthTest
@@ -36,12 +37,8 @@ def _cases():
             for k in range(CUT_OFFS + 1):
                 cut_off = farthest - k * (farthest // CUT_OFFS)
                 name = f"DepthFmt_{width}_C{compressed}_FZ{is_float}_M{cut_off:06x}"
-                yield name, depth_format, farthest, cut_off
-
-
-def names():
-    """Every case of the suite: colours, and with _ZB the depth buffer."""
-    return [name + shows for name, *_ in _cases() for shows in ("", "_ZB")]
+                for zeta, shows in SHOWS.items():
+                    yield name + zeta, partial(_case, depth_format, farthest, cut_off, shows)
 
 
 def _decoded(bits):
@@ -98,13 +95,7 @@ def _mesh(farthest, depth_of):
     return scenes.window_mesh(positions, colors=scenes.single(colors))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    found = {known: rest for known, *rest in _cases()}.get(name.removesuffix("_ZB"))
-    if found is None:
-        return None
-    depth_format, farthest, cut_off = found
+def _case(depth_format, farthest, cut_off, shows):
     limits = DepthClamp(maximum=FARTHEST_FLOAT, cull=True) if depth_format == DepthFormat.FLOAT_24 else None
     state = replace(scenes.DEFAULT, depth_test=DepthTest(ComparisonFunction.LESS), depth_clamp=limits)
     return Case(
@@ -113,5 +104,8 @@ def case(name, inputs):
             Draw(label="slopes", mesh=_mesh(farthest, DEPTH_OF[depth_format]), state=state),
         ),
         depth_bits=depth_format,
-        shows=Shows.ZETA if name.endswith("_ZB") else Shows.COLOR,
+        shows=shows,
     )
+
+
+CASES = dict(_cases())

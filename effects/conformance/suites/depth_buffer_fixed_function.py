@@ -5,12 +5,12 @@ no value. Source: src/tests/depth_format_fixed_function_tests.cpp of nxdk_pgraph
 """
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
 from fixedpipe.effects.conformance import scenes
-from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.effects.conformance.case import SHOWS, Case
 from fixedpipe.effects.conformance.host_matrices import (
     FARTHEST_16_BIT_FLOAT,
     FARTHEST_24_BIT_FLOAT,
@@ -39,18 +39,13 @@ COUNT = int(RIGHT - LEFT - SQUARE) // STEP  # of small quads in a row and in a c
 
 
 def _cases():
-    """Name and (format, farthest depth of the view, cut-off)."""
     for (width, is_float), (depth_format, farthest, depth) in FORMATS.items():
         for compressed in "ny":
             for k in range(CUT_OFFS + 1):
                 cut_off = farthest - k * (farthest // CUT_OFFS)
                 name = f"{width}_C{compressed}_FZ{is_float}_M{cut_off:06x}"
-                yield name, (depth_format, depth, cut_off)
-
-
-def names():
-    """Every case of the suite: colours, and with _ZB the depth buffer."""
-    return [name + shows for name, _ in _cases() for shows in ("", "_ZB")]
+                for zeta, shows in SHOWS.items():
+                    yield name + zeta, partial(_case, depth_format, depth, cut_off, shows)
 
 
 def _quads():
@@ -92,13 +87,7 @@ def _mesh():
     return Mesh(scenes.single(points), PrimitiveType.QUADS, colors=scenes.single(colors))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    found = dict(_cases()).get(name.removesuffix("_ZB"))
-    if found is None:
-        return None
-    depth_format, depth, cut_off = found
+def _case(depth_format, depth, cut_off, shows):
     state = replace(
         scenes.DEFAULT,
         vertex=default_view(depth).vertex_state(),
@@ -111,5 +100,8 @@ def case(name, inputs):
             Draw(label="slopes", mesh=_mesh(), state=state),
         ),
         depth_bits=depth_format,
-        shows=Shows.ZETA if name.endswith("_ZB") else Shows.COLOR,
+        shows=shows,
     )
+
+
+CASES = dict(_cases())

@@ -4,6 +4,7 @@ Source: src/tests/depth_clamp_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -35,23 +36,6 @@ CHECKERED = replace(
     depth_test=DepthTest(ComparisonFunction.LESS),
     depth_clamp=DepthClamp(cull=True),
 )
-
-
-def _clamps():
-    """Name and (W buffering, clamp, depth offset, full range, vertex program) of the cases that limit."""
-    for switches in product((False, True), repeat=5):
-        yield "depth_clamp_W{:d}_C{:d}_ZB{:d}_FR{:d}_VSH{:d}".format(*switches), switches
-
-
-def _equals():
-    """Name and (W buffering, offset) of the cases that compare a floor with itself."""
-    for w_buffering, offset in product((False, True), OFFSETS):
-        yield f"depth_equal{'_WBuf' if w_buffering else ''}_Ofs{offset}", (w_buffering, float(offset))
-
-
-def names():
-    """Every case of the suite."""
-    return [name for name, _ in (*_clamps(), *_equals())]
 
 
 def _quad(points, state, program=False):
@@ -91,21 +75,23 @@ def _equal_case(w_buffering, offset):
     return _quad(points, first), Draw(label="the floor again, red", mesh=red, state=second)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    clamps, equals = dict(_clamps()), dict(_equals())
-    if name in clamps:
-        draws = _clamp_case(*clamps[name])
-    elif name in equals:
-        draws = _equal_case(*equals[name])
-    else:
-        return None
+def _case(draws, *given):
     checkers = texture_2d(scenes.checkerboard(0xFF00FFFF, 0xFF000000, 8))
     return Case(
         commands=(
             scenes.clear(0xFE251135),
             TexImage(label="checkerboard", texture="checkerboard", image=checkers),
-            *draws,
+            *draws(*given),
         ),
     )
+
+
+CASES = {
+    "depth_clamp_W{:d}_C{:d}_ZB{:d}_FR{:d}_VSH{:d}".format(*switches): partial(_case, _clamp_case, *switches)
+    for switches in product((False, True), repeat=5)
+} | {
+    f"depth_equal{'_WBuf' if w_buffering else ''}_Ofs{offset}": (
+        partial(_case, _equal_case, w_buffering, float(offset))
+    )
+    for w_buffering, offset in product((False, True), OFFSETS)
+}

@@ -4,9 +4,10 @@ Source: src/tests/depth_function_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import scenes
-from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.effects.conformance.case import SHOWS, Case
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType
 from fixedpipe.pipeline.state import DepthTest
@@ -35,11 +36,6 @@ FUNCTIONS = (
 ROWS = ((64, FUNCTIONS), (200, FUNCTIONS), (320, (ComparisonFunction.ALWAYS,) * len(FUNCTIONS)))
 
 
-def names():
-    """The suite's one case: colours, and with _ZB the depth buffer."""
-    return ["DepthFunc", "DepthFunc_ZB"]
-
-
 def _quad(color, left, top, right, bottom, z, function):
     corners = [scenes.unprojected(*corner) for corner in scenes.rectangle(left, top, right, bottom, z)]
     mesh = Mesh(scenes.single(corners), PrimitiveType.QUADS, colors=scenes.single([scenes.abgr(color)] * 4))
@@ -52,11 +48,7 @@ def _quad(color, left, top, right, bottom, z, function):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case(shows):
     commands = [scenes.clear(0xFF000000)]
     for top, functions in ROWS:
         for column, function in enumerate(functions):
@@ -65,5 +57,7 @@ def case(name, inputs):
             for color, down, height, z in SWATCHES:
                 y = top + down
                 commands.append(_quad(color, x, y, x + 24, y + height, z, function))
-    shows = Shows.ZETA if name.endswith("_ZB") else Shows.COLOR
     return Case(commands=tuple(commands), shows=shows, depth_bits=16)
+
+
+CASES = {f"DepthFunc{zeta}": partial(_case, shows) for zeta, shows in SHOWS.items()}

@@ -13,19 +13,9 @@ from fixedpipe.pipeline.enums import ColorFormat, TexelWord
 
 SUITE = "DMA_corruption_around_surfaces"
 
-OVERLAP, INTO_SURFACE, INTO_TEXTURE = (
-    "DMAOverlap",
-    "xemuReadFromFileIntoSurface",
-    "xemuReadFromFileIntoTexture",
-)
 SIZE, CELL, INSET = 128, 8, 64
 DIAMOND = ((INSET, HEIGHT / 2), (WIDTH / 2, INSET), (WIDTH - INSET, HEIGHT / 2), (WIDTH / 2, HEIGHT - INSET))
 WHITE = np.full((SIZE, SIZE), 0xFFFFFFFF, "<u4")
-
-
-def names():
-    """Every case of the suite."""
-    return [OVERLAP, INTO_SURFACE, INTO_TEXTURE]
 
 
 def pattern():
@@ -45,22 +35,28 @@ def _shown(label, corners):
     return surface_memory.shown(label, label, corners, SIZE, SIZE, combiners=texture_render_target.OPAQUE)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name == OVERLAP:
-        board = scenes.checkerboard(0xFFCC3333, 0xFF3333C0, CELL, SIZE)
-        words = surface_memory.words_of(board, ColorFormat.A8R8G8B8)
-        commands = scenes.clear(0xFF050505), _texture("memory", words), _shown("memory", DIAMOND)
-    elif name == INTO_SURFACE:
-        commands = scenes.clear(0xFF444444), _texture("memory", WHITE), _shown("memory", DIAMOND)
-    elif name == INTO_TEXTURE:
-        left, top = (WIDTH - 2 * SIZE) // 3, (HEIGHT - SIZE) // 2
-        commands = [scenes.clear(0xFF111111)]
-        for k, words in enumerate((pattern(), WHITE)):
-            at, label = left + k * (left + SIZE), f"memory {k}"
-            corners = scenes.rectangle(at, top, at + SIZE, top + SIZE)
-            commands += [_texture(label, words), _shown(label, corners)]
-    else:
-        return None
+def _overlap():
+    board = scenes.checkerboard(0xFFCC3333, 0xFF3333C0, CELL, SIZE)
+    words = surface_memory.words_of(board, ColorFormat.A8R8G8B8)
+    return Case(commands=(scenes.clear(0xFF050505), _texture("memory", words), _shown("memory", DIAMOND)))
+
+
+def _into_surface():
+    return Case(commands=(scenes.clear(0xFF444444), _texture("memory", WHITE), _shown("memory", DIAMOND)))
+
+
+def _into_texture():
+    left, top = (WIDTH - 2 * SIZE) // 3, (HEIGHT - SIZE) // 2
+    commands = [scenes.clear(0xFF111111)]
+    for k, words in enumerate((pattern(), WHITE)):
+        at, label = left + k * (left + SIZE), f"memory {k}"
+        corners = scenes.rectangle(at, top, at + SIZE, top + SIZE)
+        commands += [_texture(label, words), _shown(label, corners)]
     return Case(commands=tuple(commands))
+
+
+CASES = {
+    "DMAOverlap": _overlap,
+    "xemuReadFromFileIntoSurface": _into_surface,
+    "xemuReadFromFileIntoTexture": _into_texture,
+}

@@ -4,6 +4,7 @@ Source: src/tests/edge_flag_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -34,25 +35,19 @@ OWN = (
 )  # fmt: skip
 
 
-def names():
-    """Every case of the suite."""
-    return ["Enabled", "Disabled"]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case(enabled):
     line = PolygonMode.LINE
     polygon = replace(scenes.FRONT_FACES, front_mode=line, back_mode=line)
     state = replace(scenes.DEFAULT, polygon=polygon)
-    drawn = [(shape, np.full(len(shape[1]), name == "Enabled")) for shape in shapes.SHAPES]
+    drawn = [(shape, np.full(len(shape[1]), enabled)) for shape in shapes.SHAPES]
     for primitive, vertices, parity in OWN:
-        flags = (np.arange(len(vertices)) % 2 == parity) | (name == "Enabled")
+        flags = (np.arange(len(vertices)) % 2 == parity) | enabled
         drawn.append(((primitive, vertices), flags))
     draws = [
         Draw(label=shape[0].name, mesh=shapes.mesh(shape, LEFT, TOP, edge_flags=flags), state=state)
         for shape, flags in drawn
     ]
     return Case(commands=(scenes.clear(0xFF303234), *draws))
+
+
+CASES = {"Enabled": partial(_case, True), "Disabled": partial(_case, False)}

@@ -4,6 +4,7 @@ Source: src/tests/fog_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -41,19 +42,9 @@ ON_A_STEP = (
 )
 
 
-def explanation(name):
+def explanation(mode):
     """Why pixels may differ: LINEAR fog is not rounded for each vertex, so its steps may touch a pixel."""
-    return ON_A_STEP if mode_of(name).startswith("linear") else ""
-
-
-def names():
-    """Every case of the suite."""
-    return [f"AFF-{mode}-planar" for mode in MODES]
-
-
-def mode_of(name):
-    """The mode's name in a case's."""
-    return name.split("-")[1]
+    return ON_A_STEP if mode.startswith("linear") else ""
 
 
 def bias_and_multiplier(mode, start=START, end=END):
@@ -87,18 +78,17 @@ def combined(b=_PRIMARY, c=_FACTOR, alpha=_PRIMARY):
     return replace(scenes.SHOWS_PRIMARY, final=final)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case(mode):
     mesh = Mesh(np.array(TRIANGLES).reshape(-1, 3), PrimitiveType.TRIANGLES)
     state = replace(
         scenes.DEFAULT,
         vertex=scenes.xdk_vertex(near=START, far=END),
         register_combiners=combined(),
-        fog=fog_of(mode_of(name)),
+        fog=fog_of(mode),
         depth_clamp=DepthClamp(cull=True),
     )
     commands = (scenes.clear(0xFF303030), Draw(label="triangles", mesh=mesh, state=state))
-    return Case(commands=commands, explanation=explanation(name))
+    return Case(commands=commands, explanation=explanation(mode))
+
+
+CASES = {f"AFF-{mode}-planar": partial(_case, mode) for mode in MODES}

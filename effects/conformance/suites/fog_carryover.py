@@ -5,6 +5,7 @@ nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -49,11 +50,6 @@ BOX, SQUARE_LEFT, ROWS, ROW = (8.0, 64.0, 304.0, 64.0), 448.0, 4, 104.0
 COORDINATE = 0.6
 
 
-def names():
-    """Every case of the suite."""
-    return ["FogCarryover", *(f"Carryover{shape}" for shape in SHAPES)]
-
-
 def _draw(label, points, primitive, mode, coordinate, absolute=False):
     bias, _ = MODES[mode]
     registers = FogRegisters(bias, -1.0, absolute=absolute)
@@ -93,10 +89,14 @@ def _shapes(primitive, places):
         yield _draw("square", square, PrimitiveType.QUADS, FogMode.EXP, COORDINATE)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name == "FogCarryover":
-        return Case(commands=(scenes.clear(0xFF201F20), *_modes()))
-    shape = SHAPES.get(name.removeprefix("Carryover")) if name in names() else None
-    return shape and Case(commands=(scenes.clear(0xFFAAAAAA), *_shapes(*shape)))
+def _all_modes():
+    return Case(commands=(scenes.clear(0xFF201F20), *_modes()))
+
+
+def _one_shape(primitive, places):
+    return Case(commands=(scenes.clear(0xFFAAAAAA), *_shapes(primitive, places)))
+
+
+CASES = {"FogCarryover": _all_modes} | {
+    f"Carryover{name}": partial(_one_shape, *shape) for name, shape in SHAPES.items()
+}

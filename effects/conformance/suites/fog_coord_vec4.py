@@ -6,6 +6,7 @@ Source: src/tests/fog_tests.cpp of nxdk_pgraph_tests (FogVec4CoordTests).
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -38,21 +39,10 @@ VALUES = {
     "YZW": ((0, 0.5, 0.75, 1), (0, 0.75, 0.33, 0)),
     "ZW": ((0, 0, 0.75, 1), (0, 0, 0.33, 0)),
 }
-NOT_SET = "CoordNotSet"
-CASES = {
-    f"{masks}-" + "_".join(f"{v:.2f}" for v in values): (masks, values)
-    for masks, given in VALUES.items()
-    for values in given
-}
 GREEN = (0.0, 1.0, 0.0, 0.0)
 FOG = Fog(
     FogMode.LINEAR, color=GREEN, registers=FogRegisters(bias=1.0, multiplier=1.0)
 )  # the coordinate itself
-
-
-def names():
-    """Every case of the suite."""
-    return [*CASES, NOT_SET]
 
 
 def _frame(background, coordinate, b, constant=(0.0, 0.0, 0.0, 0.0)):
@@ -62,12 +52,17 @@ def _frame(background, coordinate, b, constant=(0.0, 0.0, 0.0, 0.0)):
     return Case(commands=(scenes.clear(background), draw))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name == NOT_SET:  # the program before wrote (0.25, 0.95, 0.5, 0.75)
-        return _frame(0xFF341010, 0.25, Register.CONSTANT_COLOR0, (127 / 255, 0.0, 191 / 255, 1.0))
-    if name not in CASES:
-        return None
-    masks, values = CASES[name]
+def _written(masks, values):
     return _frame(0xFF303030, values["XYZW".index(masks.split("_")[-1][0])], Register.FOG)
+
+
+CASES = {
+    f"{masks}-" + "_".join(f"{v:.2f}" for v in values): partial(_written, masks, values)
+    for masks, given in VALUES.items()
+    for values in given
+} | {
+    # The program before wrote (0.25, 0.95, 0.5, 0.75).
+    "CoordNotSet": partial(
+        _frame, 0xFF341010, 0.25, Register.CONSTANT_COLOR0, (127 / 255, 0.0, 191 / 255, 1.0)
+    ),
+}

@@ -4,6 +4,8 @@ Source: src/tests/fog_exceptional_value_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -40,16 +42,6 @@ COLORS = ((0.25, 0.5, 0.5, 1.0), (0.25, 0.25, 0.75, 1.0), (0.25, 0.0, 1.0, 1.0),
 DEPTHS = (0.0, 2.0, 2.0, 0.0)
 
 
-def names():
-    """Every case of the suite."""
-    return [
-        f"{prefix}FogExc-{mode}-{generation}"
-        for prefix in (*PROGRAMS, *PARAMETERS)
-        for generation in GENERATIONS
-        for mode in fog.MODES
-    ]
-
-
 def _places():
     left, top = LEFT, TOP
     while True:
@@ -69,13 +61,7 @@ def _square(place, value, program, state):
     return Draw(label="square", mesh=vertex_programs.results_mesh(results), state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    prefix, rest = name.split("FogExc-")
-    mode, generation = rest.split("-")
+def _case(prefix, mode, generation):
     fog_mode, absolute = fog.MODES[mode]
 
     def state(bias, multiplier):
@@ -94,3 +80,9 @@ def case(name, inputs):
         for place, (value, bias, multiplier) in zip(_places(), squares, strict=False)
     ]
     return Case(commands=(scenes.clear(0xFF232623), *draws))
+
+
+CASES = {
+    f"{prefix}FogExc-{mode}-{generation}": partial(_case, prefix, mode, generation)
+    for prefix, generation, mode in product((*PROGRAMS, *PARAMETERS), GENERATIONS, fog.MODES)
+}

@@ -4,6 +4,7 @@ Source: src/tests/fog_gen_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -28,16 +29,6 @@ START, END = 0.0, 200.0
 PLANE = (0.0, 0.0, 2.0, 0.0)
 SPECULAR_ALPHA = (0.0, 1.0, 0.75, 0.25)  # upper left, upper right, lower right, lower left
 SIZE, SPACING, LEFT, TOP = 22.0, 24.0, 48.0, 70.0
-
-
-def names():
-    """Every case of the suite."""
-    return [
-        f"FogGen_{stage}-{mode}-{generation}"
-        for stage in ("VS", "FF")
-        for generation in GENERATIONS
-        for mode in fog.MODES
-    ]
 
 
 def _squares():
@@ -106,13 +97,7 @@ def _registers(mode, absolute, generation, programmed):
     return FogRegisters(bias, multiplier, generation, PLANE, absolute)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    stage, mode, generation = name.removeprefix("FogGen_").split("-")
-    (mode, absolute), programmed = fog.MODES[mode], stage == "VS"
+def _case(programmed, mode, absolute, generation):
     state = replace(
         scenes.DEFAULT,
         vertex=scenes.PROGRAM_RESULTS if programmed else host_matrices.xdk_vertex(),
@@ -120,8 +105,16 @@ def case(name, inputs):
         fog=Fog(
             mode,
             color=scenes.argb(0xDDFF0000),
-            registers=_registers(mode, absolute, GENERATIONS[generation], programmed),
+            registers=_registers(mode, absolute, generation, programmed),
         ),
     )
-    draw = Draw(label="squares", mesh=_mesh(programmed, GENERATIONS[generation]), state=state)
+    draw = Draw(label="squares", mesh=_mesh(programmed, generation), state=state)
     return Case(commands=(scenes.clear(0xFF232623), draw))
+
+
+CASES = {
+    f"FogGen_{stage}-{mode}-{name}": partial(_case, stage == "VS", *fog.MODES[mode], generation)
+    for stage in ("VS", "FF")
+    for name, generation in GENERATIONS.items()
+    for mode in fog.MODES
+}

@@ -3,6 +3,8 @@
 Source: src/tests/fog_tests.cpp of nxdk_pgraph_tests (FogInfiniteFogCoordinateTests).
 """
 
+from functools import partial
+
 import numpy as np
 
 from fixedpipe.effects.conformance import scenes
@@ -12,17 +14,9 @@ from fixedpipe.effects.conformance.suites import fog, fog_vsh
 SUITE = "Fog_inf_coord"
 
 
-def names():
-    """Every case of the suite."""
-    return fog.names()
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    draw = fog_vsh.triangles(
-        np.full(12, np.inf), register_combiners=fog.combined(), fog=fog.fog_of(fog.mode_of(name))
-    )
+def _case(mode):
+    draw = fog_vsh.triangles(np.full(12, np.inf), register_combiners=fog.combined(), fog=fog.fog_of(mode))
     return Case(commands=(scenes.clear(0xFF303030), draw))
+
+
+CASES = {f"AFF-{mode}-planar": partial(_case, mode) for mode in fog.MODES}

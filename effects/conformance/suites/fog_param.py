@@ -4,6 +4,7 @@ Source: src/tests/fog_param_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -29,14 +30,6 @@ MULTIPLIERS = (1.0, 2.0, -1.0, -2.0, 0.5, -0.5, -0.25, 0.25)
 SIZE = 24.0
 COORDINATES = (-1.4, 0.01)  # the first square's, and how much each further one has more
 BIASES = (1.0, 0.005)
-CASES = {
-    f"FogParam{multiplier:.2f}-{mode}": (mode, multiplier) for mode in MODES for multiplier in MULTIPLIERS
-} | {f"FogZeroBias-{mode}": (mode, None) for mode in MODES}
-
-
-def names():
-    """Every case of the suite."""
-    return list(CASES)
 
 
 def _squares(left, top, spacing, first, step):
@@ -72,12 +65,7 @@ def _draw(positions, coordinates, color, mode, bias, multiplier):
     return Draw(label="squares", mesh=mesh, state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in CASES:
-        return None
-    mode, multiplier = CASES[name]
+def _case(mode, multiplier):
     if multiplier is None:
         draws = [
             _draw(_corners(left, top, (1.0,) * 4), [-1.0] * 4, (0.0, 0.5, 0.5, 1.0), mode, bias, 0.0)
@@ -89,3 +77,10 @@ def case(name, inputs):
         coordinates = np.repeat([coordinate for *_, coordinate in squares], 4)
         draws = [_draw(positions, coordinates, (0.0, 0.0, 1.0, 1.0), mode, MODES[mode][2], multiplier)]
     return Case(commands=(scenes.clear(0xFF231F23), *draws))
+
+
+CASES = {
+    f"FogParam{multiplier:.2f}-{mode}": partial(_case, mode, multiplier)
+    for mode in MODES
+    for multiplier in MULTIPLIERS
+} | {f"FogZeroBias-{mode}": partial(_case, mode, None) for mode in MODES}

@@ -4,6 +4,7 @@ Source: src/tests/fog_tests.cpp of nxdk_pgraph_tests (FogCustomShaderTests).
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -17,11 +18,6 @@ from fixedpipe.pipeline.enums import PrimitiveType
 SUITE = "Fog_vsh"
 
 
-def names():
-    """Every case of the suite."""
-    return fog.names()
-
-
 def triangles(coordinates=None, **state):
     """The Draw of the four triangles with these fog coordinates, [12], or w."""
     window = perspective(np.array(fog.TRIANGLES).reshape(-1, 3))
@@ -30,10 +26,9 @@ def triangles(coordinates=None, **state):
     return Draw(label="triangles", mesh=mesh, state=replace(scenes.DEFAULT, **state))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    draw = triangles(register_combiners=fog.combined(), fog=fog.fog_of(fog.mode_of(name)))
-    return Case(commands=(scenes.clear(0xFF303030), draw), explanation=fog.explanation(name))
+def _case(mode):
+    draw = triangles(register_combiners=fog.combined(), fog=fog.fog_of(mode))
+    return Case(commands=(scenes.clear(0xFF303030), draw), explanation=fog.explanation(mode))
+
+
+CASES = {f"AFF-{mode}-planar": partial(_case, mode) for mode in fog.MODES}

@@ -6,6 +6,7 @@ triangles without area, and its vertices have no w (Measured: colours are linear
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -39,29 +40,19 @@ FLAT = (
 )  # fmt: skip
 
 
-def names():
-    """Every case of the suite."""
-    return [
-        f"FrontFace_{mode}{winding}_CF_{face}"
-        for mode, winding, face in product(("", *MODES), WINDINGS, FACES)
-    ]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    rest, face = name.removeprefix("FrontFace_").split("_CF_")
-    mode, winding = (rest[:3], rest[3:]) if rest[:3] in MODES else ("", rest)
+def _case(mode, winding, face):
     vertices = PAIRS if mode == "" else (*PAIRS[:6], *FLAT[:3], *PAIRS[6:], *FLAT[3:])
     positions = [(x, y, 10.0, w if mode else 1.0) for x, y, w, _ in vertices]
     mesh = scenes.window_mesh(
         positions, PrimitiveType.TRIANGLES, colors=np.array([color for *_, color in vertices])
     )
     drawn = MODES.get(mode, PolygonMode.FILL)
-    polygon = PolygonState(
-        cull_face=FACES[face], front_face=WINDINGS[winding], front_mode=drawn, back_mode=drawn
-    )
+    polygon = PolygonState(cull_face=face, front_face=winding, front_mode=drawn, back_mode=drawn)
     state = replace(scenes.DEFAULT, polygon=polygon)
     return Case(commands=(scenes.clear(0xFF000000), Draw(label="faces", mesh=mesh, state=state)))
+
+
+CASES = {
+    f"FrontFace_{mode}{winding}_CF_{face}": partial(_case, mode, WINDINGS[winding], FACES[face])
+    for mode, winding, face in product(("", *MODES), WINDINGS, FACES)
+}

@@ -18,11 +18,6 @@ STEP = np.array([0.03, 0.05, 0.01], np.float32)
 FADING = np.float32(0.75)  # of alpha, each pass
 
 
-def names():
-    """Every case of the suite."""
-    return [f"HighVtxCount-{how}" for how in ("arrays", "inlinebuffers", "inlinearrays", "inlineelements")]
-
-
 def _squares():
     """Left and top of every square, and whether a pass begins after it."""
     left, top = INSET, TOP
@@ -35,11 +30,7 @@ def _squares():
             top = TOP if again else top + SIZE
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case():
     color, alpha, one = np.array(FIRST, np.float32), np.float32(1.0), np.float32(1.0)
     corners, colors = [], []
     for left, top, again in _squares():
@@ -53,3 +44,8 @@ def case(name, inputs):
             color, alpha = np.array(AGAIN, np.float32), alpha * FADING
     mesh = scenes.window_mesh(corners, colors=np.array(colors, np.float64))
     return Case(commands=(scenes.clear(0xFF444444), Draw(label="squares", mesh=mesh, state=scenes.DEFAULT)))
+
+
+CASES = {
+    f"HighVtxCount-{how}": _case for how in ("arrays", "inlinebuffers", "inlinearrays", "inlineelements")
+}

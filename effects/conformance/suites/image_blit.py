@@ -7,6 +7,7 @@ constant alpha does, with the byte beta >> 23, 0 where beta's sign bit is set; X
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -34,19 +35,9 @@ CLIPS = (
 )  # fmt: skip
 CORNERS = {"TL": (0, 0), "TR": (1, 0), "BL": (0, 1), "BR": (1, 1)}  # of the drawn quad: right, below
 PLACES = ("Outside", "Inside")
-OTHERS = ("DirtyOverlappedDestSurf", "BlitRenderBlit", "OverlapFIFO")
 SOURCE, SIZE, PLACE = (8, 8), (128, 128), (256, 176)
 PICTURE = "picture"
 QUAD_COLORS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.75, 0.65, 0.55))
-
-
-def names():
-    """Every case of the suite but one."""
-    mixed = [f"ImgBlt_BLENDAND_{words}_B{beta:08X}" for words, betas in BETAS.items() for beta in betas]
-    copied = [f"ImgBlt_SRCCOPY_{words}_B00000000" for words in ALPHAS]
-    clipped = ["ImgBlt_Clip_{}_{}_{}_{}".format(*clip) for clip in CLIPS]
-    corners = [f"Overlap_{corner}_{place}" for corner in CORNERS for place in PLACES]
-    return mixed + copied + clipped + corners + list(OTHERS)
 
 
 def _blit(texture, source, size, place, beta=None, alpha=None, clip=(0, 0, WIDTH, HEIGHT), height=HEIGHT):
@@ -90,14 +81,17 @@ def _quad(left, top, size, clip=None, height=HEIGHT):
     return Draw(label="quad", mesh=mesh, state=replace(scenes.DEFAULT, scissor=clip))
 
 
-def _overlap(name):
+def _overlap(corner, outside):
     """A quad, and one pixel of the picture at its corner or beside it."""
-    _, corner, place = name.split("_")
-    right, below = CORNERS[corner]
-    outside = 1 if place == "Outside" else 0
+    right, below = corner
     x = 64 + 127 + outside if right else 64 - outside
     clip = Scissor(64, HEIGHT - 64 - 128, WIDTH - 64, 128)
-    return [_quad(64, 64, 128, clip), *_blit(PICTURE, (0, 0), (1, 1), (x, 64 + 127 * below))]
+    pixel = _blit(PICTURE, (0, 0), (1, 1), (x, 64 + 127 * below))
+    return [_quad(64, 64, 128, clip), *pixel, _quad(320, 240, 4)]
+
+
+def _dirty():
+    return [_quad(16, 64, 128), *_blit(PICTURE, (0, 0), (256, 256), (0, 0)), _quad(320, 240, 4)]
 
 
 def _blit_render_blit():
@@ -120,33 +114,7 @@ def _blit_render_blit():
     ]
 
 
-def _draws(name):
-    """(background, draws) of a case."""
-    if name.startswith("Overlap_"):
-        return 0xFF111111, [*_overlap(name), _quad(320, 240, 4)]
-    if name == "DirtyOverlappedDestSurf":
-        return 0xFF111111, [
-            _quad(16, 64, 128),
-            *_blit(PICTURE, (0, 0), (256, 256), (0, 0)),
-            _quad(320, 240, 4),
-        ]
-    if name == "BlitRenderBlit":
-        return 0xFF112233, _blit_render_blit()
-    if name == "OverlapFIFO":
-        return 0xF0450015, _blit(PICTURE, (0, 0), SIZE, PLACE)
-    _, operation, *rest = name.split("_")
-    if operation == "Clip":
-        return 0xF0440011, _blit(PICTURE, SOURCE, SIZE, PLACE, clip=tuple(map(int, rest)))
-    words, beta = rest
-    mixed = int(beta[1:], 16) if operation == "BLENDAND" else None
-    return 0xF0440011, _blit(PICTURE, SOURCE, SIZE, PLACE, mixed, ALPHAS[words])
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in names():
-        return None
-    background, draws = _draws(name)
+def _case(background, draws, *given, inputs):
     rgba = inputs.picture("TestImage.png")
     memory = surface_memory.memory_of(surface_memory.words_of(rgba, ColorFormat.A8R8G8B8))
     picture = surface_memory.image_of(memory, TexelWord.A8R8G8B8, *rgba.shape[1::-1])
@@ -154,6 +122,32 @@ def case(name, inputs):
         commands=(
             scenes.clear(background),
             TexImage(label=PICTURE, texture=PICTURE, image=picture),
-            *draws,
+            *draws(*given),
         )
     )
+
+
+_PLAIN = partial(_blit, PICTURE, SOURCE, SIZE, PLACE)
+CASES = {  # every case of the suite but one
+    **{
+        f"ImgBlt_BLENDAND_{words}_B{beta:08X}": partial(_case, 0xF0440011, _PLAIN, beta, ALPHAS[words])
+        for words, betas in BETAS.items()
+        for beta in betas
+    },
+    **{
+        f"ImgBlt_SRCCOPY_{words}_B00000000": partial(_case, 0xF0440011, _PLAIN, None, alpha)
+        for words, alpha in ALPHAS.items()
+    },
+    **{
+        "ImgBlt_Clip_{}_{}_{}_{}".format(*clip): partial(_case, 0xF0440011, _PLAIN, None, None, clip)
+        for clip in CLIPS
+    },
+    **{
+        f"Overlap_{name}_{place}": partial(_case, 0xFF111111, _overlap, corner, place == "Outside")
+        for name, corner in CORNERS.items()
+        for place in PLACES
+    },
+    "DirtyOverlappedDestSurf": partial(_case, 0xFF111111, _dirty),
+    "BlitRenderBlit": partial(_case, 0xFF112233, _blit_render_blit),
+    "OverlapFIFO": partial(_case, 0xF0450015, partial(_blit, PICTURE, (0, 0), SIZE, PLACE)),
+}

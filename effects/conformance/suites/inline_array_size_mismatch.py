@@ -18,17 +18,11 @@ MIDDLE, REACH, TOP, BOTTOM = WIDTH / 4, 0.2 * HEIGHT, HEIGHT / 4, HEIGHT * 3 / 4
 COLORS = ((1.0, 0.0, 0.0, 1.0), (1.0, 1.0, 0.0, 1.0), (1.0, 0.0, 1.0, 1.0))
 
 
-def names():
-    """Every case of the suite."""
-    return ["ExtraElements"]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case():
     corners = [(MIDDLE - REACH, BOTTOM), (MIDDLE, TOP), (MIDDLE + REACH, BOTTOM)]
     mesh = scenes.window_mesh(corners, PrimitiveType.TRIANGLES, colors=np.array(COLORS))
     state = replace(scenes.DEFAULT, register_combiners=scenes.SHOWS_PRIMARY_OPAQUE)
     return Case(commands=(scenes.clear(0xFE312F31), Draw(label="triangle", mesh=mesh, state=state)))
+
+
+CASES = {"ExtraElements": _case}

@@ -3,6 +3,8 @@
 Source: src/tests/lighting_accumulation_tests.cpp of nxdk_pgraph_tests.
 """
 
+from functools import partial
+
 from fixedpipe.effects.conformance import lit_scenes, scenes
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.enums import SecondaryColor
@@ -20,25 +22,13 @@ LIGHTS = {
         POSITION, DIRECTION, RANGE, (45.0, 10.0), ATTENUATION, (0.0, -0.494592, 1.494592), **COLORS
     ),
 }
-CASES = {
-    **{f"{kind}-{count}": (light,) * count for kind, light in LIGHTS.items() for count in (2, 4, 5)},
-    "All": tuple(LIGHTS.values()),
-}
 VERTEX_DIFFUSE, VERTEX_SPECULAR = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 0.25)
 
 
-def names():
-    """Every case of the suite."""
-    return list(CASES)
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in CASES:
-        return None
+def _case(lights, inputs):
     white = lit_scenes.WHITE
     lighting = Lighting(
-        lights=CASES[name],
+        lights=lights,
         front=Material(white, white, white, specular_coefficients=lit_scenes.COEFFICIENTS["Pow2_0"]),
         model_ambient=lit_scenes.BLACK,
         separate_specular_color=True,
@@ -48,3 +38,10 @@ def case(name, inputs):
     draws = lit_scenes.model_draws(inputs, (lit_scenes.GRID,), VERTEX_DIFFUSE, VERTEX_SPECULAR, state)
     background = scenes.background(0xFF202020, 0xFF909090, 24)
     return Case(commands=(scenes.clear(0xFF232623), *background, *draws))
+
+
+CASES = {
+    f"{kind}-{count}": partial(_case, (light,) * count)
+    for kind, light in LIGHTS.items()
+    for count in (2, 4, 5)
+} | {"All": partial(_case, tuple(LIGHTS.values()))}

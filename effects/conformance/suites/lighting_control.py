@@ -6,6 +6,7 @@ program that lights by itself (src/shaders/fixed_function_approximation_shader.v
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -25,16 +26,6 @@ MATERIAL_ALPHA = 0.4
 SHININESS = 10.5
 VERTEX_DIFFUSE, VERTEX_SPECULAR = (0.0, 0.0, 0.0, 0.75), (0.0, 0.4, 0.0, 0.25)
 COLORS = lit_scenes.colors((0.0, 0.0, 0.05), (0.25, 0.0, 0.0), (0.0, 0.2, 0.4))
-
-
-def names():
-    """Every case of the suite."""
-    flags = product(("", "NoSpec"), (0, ALPHA), (0, LOCAL_EYE), (0, SEPARATE_SPECULAR))
-    return [
-        f"{stage}_0x{alpha + eye + separate:06X}{specular}{'' if stage == 'FF' else '_LightOff'}"
-        for specular, alpha, eye, separate in flags
-        for stage in ("FF", "VS")
-    ]
 
 
 def _lights():
@@ -86,16 +77,10 @@ def _program_results(model):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in names():
-        return None
-    control = int(name[3:11], 16)
-    if "NoSpec" in name:
-        secondary = SecondaryColor.DISABLED
-    else:
+def _case(control, program, specular, inputs):
+    secondary = SecondaryColor.DISABLED
+    if specular:
         secondary = SecondaryColor.FROM_VERTEX if control & ALPHA else SecondaryColor.OPAQUE
-    program = name.startswith("VS")
     vertex = scenes.PROGRAM_RESULTS if program else replace(lit_scenes.view(), lighting=lighting(control))
     state = replace(
         scenes.DEFAULT,
@@ -114,3 +99,13 @@ def case(name, inputs):
         commands=(scenes.clear(0xFF232623), *background, *draws),
         explanation="" if program else "a single pixel between vertices whose colours are the chip's",
     )
+
+
+CASES = {
+    f"{stage}_0x{alpha + eye + separate:06X}{specular}{'' if stage == 'FF' else '_LightOff'}": (
+        partial(_case, alpha + eye + separate, stage == "VS", not specular)
+    )
+    for specular, alpha, eye, separate, stage in product(
+        ("", "NoSpec"), (0, ALPHA), (0, LOCAL_EYE), (0, SEPARATE_SPECULAR), ("FF", "VS")
+    )
+}

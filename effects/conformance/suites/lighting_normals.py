@@ -5,6 +5,7 @@ which changes nothing but their order.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -31,11 +32,6 @@ COLORS = lit_scenes.colors(diffuse=(0.0, 1.0, 0.7))
 COEFFICIENTS = (-0.706496, -2.507095, 2.8006, -0.500825, -1.940022, 2.439197)
 
 
-def names():
-    """Every case of the suite."""
-    return [normal + sent for sent in SENT for normal in NORMALS]
-
-
 def _triangle(left, right, z, normals, order=(0, 1, 2)):
     corners = [(left, TOP, z), (right, TOP, z), ((left + right) / 2, BOTTOM, z)]
     return Mesh(
@@ -43,13 +39,7 @@ def _triangle(left, right, z, normals, order=(0, 1, 2)):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    given, _, sent = name.rpartition("-inline") if "-inline" in name else (name, "", "")
-    normal = NORMALS[given]
+def _case(normal, elements):
     light = Light(position=(0.0, 0.0, 1.0, 0.0), half_vector=(0.0, 0.0, 0.0), **COLORS)
     lighting = Lighting(
         lights=(light,),
@@ -66,9 +56,16 @@ def case(name, inputs):
     if normal is not None:
         mesh = _triangle(LEFT, 0.0, 3.0, (zero, zero, normal))
         commands.append(Draw(label="leaves its last normal", mesh=mesh, state=state))
-    order = (2, 0, 1) if sent == "elements" else (0, 1, 2)
+    order = (2, 0, 1) if elements else (0, 1, 2)
     mesh = _triangle(0.0, RIGHT, 1.0, np.tile(zero if normal is None else normal, (3, 1)), order)
     local = replace(lighting, local_viewer=True)
     vertex = replace(state.vertex, lighting=local, secondary_color=SecondaryColor.OPAQUE)
     commands.append(Draw(label="without normals", mesh=mesh, state=replace(state, vertex=vertex)))
     return Case(commands=tuple(commands))
+
+
+CASES = {
+    name + sent: partial(_case, normal, sent == "-inlineelements")
+    for sent in SENT
+    for name, normal in NORMALS.items()
+}

@@ -4,6 +4,7 @@ Source: src/tests/lighting_range_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -29,11 +30,6 @@ PLANE_COLORS = ((0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 0.25))
 QUAD_COLORS = ((1.0, 0.5, 1.0, 0.25), (0.0, 0.5, 1.0, 0.25))
 QUAD_WIDTH, QUAD_HEIGHT, MARGIN, TOP = 128, 256, 24, 64
 TILT, TOWARDS = 0.099014754297667, -0.990147542976674
-
-
-def names():
-    """Every case of the suite."""
-    return list(LIGHTS)
 
 
 def _plane(inputs):
@@ -64,13 +60,10 @@ def _quad(left, z):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in LIGHTS:
-        return None
+def _case(light, inputs):
     white = lit_scenes.WHITE
     lighting = Lighting(
-        lights=(LIGHTS[name],),
+        lights=(light,),
         front=Material(white, (1.0, 1.0, 1.0, 0.75), white, specular_coefficients=lit_scenes.MECH_ASSAULT),
         model_ambient=lit_scenes.color((0.031373, 0.031373, 0.031373)),
         separate_specular_color=True,
@@ -86,3 +79,6 @@ def case(name, inputs):
             Draw(label="outside", mesh=_quad(WIDTH - MARGIN - QUAD_WIDTH, 2.0), state=state),
         )
     )
+
+
+CASES = {name: partial(_case, light) for name, light in LIGHTS.items()}

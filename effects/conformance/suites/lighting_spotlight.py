@@ -4,6 +4,8 @@ of the outer and the inner one) and attenuation (At).
 Source: src/tests/lighting_spotlight_tests.cpp of nxdk_pgraph_tests.
 """
 
+from functools import partial
+
 from fixedpipe.effects.conformance import lit_scenes, scenes
 from fixedpipe.effects.conformance.case import Case
 from fixedpipe.pipeline.state import Lighting, Material
@@ -40,23 +42,9 @@ VERTEX_DIFFUSE, VERTEX_SPECULAR = (1.0, 0.0, 1.0, 1.0), (0.0, 0.4, 0.0, 0.25)
 COLORS = lit_scenes.colors(diffuse=(1.0, 0.0, 0.0), specular=(0.0, 0.0, 0.5))
 
 # What each case's name stands for: cone, attenuation, falloff.
-CASES = {
-    **{f"FoFixed_{a:f}_{b:f}_{c:f}": (CONE, ATTENUATION, (a, b, c)) for a, b, c in FALLOFFS},
-    **{f"PTFixed_{phi:f}_{theta:f}": ((phi, theta), ATTENUATION, FALLOFF) for phi, theta in CONES},
-    **{f"AtFixed_{a:f}_{b:f}_{c:f}": (CONE, (a, b, c), FALLOFF) for a, b, c in ATTENUATIONS},
-}
 
 
-def names():
-    """Every case of the suite."""
-    return list(CASES)
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in CASES:
-        return None
-    cone, attenuation, falloff = CASES[name]
+def _case(inputs, cone=CONE, attenuation=ATTENUATION, falloff=FALLOFF):
     light = lit_scenes.spotlight(
         (0.0, 0.0, -7.0), (0.0, 0.0, 1.0), RANGE, cone, attenuation, falloff, **COLORS
     )
@@ -77,3 +65,10 @@ def case(name, inputs):
         commands=(scenes.clear(0xFF232623), *scenes.background(0xFF111111, 0xFF000000, 16), *draws),
         explanation=lost if light is None else "",
     )
+
+
+CASES = {
+    **{f"FoFixed_{a:f}_{b:f}_{c:f}": partial(_case, falloff=(a, b, c)) for a, b, c in FALLOFFS},
+    **{f"PTFixed_{phi:f}_{theta:f}": partial(_case, cone=(phi, theta)) for phi, theta in CONES},
+    **{f"AtFixed_{a:f}_{b:f}_{c:f}": partial(_case, attenuation=(a, b, c)) for a, b, c in ATTENUATIONS},
+}

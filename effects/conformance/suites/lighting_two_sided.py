@@ -25,11 +25,6 @@ QUADS = {  # two sides, z of the normals, corners
 NO_HIGHLIGHT = (0.0,) * 6  # the program sets no coefficients; the half vector of length 0 leaves no highlight
 
 
-def names():
-    """Every case of the suite."""
-    return ["TwoSidedLighting"]
-
-
 def _light():
     return Light(
         **lit_scenes.colors(diffuse=(1.0, 0.0, 0.25), specular=(0.0, 1.0, 0.0)),
@@ -41,11 +36,7 @@ def _light():
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case():
     white = lit_scenes.WHITE
     front = Material(white, white, white, specular_coefficients=NO_HIGHLIGHT)
     lighting = Lighting(
@@ -77,3 +68,6 @@ def case(name, inputs):
         )
         draws.append(Draw(label=label, mesh=mesh, state=state))
     return Case(commands=(scenes.clear(0xFF424243), *draws))
+
+
+CASES = {"TwoSidedLighting": _case}

@@ -5,6 +5,7 @@ bits, and a wider value leaves the width of one pixel that was there before.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import scenes, shapes
 from fixedpipe.effects.conformance.case import Case
@@ -30,22 +31,7 @@ def _name(mode, width):
     return f"{mode}_FFFFFFFF" if width == MINUS_ONE else f"{mode}_{width >> 3:04d}.{width & 7}"
 
 
-_CASES = {_name("Line", width): (PolygonMode.LINE, width) for width in (*WIDTHS, MINUS_ONE)} | {
-    _name("Fill", width): (PolygonMode.FILL, width) for width in (0, ONE, 32 * ONE)
-}
-
-
-def names():
-    """Every case of the suite."""
-    return list(_CASES)
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in _CASES:
-        return None
-    mode, width = _CASES[name]
+def _case(mode, width):
     state = replace(
         scenes.DEFAULT,
         polygon=replace(scenes.FRONT_FACES, front_mode=mode, back_mode=mode),
@@ -55,3 +41,8 @@ def case(name, inputs):
         Draw(label=shape[0].name, mesh=shapes.mesh(shape, LEFT, TOP), state=state) for shape in shapes.SHAPES
     ]
     return Case(commands=(scenes.clear(0xFF202224), *draws))
+
+
+CASES = {_name("Line", width): partial(_case, PolygonMode.LINE, width) for width in (*WIDTHS, MINUS_ONE)} | {
+    _name("Fill", width): partial(_case, PolygonMode.FILL, width) for width in (0, ONE, 32 * ONE)
+}

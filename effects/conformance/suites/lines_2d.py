@@ -6,6 +6,7 @@ Measured: 200 and 1 pixels of the two captures; Assumed for lines that are neith
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import scenes
 from fixedpipe.effects.conformance.case import Case
@@ -38,23 +39,13 @@ def _name(word, color, start, end):
     return f"2DLine-{word}-C{color:08X}-{start[0]}_{start[1]}-{end[0]}_{end[1]}"
 
 
-_CASES = {_name(*line): line for line in LINES}
-
-
-def names():
-    """Every case of the suite."""
-    return list(_CASES)
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in _CASES:
-        return None
-    word, color, *ends = _CASES[name]
+def _case(word, color, *ends):
     rgba = texels_of_words(color, WORDS[word]) / 255.0
     mesh = scenes.window_mesh(
         [(x + 0.5, y + 0.5) for x, y in ends], PrimitiveType.LINES, colors=scenes.single([rgba] * 2)
     )
     draw = Draw(label="line", mesh=mesh, state=replace(scenes.DEFAULT, blending=None, line=LineState()))
     return Case(commands=(scenes.clear(0xFF440011), draw))
+
+
+CASES = {_name(*line): partial(_case, *line) for line in LINES}

@@ -4,8 +4,10 @@ Source: src/tests/material_alpha_tests.cpp of nxdk_pgraph_tests. A name ends in 
 word of a float.
 """
 
-import struct
 from dataclasses import replace
+from functools import partial
+
+import numpy as np
 
 from fixedpipe.effects.conformance import lit_scenes, scenes
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
@@ -57,15 +59,6 @@ QUADS = (  # left, right, z, z of the normals, (diffuse, specular) of every corn
 )  # fmt: skip
 
 
-def _name(source, alpha):
-    return f"MatA_S{source}_A{struct.unpack('<I', struct.pack('<f', alpha))[0]:X}"
-
-
-def names():
-    """Every case of the suite."""
-    return [_name(source, alpha) for source in SOURCES for alpha in ALPHAS]
-
-
 def _mesh():
     positions, normals, diffuse, specular = [], [], [], []
     for left, right, z, up, colors in QUADS:
@@ -87,13 +80,7 @@ def _mesh():
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    chosen = {_name(source, alpha): (source, alpha) for source in SOURCES for alpha in ALPHAS}
-    if name not in chosen:
-        return None
-    source, alpha = chosen[name]
+def _case(source, alpha):
     white = lit_scenes.WHITE
     lighting = Lighting(
         lights=(Light(position=(0.0, 0.0, 1.0, 0.0), half_vector=(0.0, 0.0, 0.0), **COLORS),),
@@ -101,7 +88,7 @@ def case(name, inputs):
         model_ambient=SCENE_AMBIENT,
         local_viewer=True,
         separate_specular_color=True,
-        front_sources=ColorSources(diffuse=SOURCES[source]),
+        front_sources=ColorSources(diffuse=source),
         viewer_direction=lit_scenes.EYE_DIRECTION,
     )
     state = replace(
@@ -115,3 +102,10 @@ def case(name, inputs):
 # Both matrices are the unit matrix, so device pixels come from the viewport's offset alone: the middle of the
 # screen.
 COMPOSITE = Composite(IDENTITY, (WIDTH / 2, HEIGHT / 2, 0.0))
+
+
+CASES = {
+    f"MatA_S{name}_A{np.float32(alpha).view(np.uint32):X}": partial(_case, source, alpha)
+    for name, source in SOURCES.items()
+    for alpha in ALPHAS
+}

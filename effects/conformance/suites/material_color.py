@@ -6,6 +6,8 @@ diffuse, specular and emissive colour, of the light's diffuse and specular one. 
 src/tests/material_color_tests.cpp of nxdk_pgraph_tests.
 """
 
+from functools import partial
+
 import numpy as np
 
 from fixedpipe.effects.conformance import lit_scenes, scenes
@@ -17,7 +19,6 @@ from fixedpipe.pipeline.state import Light, Lighting, Material
 
 SUITE = "Material_color"
 
-NAMES = ("001_RG0_11", "011_rG0_B1", "011_rBg_11", "301_rG0_11", "310_rG0_11", "311_rG0_11")
 COLORS = {
     "R": (1.0, 0.0, 0.0), "r": (0.5, 0.0, 0.0), "G": (0.0, 1.0, 0.0), "g": (0.0, 0.5, 0.0),
     "B": (0.0, 0.0, 1.0), "b": (0.0, 0.0, 0.5),
@@ -27,18 +28,9 @@ LEFT, TOP, RIGHT, BOTTOM = -2.75, 1.75, 2.75, -1.75  # of the quad, in the world
 CORNERS = [(LEFT, TOP), (RIGHT, TOP), (RIGHT, BOTTOM), (LEFT, TOP), (RIGHT, BOTTOM), (LEFT, BOTTOM)]
 
 
-def names():
-    """Every case of the suite."""
-    return list(NAMES)
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in NAMES:
-        return None
+def _case(letters):
     scene, own_ambient, ambient, own_diffuse, own_specular, emission, diffuse, specular = (
-        scenes.single(COLORS[letter]) for letter in name.replace("_", "")
+        scenes.single(COLORS[letter]) for letter in letters
     )
     colors = lit_scenes.colors(scene * ambient, own_diffuse * diffuse, own_specular * specular)
     light = Light(position=(0.0, 0.0, 1.0, 0.0), half_vector=(0.0, 0.0, 0.0), **colors)
@@ -55,3 +47,7 @@ def case(name, inputs):
     mesh = Mesh(scenes.single([(x, y, 0.0) for x, y in CORNERS]), normals=normals)
     state = lit_scenes.state(lighting, secondary_color=SecondaryColor.OPAQUE)
     return Case(commands=(scenes.clear(0xFF303030), Draw(label="a quad", mesh=mesh, state=state)))
+
+
+_LETTERS = ("001_RG0_11", "011_rG0_B1", "011_rBg_11", "301_rG0_11", "310_rG0_11", "311_rG0_11")
+CASES = {name: partial(_case, name.replace("_", "")) for name in _LETTERS}

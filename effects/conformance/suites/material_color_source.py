@@ -6,6 +6,7 @@ half. Source: src/tests/material_color_source_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -52,17 +53,6 @@ LEGEND = (
     VERTEX_DIFFUSE[:3], VERTEX_SPECULAR[:3], SCENE_AMBIENT, DIFFUSE, SPECULAR, EMISSIVE_COLOR, AMBIENT,
 )  # fmt: skip
 LEGEND_LEFT, LEGEND_TOP, LEGEND_RIGHT, LEGEND_STEP = 16.0, 120.0, 110.0, 25.0
-
-
-def _cases():
-    """Name and (source, emission, second light) of the cases that take all parts from one colour."""
-    for (source, taken), (emission, value), lights in product(SOURCES.items(), EMISSIONS.items(), LIGHTS):
-        yield source + emission + lights, (taken, value, bool(lights))
-
-
-def names():
-    """Every case of the suite."""
-    return [*(name for name, _ in _cases()), *EMISSIVE]
 
 
 def _combiners(primary, secondary, opaque):
@@ -130,27 +120,32 @@ def _lighting(sources, lights, scene, emission):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    towards = (0.0, 0.0, 1.0)
-    lights = [lit_scenes.directional(towards, **lit_scenes.colors(AMBIENT, DIFFUSE, SPECULAR))]
-    if name in EMISSIVE:
-        scene, emission = SCENE_AMBIENT, EMISSIVE[name]
-        chosen = [ColorSources(emission=e, ambient=a) for e, a in EMISSIVE_PARTS]
-    elif name in dict(_cases()):
-        source, emission, second = dict(_cases())[name]
-        scene = scenes.single([a + b for a, b in zip(SCENE_AMBIENT, EMISSIVE_COLOR, strict=True)])
-        chosen = [ColorSources(**dict.fromkeys(parts, source)) for parts in PARTS]
-        if second:
-            quarter = (0.25, 0.25, 0.25)
-            lights.append(lit_scenes.directional(towards, **lit_scenes.colors(quarter, quarter, quarter)))
-    else:
-        return None
+def _from_one(source, emission, second):
+    """All parts of a quad that come from the vertices come from one colour."""
+    scene = scenes.single([a + b for a, b in zip(SCENE_AMBIENT, EMISSIVE_COLOR, strict=True)])
+    sources = [ColorSources(**dict.fromkeys(parts, source)) for parts in PARTS]
+    return _quads(sources, scene, emission, [(0.25, 0.25, 0.25)] * second)
+
+
+def _emissive(emission):
+    sources = [ColorSources(emission=e, ambient=a) for e, a in EMISSIVE_PARTS]
+    return _quads(sources, SCENE_AMBIENT, emission)
+
+
+def _quads(sources, scene, emission, greys=()):
+    """``greys``: the colours of the lights after the first."""
+    colors = [(AMBIENT, DIFFUSE, SPECULAR), *((grey,) * 3 for grey in greys)]
+    lights = tuple(lit_scenes.directional((0.0, 0.0, 1.0), **lit_scenes.colors(*each)) for each in colors)
     draws = [
         draw
-        for place, sources in enumerate(chosen)
-        for draw in _lit_quad(place, _lighting(sources, tuple(lights), scene, emission))
+        for place, each in enumerate(sources)
+        for draw in _lit_quad(place, _lighting(each, lights, scene, emission))
     ]
     background = scenes.background(0xFF202020, 0xFF909090, 20)
     return Case(commands=(scenes.clear(0xFF303030), *background, *draws, *_legend()))
+
+
+CASES = {
+    f"{name}{emission}{lights}": partial(_from_one, source, value, bool(lights))
+    for (name, source), (emission, value), lights in product(SOURCES.items(), EMISSIONS.items(), LIGHTS)
+} | {name: partial(_emissive, emission) for name, emission in EMISSIVE.items()}

@@ -10,20 +10,13 @@ from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
 
 SUITE = "Null_surface"
 
-NAME = "XemuBug893"
 NEAR, FAR = 0.15, 0.85  # the quad's edges, of the window's
 
 
-def names():
-    """The one case of the suite."""
-    return [NAME]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name != NAME:
-        return None
+def _case():
     corners = scenes.rectangle(NEAR * WIDTH, NEAR * HEIGHT, FAR * WIDTH, FAR * HEIGHT, 0.1)
     quad = scenes.quad("quad", corners, (0.1, 0.6, 0.1, 1.0))
     return Case(commands=(scenes.clear(0xFE134415), quad))
+
+
+CASES = {"XemuBug893": _case}

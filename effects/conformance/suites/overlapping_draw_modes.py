@@ -5,6 +5,7 @@ src/tests/overlapping_draw_modes_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -29,25 +30,9 @@ TRIANGLES = (
     (LEFT, BOTTOM, (0.2, 0.4, 0.8)), (LEFT, 0.0, (0.3, 0.5, 0.9)), (0.0, 0.0, (0.4, 0.3, 0.7)),
 )  # fmt: skip
 # By name: the primitive, its vertices, and which of the triangles come in what order.
-CASES = {
-    "ArrElm_DrwArr_ArrElm": (PrimitiveType.TRIANGLE_STRIP, STRIP, range(8)),
-    "DrwArr_DrwArr": (PrimitiveType.TRIANGLES, TRIANGLES, (0, 1, 2, 6, 7, 8)),
-    "SquashOpt": (PrimitiveType.TRIANGLES, TRIANGLES, range(12)),
-    "SquashOptSingleArray": (PrimitiveType.TRIANGLES, TRIANGLES, (*range(6, 12), *range(6))),
-}
 
 
-def names():
-    """Every case of the suite."""
-    return list(CASES)
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in CASES:
-        return None
-    primitive, vertices, order = CASES[name]
+def _case(primitive, vertices, order):
     mesh = Mesh(
         scenes.single([(x, y, 1.0) for x, y, _ in vertices]),
         primitive,
@@ -56,3 +41,11 @@ def case(name, inputs):
     )
     state = replace(scenes.DEFAULT, vertex=host_matrices.xdk_vertex(), polygon=scenes.FRONT_FACES)
     return Case(commands=(scenes.clear(0xFE242424), Draw(label="primitive", mesh=mesh, state=state)))
+
+
+CASES = {
+    "ArrElm_DrwArr_ArrElm": partial(_case, PrimitiveType.TRIANGLE_STRIP, STRIP, range(8)),
+    "DrwArr_DrwArr": partial(_case, PrimitiveType.TRIANGLES, TRIANGLES, (0, 1, 2, 6, 7, 8)),
+    "SquashOpt": partial(_case, PrimitiveType.TRIANGLES, TRIANGLES, range(12)),
+    "SquashOptSingleArray": partial(_case, PrimitiveType.TRIANGLES, TRIANGLES, (*range(6, 12), *range(6))),
+}

@@ -4,6 +4,7 @@ Source: src/tests/pixel_shader_tests.cpp of nxdk_pgraph_tests. Four cases read t
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -18,10 +19,6 @@ from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Pixel_shader"
 
-DEPENDENT = {
-    "StageDependentAlphaRed": Operation.DEPENDENT_AR_TEXTURE_2D,
-    "StageDependentGreenBlue": Operation.DEPENDENT_GB_TEXTURE_2D,
-}
 BUMPS, IMAGE = "water_bump_map.png", "bump_map_test_image.png"
 # BumpEnvMap: matrices as SET_TEXTURE_SET_BUMP_ENV_MAT takes them: s by ds, t by ds, t by dt, s by dt.
 MATRICES = (
@@ -54,11 +51,6 @@ PLANES = (
         [(-0.1, -0.1, -0.1, 0.1), (0.1, -0.1, -0.1, -0.1), (-0.1, 0.1, -0.1, -0.1), (-0.1, -0.1, 0.1, -0.1)],
     ),
 )
-
-
-def names():
-    """Every case of the suite."""
-    return ["Passthru", "ClipPlane", "BumpEnvMap", "BumpEnvMapLuminance", "DotST", "DotZW", *DEPENDENT]
 
 
 def screen_quad(left, top, size, coordinates, **arrays):
@@ -235,13 +227,13 @@ def _dot_zw(inputs):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name in DEPENDENT:
-        return Case(commands=_dependent(DEPENDENT[name]))
-    if name.startswith("BumpEnvMap") and name in names():
-        return _bump_env(inputs, name.endswith("Luminance"))
-    if name in ("DotST", "DotZW"):
-        return _dot_st(inputs) if name == "DotST" else _dot_zw(inputs)
-    commands = {"Passthru": _passthru, "ClipPlane": _clip_plane}.get(name)
-    return Case(commands=commands()) if commands else None
+CASES = {
+    "Passthru": partial(Case.of, _passthru),
+    "ClipPlane": partial(Case.of, _clip_plane),
+    "BumpEnvMap": partial(_bump_env, luminance=False),
+    "BumpEnvMapLuminance": partial(_bump_env, luminance=True),
+    "DotST": _dot_st,
+    "DotZW": _dot_zw,
+    "StageDependentAlphaRed": partial(Case.of, _dependent, Operation.DEPENDENT_AR_TEXTURE_2D),
+    "StageDependentGreenBlue": partial(Case.of, _dependent, Operation.DEPENDENT_GB_TEXTURE_2D),
+}

@@ -7,6 +7,7 @@ point shows the texel at (0, 0).
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -39,25 +40,7 @@ DETAILED = (
     *((4.0, 0.0, 0.0, 36.0, bias, 4.0) for bias in (-0.4, -0.25, 0.25, 0.4)),
 )
 # Parameters on, sprites on, size in 1/8 pixel, stage.
-ROWS = {
-    "PointParamsOff_SmoothOff_128_FF": (False, False, 128, "FF"),
-    "PointParamsOn_SmoothOn_001_FF": (True, True, 1, "FF"),
-    "PointParamsOn_SmoothOn_128_FF": (True, True, 128, "FF"),
-    "PointParamsOn_SmoothOff_128_FF": (True, False, 128, "FF"),
-    "PointParamsOn_SmoothOn_128_VS": (True, True, 128, "VS"),
-    "PointParamsOn_SmoothOff_128_VS": (True, False, 128, "VS"),
-    "PointParamsOff_SmoothOff_128_VS": (False, False, 128, "VS"),
-}
-SCALES = {
-    f"Scale_{a}_{b}_{c}_{stage}": ((a, b, c), stage)
-    for stage, c, b, a in product(("FF", "VS"), (0, 1), (0, 1), (0, 4))
-}
 CHECKERBOARD = "checkerboard"
-
-
-def names():
-    """Every case of the suite."""
-    return [*ROWS, "Detailed_FF", "Detailed_VS", *SCALES]
 
 
 def _mesh(x, y, z, color, stage, size):
@@ -123,19 +106,31 @@ def _scaled(attenuation, stage):
     return draws
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name in SCALES:
-        return Case(commands=(scenes.clear(0xFF242323), *_scaled(*SCALES[name])))
-    if name.startswith("Detailed_"):
-        return (
-            Case(commands=(scenes.clear(0xFF222324), *_rows(DETAILED, True, True, 16.0, name[-2:])))
-            if name in names()
-            else None
-        )
-    if name not in ROWS:
-        return None
-    enabled, sprite, eighths, stage = ROWS[name]
+def _case(enabled, sprite, eighths, stage):
     size = eighths / 8 if enabled or stage == "FF" else 1.0
     return Case(commands=(scenes.clear(0xFF222323), *_rows(BASIC, enabled, sprite, size, stage)))
+
+
+def _detailed(stage):
+    return Case(commands=(scenes.clear(0xFF222324), *_rows(DETAILED, True, True, 16.0, stage)))
+
+
+def _scale(attenuation, stage):
+    return Case(commands=(scenes.clear(0xFF242323), *_scaled(attenuation, stage)))
+
+
+CASES = {
+    "PointParamsOff_SmoothOff_128_FF": partial(_case, False, False, 128, "FF"),
+    "PointParamsOn_SmoothOn_001_FF": partial(_case, True, True, 1, "FF"),
+    "PointParamsOn_SmoothOn_128_FF": partial(_case, True, True, 128, "FF"),
+    "PointParamsOn_SmoothOff_128_FF": partial(_case, True, False, 128, "FF"),
+    "PointParamsOn_SmoothOn_128_VS": partial(_case, True, True, 128, "VS"),
+    "PointParamsOn_SmoothOff_128_VS": partial(_case, True, False, 128, "VS"),
+    "PointParamsOff_SmoothOff_128_VS": partial(_case, False, False, 128, "VS"),
+    "Detailed_FF": partial(_detailed, "FF"),
+    "Detailed_VS": partial(_detailed, "VS"),
+    **{
+        f"Scale_{a}_{b}_{c}_{stage}": partial(_scale, (a, b, c), stage)
+        for stage, c, b, a in product(("FF", "VS"), (0, 1), (0, 1), (0, 4))
+    },
+}

@@ -7,6 +7,7 @@ but for the viewport's offset; VS: a vertex program that passes window coordinat
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -24,14 +25,6 @@ STAGES = {"FF": scenes.XDK_OFFSET, "VS": 0.0}  # how far from its pixel coordina
 STEPS = (1, 4, 8, 16)
 LARGEST = 64.0  # pixels
 GREY, GREEN, WHITE, BLUE = 0xFFBBBBBB, 0xFF00BB00, 0xFFFFFFFF, 0xFFFF0000
-
-
-def names():
-    """Every case of the suite."""
-    given = product(("On", "Off"), STEPS, STAGES)
-    sweeps = (f"PointSmooth{on}_{step:02d}_{stage}" for on, step, stage in given)
-    extremes = (f"{which}PointSize_{stage}" for which, stage in product(("Largest", "Smallest"), STAGES))
-    return [*sweeps, *extremes, "VSPointSize"]
 
 
 def _point(x, y, color, eighths, offset):
@@ -102,16 +95,16 @@ def _program_sizes():
         before = size
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    if name == "VSPointSize":
-        return Case(commands=(scenes.clear(0xFF444444), *_program_sizes()))
-    if name.startswith("Smallest"):
-        return Case(commands=(scenes.clear(0xFF444444), *_smallest(name[-2:])))
-    offset = STAGES[name[-2:]]
-    if name.startswith("Largest"):
-        return Case(commands=(scenes.clear(0xFF444444), *_largest(offset)))
-    return Case(commands=(scenes.clear(0xFF222322), *_sweep(int(name.split("_")[1]), offset)))
+def _case(background, points, *given):
+    return Case(commands=(scenes.clear(background), *points(*given)))
+
+
+CASES = {
+    **{
+        f"PointSmooth{on}_{step:02d}_{stage}": partial(_case, 0xFF222322, _sweep, step, offset)
+        for on, step, (stage, offset) in product(("On", "Off"), STEPS, STAGES.items())
+    },
+    **{f"LargestPointSize_{s}": partial(_case, 0xFF444444, _largest, offset) for s, offset in STAGES.items()},
+    **{f"SmallestPointSize_{stage}": partial(_case, 0xFF444444, _smallest, stage) for stage in STAGES},
+    "VSPointSize": partial(_case, 0xFF444444, _program_sizes),
+}

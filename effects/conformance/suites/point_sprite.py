@@ -5,6 +5,7 @@ Source: src/tests/point_sprite_tests.cpp of nxdk_pgraph_tests, texture_generator
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -43,11 +44,6 @@ SHOWS_TEXTURE3 = scenes.shows(Register.TEXTURE3)
 ORIGIN = (np.zeros((1, 2)),)  # a point's own texture coordinates, which sprites replace
 LARGEST = 63.875  # pixels: what the register makes of 64
 NEAR = -6.0  # world z of points at the near plane, where the program's points of screen depth 1 lie
-
-
-def names():
-    """Every case of the suite."""
-    return ["AlphaTest", "AlphaMask_FF", "AlphaMask_VS", "PolygonMode_Point"]
 
 
 def quarters(size):
@@ -220,11 +216,9 @@ def _polygon_mode():
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name == "AlphaTest":
-        return _alpha_test()
-    if name == "PolygonMode_Point":
-        return _polygon_mode()
-    return _alpha_mask(name[-2:]) if name in names() else None
+CASES = {
+    "AlphaTest": _alpha_test,
+    "AlphaMask_FF": partial(_alpha_mask, "FF"),
+    "AlphaMask_VS": partial(_alpha_mask, "VS"),
+    "PolygonMode_Point": _polygon_mode,
+}

@@ -9,6 +9,7 @@ Lines-inlinearrays-ls-ps, and all others.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -102,11 +103,6 @@ SURFACE = "samples"
 UNKNOWN_BELOW = "LineLoop-inlinearrays-ls"
 
 
-def names():
-    """Every case of the suite whose picture is its own suite's alone."""
-    return [test for test in TESTS if test != UNKNOWN_BELOW]
-
-
 def _is_smooth(name):
     return "-ls" in name or "-ps" in name
 
@@ -161,9 +157,9 @@ def _picture(name):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case(name):
     return Case(commands=_picture(name), depth_bits=16)
+
+
+# Every case of the suite whose picture is its own suite's alone.
+CASES = {test: partial(_case, test) for test in TESTS if test != UNKNOWN_BELOW}

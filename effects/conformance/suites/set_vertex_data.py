@@ -5,6 +5,7 @@ the fourth component; whole numbers of 16 bits come as they are, bytes as parts 
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -18,26 +19,11 @@ SUITE = "SetVertexData"
 
 MOST, LEAST = 32767.0, -32768.0
 # By name: the colour, and the first component of the normals that point right and left.
-CASES = {
-    "SET_VERTEX_DATA2F_M": ((0.5, 1.0, 0.0, 1.0), 1.0, -1.0),
-    "SET_VERTEX_DATA4F_M": ((0.5, 1.0, 0.25, 0.75), 1.0, -1.0),
-    "SET_VERTEX_DATA2S-0001": ((1.0, 1.0, 0.0, 1.0), 1.0, -1.0),
-    "SET_VERTEX_DATA2S-7FFF": ((MOST, MOST, 0.0, 1.0), MOST, LEAST),
-    "SET_VERTEX_DATA4S_M-0001": ((1.0, 1.0, 1.0, 1.0), 1.0, -1.0),
-    "SET_VERTEX_DATA4S_M-7FFF": ((MOST,) * 4, MOST, LEAST),
-    # The program cuts 255 c to a byte, and keeps the lowest eight bits of -255.
-    "SET_VERTEX_DATA4UB": ((127 / 255, 1.0, 63 / 255, 191 / 255), 1.0, 1 / 255),
-}
 DEPTH = 1.0
 COLORED = ((-2.75, 1.75), (0.0, 1.75), (-1.375, -1.75))
 RIGHTWARDS = ((1.375, 1.75), (2.75, 0.0), (0.0, 0.0))
 LEFTWARDS = ((0.0, 0.0), (2.75, 0.0), (1.375, -1.75))
 LIGHTS = (((1.0, 0.0, 0.0), (0.0, 0.25, 0.8)), ((-1.0, 0.0, 0.0), (0.8, 0.25, 0.33)))  # towards, diffuse
-
-
-def names():
-    """Every case of the suite."""
-    return list(CASES)
 
 
 def _lighting():
@@ -65,12 +51,7 @@ def _triangle(label, corners, state, **arrays):
     return Draw(label=label, mesh=Mesh(positions, PrimitiveType.TRIANGLES, **arrays), state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in CASES:
-        return None
-    color, right, left = CASES[name]
+def _case(color, right, left):
     lit = lit_scenes.state(_lighting(), scenes.SHOWS_PRIMARY)
     unlit = replace(lit, vertex=replace(lit.vertex, lighting=None))
     return Case(
@@ -81,3 +62,15 @@ def case(name, inputs):
             _triangle("as normal, leftwards", LEFTWARDS, lit, normals=(left, 0.0, 0.0)),
         )
     )
+
+
+CASES = {
+    "SET_VERTEX_DATA2F_M": partial(_case, (0.5, 1.0, 0.0, 1.0), 1.0, -1.0),
+    "SET_VERTEX_DATA4F_M": partial(_case, (0.5, 1.0, 0.25, 0.75), 1.0, -1.0),
+    "SET_VERTEX_DATA2S-0001": partial(_case, (1.0, 1.0, 0.0, 1.0), 1.0, -1.0),
+    "SET_VERTEX_DATA2S-7FFF": partial(_case, (MOST, MOST, 0.0, 1.0), MOST, LEAST),
+    "SET_VERTEX_DATA4S_M-0001": partial(_case, (1.0, 1.0, 1.0, 1.0), 1.0, -1.0),
+    "SET_VERTEX_DATA4S_M-7FFF": partial(_case, (MOST,) * 4, MOST, LEAST),
+    # The program cuts 255 c to a byte, and keeps the lowest eight bits of -255.
+    "SET_VERTEX_DATA4UB": partial(_case, (127 / 255, 1.0, 63 / 255, 191 / 255), 1.0, 1 / 255),
+}

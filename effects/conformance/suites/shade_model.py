@@ -6,6 +6,7 @@ outlines. ...Tex: a checkerboard instead of the colour.
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -93,11 +94,6 @@ LIT = Lighting(
 CHECKERBOARD = "checkerboard"
 
 
-def names():
-    """Every case of the suite."""
-    return ["_".join(parts) for parts in product(PREFIXES, SHAPES, MODELS, PROVOKING)]
-
-
 def _mesh(primitive, vertices, prefix):
     count = len(vertices)
     at = np.array(vertices)
@@ -115,12 +111,7 @@ def _mesh(primitive, vertices, prefix):
     return Mesh(scenes.single(np.column_stack([points, w])), primitive, **arrays)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    prefix, shape, model, provoking = name.rsplit("_", 3)
+def _case(prefix, shape, model, provoking):
     programmed, textured = prefix.startswith("Prog"), prefix.endswith("Tex")
     outlined = PolygonMode.LINE if prefix == "ProgLM" else PolygonMode.FILL
     state = replace(
@@ -147,3 +138,6 @@ def case(name, inputs):
     primitive, vertices = SHAPES[shape]
     mesh = _mesh(primitive, vertices, prefix)
     return Case(commands=(*commands, Draw(label=shape, mesh=mesh, state=state)))
+
+
+CASES = {"_".join(parts): partial(_case, *parts) for parts in product(PREFIXES, SHAPES, MODELS, PROVOKING)}

@@ -6,6 +6,7 @@ the smoothing switches change no pixel, and lines are rectangles, as with OpenGL
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from fixedpipe.pipeline.state import LineState
 
 SUITE = "Smoothing_control"
 
-CONTROLS = ("0xFFFF0000", "0xFFFF0001")
 SHAPES = shapes.SHAPES[:-1]
 # Left, top, and whether lines and polygons are asked to be smooth.
 QUARTERS = (
@@ -45,17 +45,8 @@ def _in_pixels(shape, left, top):
     return primitive, tuple(zip(*middles, strict=True))
 
 
-def names():
-    """Every case of the suite."""
-    return list(CONTROLS)
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in CONTROLS:
-        return None
-    draws, smooths = [], name == CONTROLS[0]
+def _case(smooths):
+    draws = []
     for left, top, lines, polygons in QUARTERS:
         steps = smooths and not lines
         rasterization = LineRasterization.STEPS if steps else LineRasterization.RECTANGLE
@@ -73,3 +64,6 @@ def case(name, inputs):
             for shape in SHAPES
         ]
     return Case(commands=(scenes.clear(0xFF32343A), *draws))
+
+
+CASES = {"0xFFFF0000": partial(_case, True), "0xFFFF0001": partial(_case, False)}

@@ -6,6 +6,8 @@ third row show the secondary and the others the primary colour; the upper two ro
 FF: the fixed-function stage, VS: a vertex program that hands on the vertex's colours.
 """
 
+from functools import partial
+
 import numpy as np
 
 from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
@@ -36,15 +38,6 @@ CORNERS = control_flags.Corners(
     secondary=((1.0, 0.0, 0.0, 0.15), (1.0, 0.0, 0.0, 0.75), (0.0, 1.0, 0.0, 1.0), (0.0, 1.0, 0.0, 0.2)),
     normals=((-TILT, -TILT, TOWARDS), (TILT, -TILT, TOWARDS), (TILT, TILT, TOWARDS), (-TILT, TILT, TOWARDS)),
 )
-
-
-def names():
-    """Every case of the suite."""
-    return [
-        *control_flags.NAMES,
-        *(f"SpecParams_FF_{name}" for name in lit_scenes.COEFFICIENTS),
-        *(f"NonUnitNormal_{length:.3f}" for length in NORMAL_LENGTHS),
-    ]
 
 
 def _lighting(coefficients, lights, ambient=0.031373, alpha=0.75, **given):
@@ -104,12 +97,11 @@ def _normals(length):
     return Case(commands=(scenes.clear(CLEAR_FLAGS), *scenes.background(DARK, LIGHT, 14), draw))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in names():
-        return None
-    if name.startswith("ControlFlags"):
-        return _control_flags(name)
-    if name.startswith("SpecParams"):
-        return _parameters(lit_scenes.COEFFICIENTS[name.removeprefix("SpecParams_FF_")], inputs)
-    return _normals(float(name.removeprefix("NonUnitNormal_")))
+CASES = {
+    **{name: partial(_control_flags, name) for name in control_flags.NAMES},
+    **{
+        f"SpecParams_FF_{name}": partial(_parameters, given)
+        for name, given in lit_scenes.COEFFICIENTS.items()
+    },
+    **{f"NonUnitNormal_{length:.3f}": partial(_normals, length) for length in NORMAL_LENGTHS},
+}

@@ -5,6 +5,7 @@ faces are culled, and all faces are turned to show their back.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import control_flags, lit_scenes, scenes
 from fixedpipe.effects.conformance.case import Case
@@ -32,11 +33,6 @@ CORNERS = control_flags.Corners(
     back_primary=((0.5, 0.0, 0.0, 1.0), (0.75, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 1.0), (0.25, 0.0, 0.0, 1.0)),
     back_secondary=((1.0, 0.0, 0.0, 0.15), (1.0, 0.0, 0.0, 0.75), (0.0, 1.0, 0.0, 1.0), (0.0, 1.0, 0.0, 0.2)),
 )
-
-
-def names():
-    """Every case of the suite."""
-    return [*control_flags.NAMES, *(f"SpecParams_FF_{name}" for name in lit_scenes.COEFFICIENTS)]
 
 
 def _back(ambient, diffuse, specular):
@@ -90,10 +86,10 @@ def _parameters(coefficients, inputs):
     return Case(commands=(scenes.clear(CLEAR_PARAMETERS), *scenes.background(DARK, BLACK, 20), *draws))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in names():
-        return None
-    if name.startswith("ControlFlags"):
-        return _control_flags(name)
-    return _parameters(lit_scenes.COEFFICIENTS[name.removeprefix("SpecParams_FF_")], inputs)
+CASES = {
+    **{name: partial(_control_flags, name) for name in control_flags.NAMES},
+    **{
+        f"SpecParams_FF_{name}": partial(_parameters, given)
+        for name, given in lit_scenes.COEFFICIENTS.items()
+    },
+}

@@ -4,9 +4,10 @@ Source: src/tests/stencil_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import scenes
-from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.effects.conformance.case import SHOWS, Case
 from fixedpipe.pipeline.enums import ComparisonFunction, StencilOperation
 from fixedpipe.pipeline.state import ColorMask, DepthTest, StencilTest
 
@@ -21,28 +22,18 @@ SWITCHES = ("", "_ST", "_DT", "_ST_DT")  # stencil test, depth test
 NOTHING = ColorMask(False, False, False, False)
 
 
-def names():
-    """Every case of the suite."""
-    return [f"Stencil_{o}{s}{zb}" for o in OPERATIONS for s in SWITCHES for zb in ("", "_ZB")]
-
-
 def _square(side, color, state):
     half = side // 2
     corners = scenes.rectangle(320 - half, 240 - half, 320 + half, 240 + half)
     return scenes.quad("square", corners, (*color, 1.0), state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    operation, cleared, reference = OPERATIONS[name.split("_")[1]]
+def _case(operation, cleared, reference, stencils, tests_depth, shows):
     written = replace(
         scenes.DEFAULT,
         color_mask=NOTHING,
-        stencil_test=StencilTest(reference=reference, depth_pass=operation) if "_ST" in name else None,
-        depth_test=DepthTest(ComparisonFunction.ALWAYS, write=False) if "_DT" in name else None,
+        stencil_test=StencilTest(reference=reference, depth_pass=operation) if stencils else None,
+        depth_test=DepthTest(ComparisonFunction.ALWAYS, write=False) if tests_depth else None,
     )
     equal = replace(scenes.DEFAULT, stencil_test=StencilTest(ComparisonFunction.EQUAL, reference))
     commands = (
@@ -51,4 +42,12 @@ def case(name, inputs):
         _square(100, (0.0, 0.0, 1.0), written),
         _square(200, (0.0, 1.0, 0.0), equal),
     )
-    return Case(commands=commands, shows=Shows.ZETA if name.endswith("_ZB") else Shows.COLOR)
+    return Case(commands=commands, shows=shows)
+
+
+CASES = {
+    f"Stencil_{name}{switches}{zeta}": partial(_case, *operation, "_ST" in switches, "_DT" in switches, shows)
+    for name, operation in OPERATIONS.items()
+    for switches in SWITCHES
+    for zeta, shows in SHOWS.items()
+}

@@ -4,9 +4,10 @@ Source: src/tests/stencil_func_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import scenes
-from fixedpipe.effects.conformance.case import Case, Shows
+from fixedpipe.effects.conformance.case import SHOWS, Case
 from fixedpipe.effects.conformance.suites.stencil import CLEAR_DEPTH, NOTHING
 from fixedpipe.pipeline.enums import ComparisonFunction, StencilOperation
 from fixedpipe.pipeline.state import ColorMask, StencilTest
@@ -39,22 +40,13 @@ PATCHES = (  # column, upper edge, what is done to a stencil value of 0x7F
 RGB = ColorMask(alpha=False)
 
 
-def names():
-    """Every case of the suite."""
-    return [f"{function}{zb}" for function in FUNCTIONS for zb in ("", "_ZB")]
-
-
 def _state(color_mask, **test):
     return replace(
         scenes.DEFAULT, color_mask=color_mask, stencil_test=StencilTest(reference=REFERENCE, **test)
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case(function, shows):
     commands = [scenes.clear(0xFF000000, CLEAR_DEPTH, 0)]
     for column, top, operations in PATCHES:
         left = 125 + 81 * column
@@ -65,7 +57,14 @@ def case(name, inputs):
             scenes.quad(f"{o.name} the patch", corners, (1.0, 1.0, 1.0, 1.0), _state(NOTHING, depth_pass=o))
             for o in operations
         ]
-    state = _state(RGB, function=FUNCTIONS[name.removesuffix("_ZB")])
+    state = _state(RGB, function=function)
     overlay = scenes.rectangle(120, 40, 530, 450, 0.1)
     commands.append(scenes.quad("green overlay", overlay, (0.0, 0.75, 0.0, 1.0), state))
-    return Case(commands=tuple(commands), shows=Shows.ZETA if name.endswith("_ZB") else Shows.COLOR)
+    return Case(commands=tuple(commands), shows=shows)
+
+
+CASES = {
+    f"{name}{zeta}": partial(_case, function, shows)
+    for name, function in FUNCTIONS.items()
+    for zeta, shows in SHOWS.items()
+}

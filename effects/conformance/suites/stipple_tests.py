@@ -5,6 +5,7 @@ the square of the asymmetric pattern, in which no two agree.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -26,18 +27,7 @@ LEFT, TOP = 160.0, 48.0
 SQUARE = (288, 384, 352, 448)
 
 
-def names():
-    """Every case of the suite."""
-    return ["Checkered_Off", *(f"{pattern}_On" for pattern in PATTERNS)]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    pattern, switch = name.split("_")
-    stipple = np.array(PATTERNS[pattern], "<u4").tobytes() if switch == "On" else None
+def _case(stipple):
     polygon = replace(scenes.FRONT_FACES, stipple=stipple)
     state = replace(scenes.DEFAULT, polygon=polygon)
     draws = [
@@ -46,3 +36,8 @@ def case(name, inputs):
     square = scenes.window_mesh(scenes.rectangle(*SQUARE), colors=np.ones((4, 4)))
     commands = (scenes.clear(0xFF202224), *draws, Draw(label="square", mesh=square, state=state))
     return Case(commands=commands)
+
+
+CASES = {"Checkered_Off": partial(_case, None)} | {
+    f"{name}_On": partial(_case, np.array(rows, "<u4").tobytes()) for name, rows in PATTERNS.items()
+}

@@ -7,6 +7,7 @@ scissor box does.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -30,18 +31,9 @@ RECTANGLES = (  # x, y, width, height
     (320, 240, 320, 240),
 )
 FORMATS = ("", "_A8R8G8B8", "_B8", "_G8B8")
-TEXTS = ("XemuBug420", "DebugTextShouldClip")  # whose clears and texts change no pixel that is compared
 BACKGROUND, THICKNESS = 0xFC111155, 4.0
 RED, DARK, LIGHT = (1.0, 0.0, 0.0, 1.0), (0.1, 0.6, 0.1, 1.0), (0.0, 1.0, 0.0, 1.0)
 MEMORY, BELOW = 0x0004, 0xFF000000  # words that the surface holds before, and that it is cleared to
-
-
-def names():
-    """Every case of the suite."""
-    boxes = ["x{}y{}_w{}h{}".format(*box) for box in RECTANGLES]
-    return (
-        [box + suffix for box in boxes for suffix in FORMATS] + [f"rt_{box}" for box in boxes] + list(TEXTS)
-    )
 
 
 def _frame(left, top, right, bottom):
@@ -104,7 +96,9 @@ def _words(rgba, suffix):
 
 
 def _on_window(box, suffix):
-    """The image in the window's memory, in another format."""
+    """The image in the window's memory, in another format but for A8R8G8B8."""
+    if suffix == "_A8R8G8B8":
+        return scenes.clear(BACKGROUND), *_quads(box, box)
     x, y, width, height = box
     color_format = ColorFormat.A8R8G8B8 if suffix else ColorFormat.R5G6B5
     label = "memory"
@@ -132,22 +126,15 @@ def _on_window(box, suffix):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    if name in TEXTS:
-        return Case(commands=(scenes.clear(BACKGROUND),))
-    on_surface, place = name.startswith("rt_"), name.removeprefix("rt_")
-    box = next(
-        b
-        for b in RECTANGLES
-        if place.startswith("x{}y{}_w{}h{}".format(*b) + "_") or place == "x{}y{}_w{}h{}".format(*b)
-    )
-    if on_surface:
-        return Case(commands=_on_surface(box))
-    suffix = place.removeprefix("x{}y{}_w{}h{}".format(*box))
-    if suffix == "_A8R8G8B8":
-        return Case(commands=(scenes.clear(BACKGROUND), *_quads(box, box)))
-    return Case(commands=_on_window(box, suffix))
+_PLACES = {"x{}y{}_w{}h{}".format(*box): box for box in RECTANGLES}
+CASES = {
+    **{
+        place + suffix: partial(Case.of, _on_window, box, suffix)
+        for place, box in _PLACES.items()
+        for suffix in FORMATS
+    },
+    **{f"rt_{place}": partial(Case.of, _on_surface, box) for place, box in _PLACES.items()},
+    # Their clears and texts change no pixel that is compared.
+    "XemuBug420": partial(Case, commands=(scenes.clear(BACKGROUND),)),
+    "DebugTextShouldClip": partial(Case, commands=(scenes.clear(BACKGROUND),)),
+}

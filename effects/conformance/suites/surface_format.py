@@ -6,6 +6,7 @@ alpha of one.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import scenes, surface_memory
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case
@@ -16,16 +17,9 @@ from fixedpipe.pipeline.state import TextureUnit
 
 SUITE = "Surface_format"
 
-FORMATS = {f"Fmt_{color_format.name}": color_format for color_format in ColorFormat}
-BYTES = {"Fmt_B8": 1, "Fmt_G8B8": 2}  # formats of blue, and of green and blue, which cannot blend
 SIZE, TOP, SPACING = 128, 96, 16
 PATTERN, MEMORY = "pattern", "memory"
 OPAQUE = texture_render_target.OPAQUE
-
-
-def names():
-    """Every case of the suite."""
-    return [*FORMATS, *BYTES]
 
 
 def _pattern_draws(blended):
@@ -59,17 +53,12 @@ def _shown():
         yield Draw(label=MEMORY, mesh=scenes.window_mesh(corners, texture_coordinates=(texels,)), state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    color_format = FORMATS.get(name, ColorFormat.A8R8G8B8)
+def _case(color_format, low_bytes=None):
 
     def image(rgba):
         words = surface_memory.words_of(rgba, color_format)
-        if name in BYTES:
-            words = words.astype(f"<u{BYTES[name]}")  # the low bytes are blue and green
+        if low_bytes:
+            words = words.astype(f"<u{low_bytes}")  # the low bytes are blue and green
         return surface_memory.image_of(
             surface_memory.memory_of(words), TexelWord.A8R8G8B8, WIDTH, HEIGHT // 2
         )
@@ -86,7 +75,7 @@ def case(name, inputs):
         HEIGHT,
     )
     whole = scenes.rectangle(0, 0, WIDTH, HEIGHT)
-    blended = name not in BYTES and color_format != ColorFormat.R5G6B5
+    blended = not low_bytes and color_format != ColorFormat.R5G6B5
     return Case(
         commands=(
             TexImage(label=PATTERN, texture=PATTERN, image=pattern),
@@ -101,3 +90,11 @@ def case(name, inputs):
             surface_memory.host_picture(MEMORY, MEMORY, image, tuple(_shown())),
         )
     )
+
+
+CASES = {
+    **{f"Fmt_{color_format.name}": partial(_case, color_format) for color_format in ColorFormat},
+    # Formats of blue, and of green and blue, which cannot blend.
+    "Fmt_B8": partial(_case, ColorFormat.A8R8G8B8, 1),
+    "Fmt_G8B8": partial(_case, ColorFormat.A8R8G8B8, 2),
+}

@@ -5,6 +5,7 @@ are not here: in the machine, these maps have the eye at its place (SET_TEXGEN_V
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -48,14 +49,6 @@ _SHOWS_OPAQUE = replace(scenes.SHOWS_TEXTURE0, final=shown(SPARE0))
 _SUM = stage(total(TEXTURE1, signed(TEXTURE0), to=SPARE0), alpha=total(PRIMARY, to=SPARE0))
 
 CHECKERS = (0x60FF6060, 0x90FF9090)  # the program's words 0xFF606060, 0xFF909090, which are R8G8B8A8 there
-
-INFINITE_VIEWER = "_InfiniteViewer"
-WITHOUT_A_VIEWER = ("Disabled", "EyeLinear", "ObjectLinear")  # modes that do not ask where the viewer is
-
-
-def names():
-    """Every case of the suite that the machine can draw."""
-    return [*MODES, *(mode + INFINITE_VIEWER for mode in WITHOUT_A_VIEWER)]
 
 
 def gradient(width=256, height=128):
@@ -115,9 +108,15 @@ def commands(top, mode, matrix=IDENTITY, passed_through=False):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    return Case(commands=commands(1.75, MODES[name.removesuffix(INFINITE_VIEWER)]))
+def _case(mode):
+    return Case(commands=commands(1.75, mode))
+
+
+CASES = {  # every case of the suite that the machine can draw
+    **{name: partial(_case, mode) for name, mode in MODES.items()},
+    # Modes that do not ask where the viewer is.
+    **{
+        f"{name}_InfiniteViewer": partial(_case, MODES[name])
+        for name in ("Disabled", "EyeLinear", "ObjectLinear")
+    },
+}

@@ -3,6 +3,8 @@
 Source: src/tests/texture_2d_as_cubemap_tests.cpp of nxdk_pgraph_tests.
 """
 
+from functools import partial
+
 import numpy as np
 
 from fixedpipe.effects.conformance import scenes
@@ -17,20 +19,6 @@ from fixedpipe.pipeline.textures.images import texture_2d
 SUITE = "Texture_2D_as_cubemap"
 OPEN = "the last bits of a dot product's sum, at texels' boundaries"
 
-BACKGROUNDS = {"Cubemap_Bad2D": 0xFE121212, "DotSTR3D_Bad2D": 0xFE141414}  # the others: 0xFE131313
-LAST = {
-    "DotSTRCube_Bad2D": Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP,
-    "DotSTR3D_Bad2D": Operation.DOT_PRODUCT_TEXTURE_3D,
-    "DotReflectSpec_Bad2D": Operation.DOT_PRODUCT_REFLECT_CUBE_MAP,
-    "DotReflectSpecConst_Bad2D": Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP,
-    "DotReflectDiffuse_Bad2D": Operation.DOT_PRODUCT_REFLECT_CUBE_MAP,
-}
-
-
-def names():
-    """Every case of the suite."""
-    return ["Cubemap_Bad2D", *LAST]
-
 
 def _images(inputs):
     checkers = cubes.checkerboard(0xFF44FFFF, 0xFFAA9933, 2)
@@ -42,34 +30,41 @@ def _images(inputs):
     ]
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in names():
-        return None
-    if name == "Cubemap_Bad2D":
-        units = (None, None, None, cubes.unit("checkers", 3))
-        stages = (TextureShaderStage(),) * 3 + (TextureShaderStage(Operation.TEXTURE_CUBE_MAP),)
-        meshes = [cubes.cube(cubes.model_matrix(*place), [cubes.CORNERS] * 4) for place in cubes.CUBES]
-        register = Register.TEXTURE3
-    else:
-        diffuse = name == "DotReflectDiffuse_Bad2D"
-        second = Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP if diffuse else Operation.DOT_PRODUCT
-        stages = cubes.dots(LAST[name], DotProductMapping.EXPAND_NORMAL, (0.0, 0.0, -7.0), second)
-        units = (
-            cubes.unit("normals", 0),
-            cubes.unit(None, 1),
-            cubes.unit("diffuse" if diffuse else None, 2),
-            cubes.unit("checkers", 3),
-        )
-        register = Register.TEXTURE2 if diffuse else Register.TEXTURE3
-        meshes = []
-        for place in cubes.CUBES:
-            model = cubes.model_matrix(*place)
-            eyes = {
-                "DotSTR3D_Bad2D": np.zeros((24, 3)),
-                "DotSTRCube_Bad2D": cubes.eye_vectors(model),
-            }.get(name, np.ones((24, 3)))
-            meshes.append(cubes.cube(model, cubes.dot_coordinates(model, eyes)))
+def _frame(inputs, background, register, units, stages, meshes):
     state = cubes.state_of(register, units, stages)
     draws = [Draw(label=f"cube {k}", mesh=mesh, state=state) for k, mesh in enumerate(meshes)]
-    return Case(commands=(scenes.clear(BACKGROUNDS.get(name, 0xFE131313)), *_images(inputs), *draws))
+    return Case(commands=(scenes.clear(background), *_images(inputs), *draws))
+
+
+def _read(inputs):
+    units = (None, None, None, cubes.unit("checkers", 3))
+    stages = (TextureShaderStage(),) * 3 + (TextureShaderStage(Operation.TEXTURE_CUBE_MAP),)
+    meshes = [cubes.cube(cubes.model_matrix(*place), [cubes.CORNERS] * 4) for place in cubes.CUBES]
+    return _frame(inputs, 0xFE121212, Register.TEXTURE3, units, stages, meshes)
+
+
+def _dotted(last, inputs, eyes=lambda model: np.ones((24, 3)), diffuse=False, background=0xFE131313):
+    second = Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP if diffuse else Operation.DOT_PRODUCT
+    stages = cubes.dots(last, DotProductMapping.EXPAND_NORMAL, (0.0, 0.0, -7.0), second)
+    units = (
+        cubes.unit("normals", 0),
+        cubes.unit(None, 1),
+        cubes.unit("diffuse" if diffuse else None, 2),
+        cubes.unit("checkers", 3),
+    )
+    models = [cubes.model_matrix(*place) for place in cubes.CUBES]
+    meshes = [cubes.cube(model, cubes.dot_coordinates(model, eyes(model))) for model in models]
+    register = Register.TEXTURE2 if diffuse else Register.TEXTURE3
+    return _frame(inputs, background, register, units, stages, meshes)
+
+
+CASES = {
+    "Cubemap_Bad2D": _read,
+    "DotSTRCube_Bad2D": partial(_dotted, Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP, eyes=cubes.eye_vectors),
+    "DotSTR3D_Bad2D": partial(
+        _dotted, Operation.DOT_PRODUCT_TEXTURE_3D, eyes=lambda model: np.zeros((24, 3)), background=0xFE141414
+    ),
+    "DotReflectSpec_Bad2D": partial(_dotted, Operation.DOT_PRODUCT_REFLECT_CUBE_MAP),
+    "DotReflectSpecConst_Bad2D": partial(_dotted, Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP),
+    "DotReflectDiffuse_Bad2D": partial(_dotted, Operation.DOT_PRODUCT_REFLECT_CUBE_MAP, diffuse=True),
+}

@@ -8,6 +8,7 @@ Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -65,9 +66,6 @@ MODES = {
 
 BORDER = 4  # texels around
 SIZES = ((1, 1), (2, 2), (4, 4), (8, 8), (16, 16), (32, 32), (16, 1), (8, 2), (4, 8))
-BORDERED_2D = "2D_BorderTex_SZ"
-BORDERED_3D = {f"3D_BorderTex_SZ_{w}x{h}": (w, h) for w, h in SIZES}
-BORDERED_CUBES = {f"Cube_BorderTex_SZ_{w}x{h}": w for w, h in SIZES if w == h}
 AT_THE_THRESHOLD = "blocks whose lambda is within 14/256 of 0, or that lie over an edge of the cube"
 WORDS = (
     0xFF0000FF, 0x660000FF, 0xFF00FF00, 0x6600FF00, 0xFFFF4444, 0x66FF4444, 0xFFFFFFFF, 0x66FFFFFF,
@@ -76,11 +74,6 @@ MASKS = (0xFFFF0000, 0xFF00FF00, 0xFF0000FF, 0xFFFF00FF, 0xFFFFFF00, 0xFF00FFFF)
 LAYERS = 4
 DEPTHS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 2.75)  # of LAYERS
 EDGE, GAP, COLUMNS = 64, 32, 6  # of the quads, pixels
-
-
-def names():
-    """Every case of the suite."""
-    return [*MODES, BORDERED_2D, *BORDERED_3D, *BORDERED_CUBES]
 
 
 def _squares(first, second, width, height, cell):
@@ -220,20 +213,10 @@ def _tiles(panel, bordered=False):
     return scenes.textured_triangles(positions, coordinates)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name == BORDERED_2D:
-        return _bordered_2d()
-    if name in BORDERED_3D:
-        return _bordered_3d(BORDERED_3D[name])
-    if name in BORDERED_CUBES:
-        return _bordered_cube(BORDERED_CUBES[name])
-    if name not in MODES:
-        return None
+def _wrapped(panels, bordered):
     image = texture_of_words(colored_checkerboard(), TexelWord.A8R8G8B8)
     commands = [scenes.clear(0xFE202020), TexImage(label="texture", texture="texture", image=image)]
-    for panel, mode, border in MODES[name]:
+    for panel, mode, border in panels:
         sampler = replace(
             scenes.NEAREST,
             min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR,
@@ -249,7 +232,7 @@ def case(name, inputs):
             register_combiners=scenes.SHOWS_TEXTURE0,
         )
         commands.append(Draw(label=mode.name, mesh=_tiles(panel), state=state))
-    if name == "2D":
+    if bordered:
         # The fifth panel's texture has a border, which its coordinates reach over instead of repeating.
         image = _texture(_bordered(_colors(SIZE, SIZE)))
         commands += [
@@ -262,3 +245,11 @@ def case(name, inputs):
         ]
         return Case(commands=tuple(commands), explanation="a row of ties between texels of the border")
     return Case(commands=tuple(commands))
+
+
+CASES = {
+    **{name: partial(_wrapped, panels, name == "2D") for name, panels in MODES.items()},
+    "2D_BorderTex_SZ": _bordered_2d,
+    **{f"3D_BorderTex_SZ_{w}x{h}": partial(_bordered_3d, (w, h)) for w, h in SIZES},
+    **{f"Cube_BorderTex_SZ_{w}x{h}": partial(_bordered_cube, w) for w, h in SIZES if w == h},
+}

@@ -6,6 +6,7 @@ view before the model in it, and so all but a corner outside the window. Measure
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -20,7 +21,6 @@ from fixedpipe.pipeline.textures.words import texture_of_words
 
 SUITE = "Texture_BRDF"
 
-BLANK = {"BRDF_e0_l0": (), "BRDF_e0_l1": ("light",), "BRDF_e1_l0": ("eye",)}  # whose map's +x face is zero
 SIZE = 64
 POINTS = np.array(
     [(-1, -1, -1), (-1, -1, 1), (1, -1, 1), (1, -1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1), (1, 1, -1)],
@@ -29,11 +29,6 @@ POINTS = np.array(
 # Right, left, top, bottom, back, front.
 FACES = ((3, 7, 6, 2), (1, 5, 4, 0), (4, 5, 6, 7), (1, 0, 3, 2), (2, 6, 5, 1), (0, 4, 7, 3))
 LIGHT = (0.1, 0.05)  # x and y of the direction to the light; its z is the corner's
-
-
-def names():
-    """Every case of the suite."""
-    return list(BLANK)
 
 
 def angle_map(blank):
@@ -71,11 +66,7 @@ def mesh():
     return Mesh(corners, PrimitiveType.QUADS, texture_coordinates=coordinates)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in BLANK:
-        return None
+def _case(blank):
     units = (
         TextureUnit("eye", scenes.NEAREST, coordinates=0),
         TextureUnit("light", scenes.NEAREST, coordinates=1),
@@ -84,7 +75,7 @@ def case(name, inputs):
     stages = (Operation.TEXTURE_CUBE_MAP, Operation.TEXTURE_CUBE_MAP, Operation.BRDF_TEXTURE_3D)
     state = state_of(Register.TEXTURE2, units, tuple(map(TextureShaderStage, stages)))
     maps = [
-        TexImage(label=f"{whose} angles", texture=whose, image=angle_map(whose in BLANK[name]))
+        TexImage(label=f"{whose} angles", texture=whose, image=angle_map(whose in blank))
         for whose in ("eye", "light")
     ]
     draws = [
@@ -105,3 +96,10 @@ def case(name, inputs):
             *draws,
         )
     )
+
+
+CASES = {  # with the angles whose map's +x face is zero
+    "BRDF_e0_l0": partial(_case, ()),
+    "BRDF_e0_l1": partial(_case, ("light",)),
+    "BRDF_e1_l0": partial(_case, ("eye",)),
+}

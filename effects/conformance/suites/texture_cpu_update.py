@@ -12,20 +12,11 @@ from fixedpipe.pipeline.textures.images import texture_2d
 
 SUITE = "Texture_CPU_Update"
 
-NAME, SIZE = "RGBA", 256
+SIZE = 256
 COLORS = {"red": (0x66, 0, 0, 0xFF), "green": (0, 0x66, 0, 0xFF)}
 
 
-def names():
-    """The one case of the suite."""
-    return [NAME]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name != NAME:
-        return None
+def _case():
     commands, whole = [scenes.clear(0xFE202020)], scenes.rectangle(0, 0, WIDTH, HEIGHT)
     for label, color in COLORS.items():
         image = texture_2d(np.full((SIZE, SIZE, 4), color, np.uint8))
@@ -34,3 +25,6 @@ def case(name, inputs):
             scenes.textured_quad(label, whole, "texture"),
         ]
     return Case(commands=tuple(commands))
+
+
+CASES = {"RGBA": _case}

@@ -4,9 +4,9 @@ Source: src/tests/texture_cubemap_tests.cpp of nxdk_pgraph_tests, src/texture_ge
 """
 
 import math
-import re
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
+from itertools import product
 
 import numpy as np
 from PIL import Image
@@ -75,19 +75,6 @@ NORMAL_MAP = np.array(
     ]
 )
 CUBES = ((-1.5, math.pi * 0.25), (1.5, math.pi * 1.25))  # x, rotation about the x axis
-
-
-def names():
-    """Every case of the suite."""
-    # Each q but one that the earlier program had no name for; a cube map reads none.
-    found = ["Cubemap", *(f"Cubemap_q{q}" for q in ("-inf", "-1.0", "-0.0", "0.0", "1.0", "inf"))]
-    for mapping in MAPPINGS:
-        kinds = ("DotSTRCube", "DotSTR3D", "DotReflectSpec", "DotReflectSpecConst", "DotReflectDiffuse")
-        found += [f"{kind}_{mapping}" for kind in kinds]
-        found += [
-            f"{kind}_{axis}_{mapping}" for kind in ("DotReflectSpec", "DotReflectConst") for axis in range(3)
-        ]
-    return found
 
 
 def model_matrix(x, angle):
@@ -226,18 +213,14 @@ def eye_vectors(model):
     return away / np.linalg.norm(away, axis=1)[:, None]
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in names():
-        return None
-    if name.startswith("Cubemap"):
-        units = (None, None, None, unit("cube", 3))
-        images = [TexImage(label="cube map", texture="cube", image=texture_cube_map(checkerboard_faces()))]
-        meshes = [cube(model_matrix(*place), [CORNERS] * 4) for place in CUBES]  # a cube map reads no q
-        return Case(commands=_frame(0xFE121212, images, meshes, state_of(Register.TEXTURE3, units, None)))
+def _read():
+    units = (None, None, None, unit("cube", 3))
+    images = [TexImage(label="cube map", texture="cube", image=texture_cube_map(checkerboard_faces()))]
+    meshes = [cube(model_matrix(*place), [CORNERS] * 4) for place in CUBES]  # a cube map reads no q
+    return Case(commands=_frame(0xFE121212, images, meshes, state_of(Register.TEXTURE3, units, None)))
 
-    kind, axis, mapping = re.fullmatch(r"([A-Za-z0-9]+?)_(?:([012])_)?(HiLo_1|[^_]+)", name).groups()
-    mapping = MAPPINGS[mapping]
+
+def _dotted(kind, mapping, inputs, axis=None, explanation=""):
     # The programs' order decides what the cube map's memory holds where a program does not fill it itself.
     faces = {"DotSTR3D": noise_faces, "DotReflectConst": checkerboard_faces}.get(kind, gradient_faces)()
     normals = texture_2d(normal_map(inputs.path("cube_normals_object_space.png")))
@@ -254,7 +237,7 @@ def case(name, inputs):
     }.get(kind, Operation.DOT_PRODUCT_REFLECT_CUBE_MAP)
     diffuse = kind == "DotReflectDiffuse"
     second = Operation.DOT_PRODUCT_DIFFUSE_CUBE_MAP if diffuse else Operation.DOT_PRODUCT
-    eye = np.eye(3)[int(axis)] if axis else np.array((0.0, 0.0, -7.0))
+    eye = np.array((0.0, 0.0, -7.0)) if axis is None else np.eye(3)[axis]
     stages = dots(last, mapping, tuple(eye.tolist()), second)
     register = Register.TEXTURE2 if diffuse else Register.TEXTURE3
     units = (unit("normals", 0), unit(None, 1), unit("diffuse" if diffuse else None, 2), unit("cube", 3))
@@ -266,16 +249,32 @@ def case(name, inputs):
             eyes = eye_vectors(model)
         elif kind == "DotSTR3D":
             eyes = np.zeros((24, 3))
-        elif axis and kind == "DotReflectSpec":
+        elif axis is not None and kind == "DotReflectSpec":
             eyes = np.tile(eye, (24, 1))
         meshes.append(cube(model, dot_coordinates(model, eyes)))
     background = 0xFE141414 if kind == "DotSTR3D" else 0xFE131313
     return Case(
         commands=_frame(background, images, meshes, state_of(register, units, stages)),
-        explanation=EXPLANATIONS.get(name, ""),
+        explanation=explanation,
     )
 
 
 def _frame(background, images, meshes, state):
     draws = [Draw(label=f"cube {k}", mesh=mesh, state=state) for k, mesh in enumerate(meshes)]
     return (scenes.clear(background), *images, *draws)
+
+
+def _cases():
+    # Each q but one that the earlier program had no name for; a cube map reads none.
+    for q in ("", "_q-inf", "_q-1.0", "_q-0.0", "_q0.0", "_q1.0", "_qinf"):
+        yield f"Cubemap{q}", _read
+    for ending, mapping in MAPPINGS.items():
+        for kind in ("DotSTRCube", "DotSTR3D", "DotReflectSpec", "DotReflectSpecConst", "DotReflectDiffuse"):
+            name = f"{kind}_{ending}"
+            yield name, partial(_dotted, kind, mapping, explanation=EXPLANATIONS.get(name, ""))
+        for kind, axis in product(("DotReflectSpec", "DotReflectConst"), range(3)):
+            name = f"{kind}_{axis}_{ending}"
+            yield name, partial(_dotted, kind, mapping, axis=axis, explanation=EXPLANATIONS.get(name, ""))
+
+
+CASES = dict(_cases())

@@ -4,6 +4,7 @@ Source: src/tests/texture_format_dxt_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -22,18 +23,7 @@ SQUARES = (
 )  # fmt: skip
 
 
-def names():
-    """Every case of the suite."""
-    plain = [f"DXT{n}_{picture}_dxt{n}" for picture in ("plasma_alpha", "plasma") for n in (1, 3, 5)]
-    return [*plain, *(f"MIP{name}" for name in plain), *(f"MIPDXT{n}_64x256_bands_dxt{n}" for n in (1, 3, 5))]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    if name not in names():
-        return None
-    mipmaps = name.startswith("MIP")
-    file = name.split("_", 1)[1] + ".dds"
+def _case(file, inputs, mipmaps=False):
     texture = dds.read_texture(inputs.path(file), mipmaps)
     sampler = scenes.NEAREST
     if mipmaps:
@@ -51,3 +41,17 @@ def case(name, inputs):
         mesh = scenes.window_mesh(corners, texture_coordinates=st)
         commands.append(Draw(label=f"{edge} pixels wide", mesh=mesh, state=state))
     return Case(commands=tuple(commands))
+
+
+CASES = {
+    **{
+        f"DXT{n}_{picture}_dxt{n}": partial(_case, f"{picture}_dxt{n}.dds")
+        for picture in ("plasma_alpha", "plasma")
+        for n in (1, 3, 5)
+    },
+    **{
+        f"MIPDXT{n}_{picture}_dxt{n}": partial(_case, f"{picture}_dxt{n}.dds", mipmaps=True)
+        for picture in ("plasma_alpha", "plasma", "64x256_bands")
+        for n in (1, 3, 5)
+    },
+}

@@ -7,6 +7,7 @@ src/tests/texture_format_tests.cpp of nxdk_pgraph_tests, src/texture_stage.cpp o
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -31,22 +32,12 @@ FORMATS = {f"TexFmt_{entry.case_name}": entry for entry in texture_memory.FORMAT
 PALETTED = {f"TexFmt_SZ_Index8_p{size}": size for size in PALETTES}
 COMPRESSED = "TexFmt_DXT1"
 
-X_ALPHA = {
-    f"XAlpha_{entry.case_name}": entry
-    for entry in texture_memory.FORMATS
-    if entry.word in (TexelWord.X8R8G8B8, TexelWord.X1R5G5B5) or entry.case_name == "A8R8G8B8_L"
-}
 X_ALPHA_WORDS = {  # by a word's bytes
     4: (0x00DACABA, 0x011B2B3B, 0x7F3C2C1C, 0x804D5D6D, 0xFE0ECE3E, 0xFF8F9FAF),
     2: (0x03E0, 0x83E0, 0x03FF, 0x83FF, 0x7FFF, 0xFFFF),
 }
 PLAIN = 64  # texels along an edge of such a texture
 LEFT, STEP, WIDE, HIGH, TOPS = 30.0, 100.0, 80.0, 75.0, (200.0, 325.0)  # pixels
-
-
-def names():
-    """Every case of the suite but DepthFmt."""
-    return [*FORMATS, COMPRESSED, *PALETTED, *X_ALPHA]
 
 
 def palette(size):
@@ -133,13 +124,11 @@ def texture_of(name):
     return compressed_texture(blocks, InternalFormat.COMPRESSED_RGBA_S3TC_DXT1, SIZE, SIZE), 1
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name in X_ALPHA:
-        return Case(commands=x_alpha(X_ALPHA[name]))
-    if name not in names():
-        return None
+def _x_alpha(entry):
+    return Case(commands=x_alpha(entry))
+
+
+def _case(name):
     texture, scale = texture_of(name)
     positions, coordinates = square()
     state = replace(
@@ -155,3 +144,13 @@ def case(name, inputs):
             Draw(label="square", mesh=mesh, state=state),
         )
     )
+
+
+CASES = {  # every case of the suite but DepthFmt
+    **{name: partial(_case, name) for name in (*FORMATS, COMPRESSED, *PALETTED)},
+    **{
+        f"XAlpha_{entry.case_name}": partial(_x_alpha, entry)
+        for entry in texture_memory.FORMATS
+        if entry.word in (TexelWord.X8R8G8B8, TexelWord.X1R5G5B5) or entry.case_name == "A8R8G8B8_L"
+    },
+}

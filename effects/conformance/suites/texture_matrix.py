@@ -3,6 +3,8 @@
 Source: src/tests/texture_matrix_tests.cpp of nxdk_pgraph_tests.
 """
 
+from functools import partial
+
 import numpy as np
 
 from fixedpipe.effects.conformance.case import Case
@@ -62,11 +64,6 @@ def explanation(name):
     return ON_TEXEL_EDGES if name.startswith("Shift") else ""
 
 
-def names():
-    """Every case of the suite."""
-    return list(MATRICES)
-
-
 def commands(mode, name, passed_through=False):
     """The frame of a texgen mode and a matrix's name; ``passed_through`` as in Texgen's.
 
@@ -76,9 +73,8 @@ def commands(mode, name, passed_through=False):
     return texgen.commands(1.0, mode, rows_of(single(matrix)), passed_through)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in MATRICES:
-        return None
+def _case(name):
     return Case(commands=commands(TexGenMode.NONE, name), explanation=explanation(name))
+
+
+CASES = {name: partial(_case, name) for name in MATRICES}

@@ -24,11 +24,6 @@ ROW_SPACING = 8
 FIXED = COLORS // 4  # the first entries, which never change
 
 
-def names():
-    """Every case of the suite."""
-    return ["PaletteSwapping", "XemuHighPaletteBug"]
-
-
 def indices(scale=1):
     """Rings about the middle: falling with the square of the distance, times ``scale``."""
     at = np.arange(SIZE, dtype=np.float32) - np.float32(SIZE / 2)
@@ -88,20 +83,20 @@ def _bars(palettes):
         yield Draw(label="a palette", mesh=mesh, state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name == "PaletteSwapping":
-        first = [palette(mask) for mask in MASKS]
-        second = first[::-1]
-        top = 80
-        draws = _draws(((top, first), (top + QUAD + ROW_SPACING, second)), indices())
-        commands = [*draws, *_bars([second[-1], *first[1:]])]
-    elif name == "XemuHighPaletteBug":
-        palettes = [palette()]
-        for change in (_rolled, _shifted, _shifted):
-            palettes.append(change(palettes[-1]))
-        commands = list(_draws(((HEIGHT // 2 - QUAD // 2, palettes),), indices(5)))
-    else:
-        return None
-    return Case(commands=(scenes.clear(0xFF333333), *commands))
+def _swapped():
+    first = [palette(mask) for mask in MASKS]
+    second = first[::-1]
+    top = 80
+    draws = _draws(((top, first), (top + QUAD + ROW_SPACING, second)), indices())
+    return Case(commands=(scenes.clear(0xFF333333), *draws, *_bars([second[-1], *first[1:]])))
+
+
+def _high_palettes():
+    palettes = [palette()]
+    for change in (_rolled, _shifted, _shifted):
+        palettes.append(change(palettes[-1]))
+    draws = _draws(((HEIGHT // 2 - QUAD // 2, palettes),), indices(5))
+    return Case(commands=(scenes.clear(0xFF333333), *draws))
+
+
+CASES = {"PaletteSwapping": _swapped, "XemuHighPaletteBug": _high_palettes}

@@ -5,6 +5,7 @@ Source: src/tests/texture_perspective_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -32,18 +33,7 @@ SHAPES = {
 }
 
 
-def names():
-    """Every case of the suite."""
-    return [f"tex_{kind}_pers_{on}_{shape}" for kind, on, shape in product(("tex", "diff"), "ny", SHAPES)]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    _, kind, _, on, shape = name.split("_")
-    textured = kind == "tex"
+def _case(textured, corrected, shape):
     primitive, order = SHAPES[shape]
     corners = [CORNERS[corner] for corner in order]
     positions = [(*xy, 0.0, w if textured else w_colored) for xy, w, w_colored, _, _ in corners]
@@ -53,7 +43,7 @@ def case(name, inputs):
         colors=None if textured else np.array([color for *_, color in corners], np.float64),
         texture_coordinates=(np.array([st for *_, st, _ in corners], np.float64),),
     )
-    state = replace(scenes.DEFAULT, vertex=scenes.xdk_vertex(), perspective_correction=on == "y")
+    state = replace(scenes.DEFAULT, vertex=scenes.xdk_vertex(), perspective_correction=corrected)
     commands = [scenes.clear(0xFE251135)]
     if textured:
         board = replace(
@@ -66,3 +56,9 @@ def case(name, inputs):
             register_combiners=scenes.SHOWS_TEXTURE0,
         )
     return Case(commands=(*commands, Draw(label=shape, mesh=mesh, state=state)))
+
+
+CASES = {
+    f"tex_{kind}_pers_{corrected}_{shape}": partial(_case, kind == "tex", corrected == "y", shape)
+    for kind, corrected, shape in product(("tex", "diff"), "ny", SHAPES)
+}

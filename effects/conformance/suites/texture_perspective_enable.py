@@ -5,6 +5,7 @@ Source: src/tests/texture_perspective_enable_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -25,20 +26,11 @@ COLORS = ((1.0, 0.0, 0.0), (0.5, 0.5, 0.5), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
 ORDER = (0, 2, 3, 0, 1, 2)  # of the corners, in two triangles
 
 
-def names():
-    """Every case of the suite."""
-    return ["TexPerspective_Textured", "TexPerspective_Untextured"]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case(textured):
     state = replace(scenes.DEFAULT, polygon=scenes.FRONT_FACES)
     checkers = scenes.checkerboard(0xFFFFFF00, 0xFF000000, 8)
     commands = [scenes.clear(0xFE323232)]
-    if name == "TexPerspective_Textured":
+    if textured:
         commands.append(TexImage(label="checkers", texture="checkers", image=texture_2d(checkers)))
         state = replace(
             state,
@@ -59,3 +51,9 @@ def case(name, inputs):
             drawn = replace(state, perspective_correction=corrected)
             commands.append(Draw(label=f"column {column}, row {row}", mesh=mesh, state=drawn))
     return Case(commands=tuple(commands))
+
+
+CASES = {
+    "TexPerspective_Textured": partial(_case, True),
+    "TexPerspective_Untextured": partial(_case, False),
+}

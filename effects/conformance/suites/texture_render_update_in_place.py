@@ -26,13 +26,8 @@ from fixedpipe.pipeline.state import TextureUnit
 
 SUITE = "Texture_render_update_in_place"
 
-NAME, SIZE, EDGE, DEPTH = "RenderToInputTexture", 256, 1.75, 0.1
+SIZE, EDGE, DEPTH = 256, 1.75, 0.1
 WITHOUT_BLUE, WITHOUT_RED = (1.0, 1.0, 0.0), (0.0, 1.0, 1.0)
-
-
-def names():
-    """The one case of the suite."""
-    return [NAME]
 
 
 def _without(constant):
@@ -59,11 +54,7 @@ def _drawn(surface, source, constant):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name != NAME:
-        return None
+def _case():
     st = np.array(scenes.TWO_TRIANGLES, np.float64)
     square = scenes.textured_triangles([(EDGE * (2 * s - 1), EDGE * (1 - 2 * t), DEPTH) for s, t in st], st)
     state = replace(
@@ -85,3 +76,6 @@ def case(name, inputs):
             Draw(label="square", mesh=square, state=state),
         )
     )
+
+
+CASES = {"RenderToInputTexture": _case}

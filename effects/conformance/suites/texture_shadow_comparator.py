@@ -6,7 +6,8 @@ that is compared, the function. Source: src/tests/texture_shadow_comparator_test
 """
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
+from itertools import product
 
 import numpy as np
 
@@ -72,30 +73,6 @@ SHOWS_RESULT = replace(
 
 
 @cache
-def _cases():
-    found = {}
-    for stage in STAGES:
-        for function in FUNCTIONS:
-            for raw in RAW:
-                bits, low, high, reference = raw
-                found[f"{stage}R{bits}_{low:X}-{high:X}_{reference:X}_{function}"] = (
-                    "R",
-                    stage,
-                    function,
-                    raw,
-                )
-            for hows, depth, low, high, reference in DRAWN:
-                for how in hows:
-                    name = f"{stage}{how}{depth}_{low:.2f}-{high:.2f}_{reference:.4f}_{function}"
-                    found[name] = (how, stage, function, (depth, low, high, reference))
-    return found
-
-
-def names():
-    """Every case of the suite."""
-    return list(_cases())
-
-
 def written_words(bits, low, high, reference):
     """int64 [HEIGHT, WIDTH]: squares of growing depth, the seven boxes; 24-bit depths lie above a byte."""
     value, step = np.float32(low), np.float32(high) / np.float32(SQUARES * SQUARES)
@@ -217,12 +194,15 @@ def _drawn(how, stage, function, depth, low, high, reference):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in _cases():
-        return None
-    how, stage, function, parameters = _cases()[name]
-    if how == "R":
-        return Case(commands=_raw(stage, function, *parameters))
-    return Case(commands=_drawn(how, stage, function, *parameters))
+def _cases():
+    for stage, function in product(STAGES, FUNCTIONS):
+        for bits, low, high, reference in RAW:
+            name = f"{stage}R{bits}_{low:X}-{high:X}_{reference:X}_{function}"
+            yield name, partial(Case.of, _raw, stage, function, bits, low, high, reference)
+        for hows, depth, low, high, reference in DRAWN:
+            for how in hows:
+                name = f"{stage}{how}{depth}_{low:.2f}-{high:.2f}_{reference:.4f}_{function}"
+                yield name, partial(Case.of, _drawn, how, stage, function, depth, low, high, reference)
+
+
+CASES = dict(_cases())

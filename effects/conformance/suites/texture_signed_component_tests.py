@@ -4,6 +4,7 @@ Source: src/tests/texture_signed_component_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -33,11 +34,6 @@ OPACITIES = (0xFF, 0x7F)
 SIZE = 256
 PATCH, PATCHES, GAP = (SIZE // 7, SIZE // 5), (5, 10), 2
 PATCH_ALPHAS, PATCH_VALUES = (0xFF, 0x7F, 0x00), ((0xFF, 0x7F), (0x80, 0x00))
-
-
-def names():
-    """Every case of the suite."""
-    return [f"A8R8G8B8_0x{flags:04X}" for flags in range(16)] + [f"txt_A8R8G8B8_{e}" for e in EQUATIONS]
 
 
 def _unit(texture, signed):
@@ -111,14 +107,10 @@ def _flagged(flags):
     yield Draw(label="square", mesh=mesh, state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    if name.startswith("txt"):
-        equation = EQUATIONS[name.rsplit("_", 1)[1]]
-        commands = [scenes.clear(0xFF000000), *_written_background(), *_ramps(equation)]
-    else:
-        commands = _flagged(int(name.rsplit("x", 1)[1], 16))
-    return Case(commands=tuple(commands))
+def _blended(equation):
+    return scenes.clear(0xFF000000), *_written_background(), *_ramps(equation)
+
+
+CASES = {f"A8R8G8B8_0x{flags:04X}": partial(Case.of, _flagged, flags) for flags in range(16)} | {
+    f"txt_A8R8G8B8_{name}": partial(Case.of, _blended, equation) for name, equation in EQUATIONS.items()
+}

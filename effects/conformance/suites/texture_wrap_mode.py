@@ -21,16 +21,7 @@ COLUMNS, ROWS = (96, 416), (96, 240)  # left without and with wrapping; top of t
 WIDTHS = (1.0, 0.2)  # of the squares, in s and t, about the seam at one
 
 
-def names():
-    """Every case of the suite."""
-    return ["CylinderWrapping"]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case():
     image = texture_2d(texture_memory.radial_gradient(SIZE, SIZE))
     commands = [scenes.clear(0xFF000000), TexImage(label="gradient", texture="gradient", image=image)]
     sampler = replace(scenes.NEAREST, wrap_s=WrapMode.REPEAT, wrap_t=WrapMode.MIRRORED_REPEAT)
@@ -45,3 +36,6 @@ def case(name, inputs):
             mesh = scenes.window_mesh(corners, texture_coordinates=(st,))
             commands.append(Draw(label=f"{width:g} about the seam", mesh=mesh, state=state))
     return Case(commands=tuple(commands))
+
+
+CASES = {"CylinderWrapping": _case}

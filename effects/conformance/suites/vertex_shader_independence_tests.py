@@ -37,30 +37,28 @@ LEFT, TOP, HALF = 192.0, 128.0, 128.0
 RED, GREEN = (0.5, 0.0, 0.0, 1.0), (0.0, 0.5, 0.0, 1.0)
 
 
-def names():
-    """Every case of the suite."""
-    return ["MAC_ILU_Independence", "Multioutput"]
-
-
 def _quad(program, box, color, secondary, constants=None, shows=scenes.SHOWS_PRIMARY_OPAQUE):
     inputs = {"OPOS": np.array(scenes.rectangle(*box)), "COL0": color, "COL1": secondary}
     mesh = vertex_programs.results_mesh(program.run(inputs, constants))
     return Draw(label="quad", mesh=mesh, state=replace(scenes.DEFAULT, register_combiners=shows))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    if name == "Multioutput":
-        middle, right, center, bottom = LEFT + HALF, LEFT + 2 * HALF, TOP + HALF, TOP + 2 * HALF
-        draws = (
+def _paired():
+    quad = _quad(PAIRED, SQUARE, (1.0,) * 4, (1.0,) * 4, CONSTANTS)
+    return Case(commands=(scenes.clear(0xFE333333), quad))
+
+
+def _several():
+    middle, right, center, bottom = LEFT + HALF, LEFT + 2 * HALF, TOP + HALF, TOP + 2 * HALF
+    return Case(
+        commands=(
+            scenes.clear(0xFE333333),
             _quad(COPY, (LEFT, TOP, middle, bottom), (0.5, 0.5, 0.0, 1.0), GREEN),
             _quad(TWICE, (middle, TOP, right, center), RED, GREEN),
             _quad(COPY, (LEFT, center, middle, bottom), (0.5, 0.5, 0.5, 1.0), GREEN),
             _quad(TWICE, (middle, center, right, bottom), RED, GREEN, shows=SHOWS_SECONDARY),
         )
-    else:
-        draws = (_quad(PAIRED, SQUARE, (1.0,) * 4, (1.0,) * 4, CONSTANTS),)
-    return Case(commands=(scenes.clear(0xFE333333), *draws))
+    )
+
+
+CASES = {"MAC_ILU_Independence": _paired, "Multioutput": _several}

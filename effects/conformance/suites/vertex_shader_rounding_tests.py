@@ -4,6 +4,7 @@ Source: src/tests/vertex_shader_rounding_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -18,12 +19,6 @@ from fixedpipe.pipeline.textures.images import texture_2d
 SUITE = "Vertex_shader_rounding_tests"
 
 BIASES = (0.0, 0.001, 0.4999, 0.5, 0.5624, 0.5625, 0.5626, 0.999, 1.0)  # pixels
-GEOMETRY = {f"Geometry_{bias:.4f}": bias for bias in BIASES}
-ADJACENT = {f"AdjacentGeometry_{bias:.4f}": bias for bias in BIASES}
-PROJECTED = {f"ProjAdjacentGeometry_{bias:.4f}": bias for bias in BIASES}
-SUBSCREEN = {f"GeometrySubscreen_{bias:.4f}": bias for bias in BIASES}
-SUPERSCREEN = {f"GeometrySuperscreen_{bias:.4f}": bias for bias in BIASES}
-COMPOSITING = {f"Compositing_{z}": float(z) for z in (-4, -2, 2)}
 
 MAGENTA, GREEN, FIXED_GREEN, GREY = 0xFFFF00FF, 0xFF009900, 0xFF00BB00, 0xFFE0E0E0  # 0xAABBGGRR
 TARGET_COLOR = 0xFF887733  # 0xAABBGGRR, of RenderTarget's quad
@@ -35,12 +30,6 @@ PASSES, HALF = 4, 127 / 255  # of Compositing, and the factor of alpha in each. 
 
 # What the combiners put out where TopLeftRaster draws: 0xAARRGGBB.
 RASTER_COLOR, RASTER_BACKGROUND = 0xFF337788, 0xFF202224
-
-
-def names():
-    """Every case of the suite."""
-    biased = (*GEOMETRY, *ADJACENT, *PROJECTED, *SUBSCREEN, *SUPERSCREEN)
-    return [*biased, *COMPOSITING, "RenderTarget", "TopLeftRaster", "TopLeftRaster_Fixed"]
 
 
 def _quad(label, corners, word):
@@ -261,6 +250,7 @@ def _raster_rows():
 
 
 def _raster(fixed_function):
+    yield scenes.clear(RASTER_BACKGROUND)
     state = (
         replace(scenes.DEFAULT, vertex=VertexState(composite=Composite()))
         if fixed_function
@@ -276,24 +266,20 @@ def _raster(fixed_function):
         yield Draw(label=f"sliver {number}", mesh=mesh, state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name in GEOMETRY:
-        return Case(commands=_geometry(GEOMETRY[name]))
-    if name in ADJACENT:
-        return Case(commands=_adjacent(ADJACENT[name]))
-    if name in PROJECTED:
-        return Case(commands=_projected(PROJECTED[name]))
-    for cases, commands in (
-        (SUBSCREEN, _subscreen),
-        (SUPERSCREEN, _superscreen),
-        (COMPOSITING, _compositing),
-    ):
-        if name in cases:
-            return Case(commands=tuple(commands(cases[name])))
-    if name == "RenderTarget":
-        return Case(commands=tuple(_render_target()))
-    if name in ("TopLeftRaster", "TopLeftRaster_Fixed"):
-        return Case(commands=(scenes.clear(RASTER_BACKGROUND), *_raster(name.endswith("_Fixed"))))
-    return None
+CASES = {
+    **{
+        f"{kind}_{bias:.4f}": partial(Case.of, commands, bias)
+        for kind, commands in (
+            ("Geometry", _geometry),
+            ("AdjacentGeometry", _adjacent),
+            ("ProjAdjacentGeometry", _projected),
+            ("GeometrySubscreen", _subscreen),
+            ("GeometrySuperscreen", _superscreen),
+        )
+        for bias in BIASES
+    },
+    **{f"Compositing_{z}": partial(Case.of, _compositing, float(z)) for z in (-4, -2, 2)},
+    "RenderTarget": partial(Case.of, _render_target),
+    "TopLeftRaster": partial(Case.of, _raster, False),
+    "TopLeftRaster_Fixed": partial(Case.of, _raster, True),
+}

@@ -4,6 +4,7 @@ Source: src/tests/vertex_shader_swizzle_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -27,19 +28,8 @@ INSTRUCTIONS = {
     ),
 }
 PER_PICTURE = 9
-CASES = {"Control": ((), False), "ControlNA": ((), True)}
-for _name, (_masks, _swizzles) in INSTRUCTIONS.items():
-    _all = [f"MOV o[COL0].{mask}, v[COL0].{swizzle};" for mask, swizzle in product(_masks, _swizzles)]
-    for _first in range(0, len(_all), PER_PICTURE):
-        CASES[f"{_name}{_first // PER_PICTURE:02d}"] = (_all[_first : _first + PER_PICTURE], _name != "Mov")
-
 COLOR, UNSET = (0.6, 0.7, 0.8, 1.0), (0.33,) * 4
 SIZE, LEFT, TOP = 96.0, (WIDTH - 3 * 96) / 4, (HEIGHT - 3 * 96) / 4 + 10
-
-
-def names():
-    """Every case of the suite."""
-    return list(CASES)
 
 
 def _square(number, instruction, state):
@@ -51,15 +41,18 @@ def _square(number, instruction, state):
     return Draw(label="square", mesh=vertex_programs.results_mesh(results), state=state)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in CASES:
-        return None
-    instructions, opaque = CASES[name]
+def _case(instructions, opaque):
     combiners = scenes.SHOWS_PRIMARY_OPAQUE if opaque else scenes.SHOWS_PRIMARY
     state = replace(scenes.DEFAULT, register_combiners=combiners)
     screen = scenes.rectangle(0.0, 0.0, WIDTH, HEIGHT)
     background = scenes.background(0xFF202020, 0xFF000000, 24, corners=screen)
     squares = [_square(number, text, state) for number, text in enumerate(instructions or ("",))]
     return Case(commands=(scenes.clear(0xFE312F31), *background, *squares))
+
+
+CASES = {"Control": partial(_case, (), False), "ControlNA": partial(_case, (), True)}
+for _name, (_masks, _swizzles) in INSTRUCTIONS.items():
+    _all = [f"MOV o[COL0].{mask}, v[COL0].{swizzle};" for mask, swizzle in product(_masks, _swizzles)]
+    for _first in range(0, len(_all), PER_PICTURE):
+        _picture = _all[_first : _first + PER_PICTURE]
+        CASES[f"{_name}{_first // PER_PICTURE:02d}"] = partial(_case, _picture, _name != "Mov")

@@ -5,6 +5,7 @@ Source: src/tests/viewport_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -21,19 +22,9 @@ OFFSETS = {
     0.0: (0.0, 0.531250, 0.5625, -0.531250, -0.4375, 1.0, -1.0),
     2.0: (0.0, 0.531250, -0.531250, 1.0, -1.0),
 }
-CASES = {
-    f"{offset:.3f}_{offset:.3f}-{scale:.3f}_0.000": offset
-    for scale, offsets in OFFSETS.items()
-    for offset in offsets
-}
 LEFT, TOP, SIZE = WIDTH / 2 - 200, HEIGHT / 2 - 100, 100.0
 BOTTOM_Z, TOP_Z = 0.0, 10.0
 GREY, PROGRAMMED, FIXED = 0xFFE0E0E0, 0xFF001199, 0xFF0033BB  # 0xAABBGGRR
-
-
-def names():
-    """Every case of the suite."""
-    return list(CASES)
 
 
 def _unprojected(left, top, width, height, z=(TOP_Z, BOTTOM_Z)):
@@ -75,9 +66,12 @@ def draws(colors, offset, moved=0.0):
     )
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in CASES:
-        return None
-    return Case(commands=(scenes.clear(0xFE404040), *draws((GREY, PROGRAMMED, FIXED), CASES[name])))
+def _case(offset):
+    return Case(commands=(scenes.clear(0xFE404040), *draws((GREY, PROGRAMMED, FIXED), offset)))
+
+
+CASES = {
+    f"{offset:.3f}_{offset:.3f}-{scale:.3f}_0.000": partial(_case, offset)
+    for scale, offsets in OFFSETS.items()
+    for offset in offsets
+}

@@ -6,6 +6,7 @@ src/tests/volume_texture_tests.cpp of nxdk_pgraph_tests, src/texture_stage.cpp o
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -36,11 +37,6 @@ DEPTHS = {entry.name: entry for entry in texture_memory.DEPTHS}
 FORMATS = {entry.name: entry for entry in texture_memory.FORMATS if not entry.linear} | DEPTHS
 
 
-def names():
-    """Every case of the suite."""
-    return [*FORMATS, COMPRESSED, PALETTED]
-
-
 def texture(name):
     """The 3D texture: a gradient in other components on every layer, or runs of a palette's quarters."""
     if name == PALETTED:
@@ -69,11 +65,7 @@ def mesh():
     return scenes.textured_triangles(positions, coordinates)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case(name):
     sampler = replace(scenes.NEAREST, wrap_r=WrapMode.CLAMP_TO_EDGE)
     if name in DEPTHS:
         sampler = replace(
@@ -94,3 +86,6 @@ def case(name, inputs):
             Draw(label="quads", mesh=mesh(), state=state),
         )
     )
+
+
+CASES = {name: partial(_case, name) for name in (*FORMATS, COMPRESSED, PALETTED)}

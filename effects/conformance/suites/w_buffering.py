@@ -5,12 +5,13 @@ Source: src/tests/wbuf_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 import numpy as np
 
 from fixedpipe.effects.conformance import scenes
-from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Shows
+from fixedpipe.effects.conformance.case import HEIGHT, SHOWS, WIDTH, Case, Shows
 from fixedpipe.effects.conformance.host_matrices import default_view, look_at
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import ComparisonFunction, DepthFormat, PrimitiveType, WrapMode
@@ -136,11 +137,6 @@ def _cases():
         yield named("W", "24D", False, True, "ClipW", left=ACROSS[k][0])
 
 
-def names():
-    """Every case of the suite: colours, and with _ZB the depth buffer."""
-    return [name + shows for name, _ in _cases() for shows in ("", "_ZB")]
-
-
 def _fixed_function(farthest):
     """The view from 50 above the floor, a little downwards, as vertex state, and the floor."""
     points = [
@@ -172,13 +168,7 @@ def _lines(pixels, depth_format, left, top):
             yield scenes.quad("where the clip begins", corners, (1.0, 0.0, 0.0, 1.0))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    found = dict(_cases()).get(name.removesuffix("_ZB"))
-    if found is None:
-        return None
-    kind, depth, bias, slope, primitive, program, left, top = found
+def _case(kind, depth, bias, slope, primitive, program, left, top, shows):
     depth_format, farthest = FORMATS[depth]
     primitive_type, positions, coordinates, pixels = PRIMITIVES[primitive]
     vertex = scenes.PROGRAM_RESULTS
@@ -207,7 +197,12 @@ def case(name, inputs):
         TexImage(label="checkerboard", texture="checkerboard", image=checkers),
         Draw(label="the primitive", mesh=mesh, state=state),
     )
-    if name.endswith("_ZB"):
+    if shows == Shows.ZETA:
         return Case(commands=commands, depth_bits=depth_format, shows=Shows.ZETA)
     commands += tuple(_lines(pixels, depth_format, left, top))
     return Case(commands=commands, depth_bits=depth_format)
+
+
+CASES = {
+    name + zeta: partial(_case, *given, shows) for name, given in _cases() for zeta, shows in SHOWS.items()
+}

@@ -5,6 +5,7 @@ triangles of a strip, each has the strip's order of corners.
 """
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -48,24 +49,6 @@ PERSPECTIVE = "_tex_persp"
 STRIP_LEFT, STRIP_TOP, STRIP_RIGHT, STRIP_BOTTOM = 128.0, 80.0, 512.0, 400.0
 STRIP_MIDDLE = 320.0
 EDGE = 1.75  # of a square in the XDK's view
-
-
-def names():
-    """Every case of the suite."""
-    return [
-        *(f"rcc_w_zero_inf__z{factor}" for factor in FACTORS),
-        *(
-            f"{stage}_w_zero_inf_{shape}_w{factor}"
-            for stage in ("prog", "ff")
-            for shape in SHAPES
-            for factor in FACTORS
-        ),
-        *(
-            f"{drawn}{suffix}"
-            for drawn in ("w_gaps", "w_pos_strip", "w_neg_strip", "ff_w_zero__quad", "ff_w_zero__bitri")
-            for suffix in ("", PERSPECTIVE)
-        ),
-    ]
 
 
 def _ends(factor):
@@ -251,20 +234,24 @@ def _zero(shape, perspective):
     yield replace(drawn, state=replace(polygon, blending=scenes.BLENDED, depth_clamp=None))
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name.startswith("rcc") and name in names():
-        return Case(commands=tuple(_reciprocals(FACTORS[name.rpartition("z")[2]])))
-    drawn = name.removesuffix(PERSPECTIVE)
-    if drawn.startswith("w_") and name in names():
-        return Case(commands=tuple(_strips(drawn, name != drawn)))
-    if drawn.startswith("ff_w_zero__") and name in names():
-        return Case(commands=tuple(_zero(drawn.removeprefix("ff_w_zero_"), name != drawn)))
-    for stage, commands in (("prog", _programmed), ("ff", _fixed)):
-        for shape in SHAPES:
-            prefix = f"{stage}_w_zero_inf_{shape}_w"
-            factor = FACTORS.get(name.removeprefix(prefix)) if name.startswith(prefix) else None
-            if factor is not None:
-                return Case(commands=tuple(commands(shape, factor)))
-    return None
+CASES = {
+    **{
+        f"rcc_w_zero_inf__z{name}": partial(Case.of, _reciprocals, factor) for name, factor in FACTORS.items()
+    },
+    **{
+        f"{stage}_w_zero_inf_{shape}_w{name}": partial(Case.of, commands, shape, factor)
+        for stage, commands in (("prog", _programmed), ("ff", _fixed))
+        for shape in SHAPES
+        for name, factor in FACTORS.items()
+    },
+    **{
+        f"{strip}{suffix}": partial(Case.of, _strips, strip, bool(suffix))
+        for strip in ("w_gaps", "w_pos_strip", "w_neg_strip")
+        for suffix in ("", PERSPECTIVE)
+    },
+    **{
+        f"ff_w_zero_{shape}{suffix}": partial(Case.of, _zero, shape, bool(suffix))
+        for shape in ("_quad", "_bitri")
+        for suffix in ("", PERSPECTIVE)
+    },
+}

@@ -19,16 +19,7 @@ WEIGHTS = ((0.25, 0.5, 1.0, 0.75), (0.5, 0.25, 0.75), (0.75, 0.5), (0.25,))
 LEFT, TOP, WIDTH, HEIGHT, SPACING = 146.0, 96.0, 100.0, 24.0, 50.0  # pixels
 
 
-def names():
-    """Every case of the suite."""
-    return ["WeightSetter"]
-
-
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
+def _case():
     draws = []
     for number, weight in enumerate(WEIGHTS):
         top = TOP + number * SPACING
@@ -38,3 +29,6 @@ def case(name, inputs):
             state = replace(scenes.DEFAULT, register_combiners=shows)
             draws.append(Draw(label="square", mesh=mesh, state=state))
     return Case(commands=(scenes.clear(0xFF202020), *draws))
+
+
+CASES = {"WeightSetter": _case}

@@ -5,6 +5,7 @@ row. Setting the first rectangle sets all eight; so a rectangle set before it ("
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product
 
 from fixedpipe.effects.conformance import scenes
@@ -32,33 +33,13 @@ def _name(off_screen, swapped, exclusive, first, second):
     return f"{'r' * off_screen}{'s' * swapped}{'IE'[exclusive]}_{text[0]}-{text[1]}"
 
 
-_CASES = {
-    _name(off_screen, *given): (off_screen, *given)
-    for off_screen, exclusive in product((False, True), repeat=2)
-    for given in (
-        *((False, exclusive, first, second) for first, second in product(FIRST, SECOND)),
-        (True, exclusive, *SWAPPED),
-    )
-}
-
-
-def names():
-    """Every case of the suite."""
-    return list(_CASES)
-
-
 def _clip(height, exclusive, rectangles):
     """Device rectangles, both edges inclusive, in window coordinates."""
     boxes = tuple(Scissor(x, height - 1 - y - h, w + 1, h + 1) for x, y, w, h in rectangles)
     return WindowClip(boxes, exclusive)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in _CASES:
-        return None
-    off_screen, swapped, exclusive, first, second = _CASES[name]
+def _case(off_screen, swapped, exclusive, first, second):
     height = SIZE if off_screen else HEIGHT
     state = replace(scenes.DEFAULT, polygon=scenes.FRONT_FACES)
     clip = _clip(height, exclusive, (first,) if swapped else (first, second))
@@ -83,3 +64,13 @@ def case(name, inputs):
             scenes.textured_quad("shown", corners, TEXTURE, state),
         )
     )
+
+
+CASES = {
+    _name(*given): partial(_case, *given)
+    for off_screen, exclusive in product((False, True), repeat=2)
+    for given in (
+        *((off_screen, False, exclusive, first, second) for first, second in product(FIRST, SECOND)),
+        (off_screen, True, exclusive, *SWAPPED),
+    )
+}

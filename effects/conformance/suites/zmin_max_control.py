@@ -6,6 +6,7 @@ w, in which no capture differs. Source: src/tests/z_min_max_control_tests.cpp of
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import product as combinations
 
 import numpy as np
@@ -29,14 +30,6 @@ SIZE, STEP = 16.0, 20.0  # pixels: a quad's edge, and from one to the next
 ROWS, COLUMNS = 8, 5
 WIDTH, HEIGHT, LEFT, TOP = single(384.0 * 0.33), 192.0, 90.0, 60.0  # of a block's region; the first block
 TRIANGLES = ((0, 1, 2), (0, 2, 3))
-
-
-def names():
-    """Every case of the suite."""
-    switches = combinations(
-        ("Ctrl", "CtrlFixed"), ("", "_WBuf"), ("", "_NEARFAR"), ("_ZCULL", "_ZCLAMP"), ("", "_IgnW")
-    )
-    return ["".join(parts) for parts in switches]
 
 
 def _ends(mode, z, w, rise):
@@ -130,22 +123,27 @@ def _fixed_function(points):
     return np.stack([x, y, z, clip[3]], axis=1)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    w_buffering = "_WBuf" in name
+def _case(fixed_function, w_buffering, near_far, culls):
     state = replace(
         scenes.DEFAULT,
         polygon=scenes.FRONT_FACES,
-        depth_clamp=DepthClamp(float(NEAR), float(FAR), cull="_ZCULL" in name),
+        depth_clamp=DepthClamp(float(NEAR), float(FAR), cull=culls),
         w_buffering=w_buffering,
     )
-    points, colors = _triangles("_NEARFAR" in name)
-    if name.startswith("CtrlFixed"):
+    points, colors = _triangles(near_far)
+    if fixed_function:
         points = _fixed_function(points)
     mesh = scenes.window_mesh(points, PrimitiveType.TRIANGLES, colors=colors)
     return Case(
         commands=(scenes.clear(0xFF222228), Draw(label="blocks", mesh=mesh, state=state)), depth_bits=16
     )
+
+
+CASES = {
+    f"{stage}{w}{near_far}{limits}{ignored}": (
+        partial(_case, stage == "CtrlFixed", bool(w), bool(near_far), limits == "_ZCULL")
+    )
+    for stage, w, near_far, limits, ignored in combinations(
+        ("Ctrl", "CtrlFixed"), ("", "_WBuf"), ("", "_NEARFAR"), ("_ZCULL", "_ZCLAMP"), ("", "_IgnW")
+    )
+}

@@ -5,9 +5,10 @@ Source: src/tests/zpass_pixel_count_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace
+from functools import partial
 
 from fixedpipe.effects.conformance import scenes
-from fixedpipe.effects.conformance.case import WIDTH, Case, Shows
+from fixedpipe.effects.conformance.case import SHOWS, WIDTH, Case
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType
 from fixedpipe.pipeline.state import DepthTest, PointState
@@ -40,18 +41,6 @@ def _shapes(kind, eighths):
     return "points", places, PrimitiveType.POINTS, state
 
 
-def _cases():
-    """Name and (kind, size in eighths of a pixel)."""
-    for kind, sizes in (("PointSize", POINT_SIZES), ("PointSizeVS", POINT_SIZES), ("LineWidth", LINE_WIDTHS)):
-        for eighths in sizes:
-            yield f"ZPass{kind}-0x{eighths:04X}", (kind, eighths)
-
-
-def names():
-    """Every case of the suite: colours, and with _ZB the depth buffer."""
-    return [name + shows for name in ("ZPass", *dict(_cases())) for shows in ("", "_ZB")]
-
-
 def _draw(label, color, places, state, primitive=PrimitiveType.QUADS):
     """What the chip puts at device ``places`` (x, y, z): further by the viewport's offset, with the view's
     depth, unless a program passes them on.
@@ -78,24 +67,27 @@ def _quads():
         yield _draw(label, color, scenes.rectangle(left, top, left + SIZE, top + SIZE, z), FIXED)
 
 
-def case(name, inputs):
-    """The case of that name, or None."""
-    del inputs
-    if name not in names():
-        return None
-    found = name.removesuffix("_ZB")
-    if found == "ZPass":
-        draws = tuple(_quads())
-    else:
-        label, places, primitive, state = _shapes(*dict(_cases())[found])
-        corners = scenes.rectangle(LEFT, TOP, LEFT + SIZE, TOP + SIZE, Z)
-        plain = replace(state, line=scenes.RECTANGLES, point=PointState())
-        draws = (
-            _draw("quad", PURPLE, corners, plain),
-            _draw(label, WHITE, places, state, primitive),
-        )
-    return Case(
-        commands=(scenes.clear(0xFF333333), *draws),
-        depth_bits=16,
-        shows=Shows.ZETA if name.endswith("_ZB") else Shows.COLOR,
-    )
+def _sized(kind, eighths):
+    label, places, primitive, state = _shapes(kind, eighths)
+    corners = scenes.rectangle(LEFT, TOP, LEFT + SIZE, TOP + SIZE, Z)
+    plain = replace(state, line=scenes.RECTANGLES, point=PointState())
+    yield _draw("quad", PURPLE, corners, plain)
+    yield _draw(label, WHITE, places, state, primitive)
+
+
+def _cases():
+    """Name and (what draws, kind, size in eighths of a pixel)."""
+    for kind, sizes in (("PointSize", POINT_SIZES), ("PointSizeVS", POINT_SIZES), ("LineWidth", LINE_WIDTHS)):
+        for eighths in sizes:
+            yield f"ZPass{kind}-0x{eighths:04X}", (_sized, kind, eighths)
+
+
+def _case(shows, draws, *given):
+    return Case(commands=(scenes.clear(0xFF333333), *draws(*given)), depth_bits=16, shows=shows)
+
+
+CASES = {
+    name + zeta: partial(_case, shows, *given)
+    for name, given in (("ZPass", (_quads,)), *_cases())
+    for zeta, shows in SHOWS.items()
+}

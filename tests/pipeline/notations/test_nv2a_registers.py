@@ -1,7 +1,5 @@
 """The NV2A's register words: every program of the captures and random ones, dumps, errors."""
 
-import importlib
-import pkgutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fixedpipe.effects.conformance import suites
 from fixedpipe.effects.conformance.case import Inputs, MissingInput
+from fixedpipe.effects.conformance.redraw import known_suites
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import (
     CombinerBias,
@@ -60,11 +58,10 @@ def test_random_combiners_read_back(combiners, seen):
 SEEN = [((200, 10, 128, 90), (0, 255, 127, 1), (30, 60, 250, 128), (9, 8, 7, 6))]
 
 
-def programs_of(names):
+def programs_of(suites):
     """The distinct (combiners, texture shader) of the captures' frames of some suites."""
     found, inputs = {}, Inputs(Path("none"))
-    for module in names:
-        suite = importlib.import_module(f"{suites.__name__}.{module}")
+    for suite in suites:
         for name in suite.names():
             try:
                 case = suite.case(name, inputs)
@@ -77,8 +74,8 @@ def programs_of(names):
     return found
 
 
-def check_programs(names):
-    programs = programs_of(names)
+def check_programs(suites):
+    programs = programs_of(suites)
     for (combiners, stages), name in programs.items():
         written = any(stage.operation is not Op.NONE for stage in stages or ())
         try:
@@ -103,13 +100,13 @@ def _plain(operation):
 
 
 def test_the_programs_of_the_combiner_captures_read_back():
-    assert check_programs(["combiner", "fog"]) > 40
+    suites = known_suites()
+    assert check_programs([suites["Combiner"], suites["Fog"]]) > 40
 
 
 @pytest.mark.slow
 def test_every_capture_s_program_reads_back():
-    names = [module.name for module in pkgutil.iter_modules(suites.__path__)]
-    assert check_programs(names) > 100
+    assert check_programs(known_suites().values()) > 100
 
 
 # ------------------------------------------------------------------------------------------------------ dumps
