@@ -1,4 +1,4 @@
-"""The machines, by their keys. Each is written whole, or made from its ancestor."""
+"""The machines, by their keys. Each is a literal, or made from its ancestor."""
 
 from fixedpipe.pipeline.profiles.future import FUTURE
 from fixedpipe.pipeline.profiles.g400 import G400

@@ -3,43 +3,15 @@
 No picture of one was at hand, nor a manual: what no paper or extension says is Assumed.
 """
 
-from fixedpipe.pipeline.enums import (
-    Clamp,
-    ColorWeights,
-    FogArithmetic,
-    LightingArithmetic,
-    MagnificationThreshold,
-    ProductRounding,
-    TextureCompareMode,
-    WindowOrigin,
-    WrapMode,
-)
+from fixedpipe.pipeline.enums import WrapMode
 from fixedpipe.pipeline.profiles.known import known
+from fixedpipe.pipeline.profiles.opengl_1_2 import OF_COMBINERS, as_on_the_plain_board
 from fixedpipe.pipeline.profiles.profile import Profile
-from fixedpipe.pipeline.profiles.sections import (
-    Arithmetic,
-    Combiners,
-    Fragments,
-    Framebuffers,
-    Pixels,
-    Primitives,
-    Textures,
-    TextureShaders,
-    Vertices,
-)
 from fixedpipe.pipeline.profiles.specified import (
-    CONSTANT_FACTORS,
-    CORE_DESTINATION_FACTORS,
-    CORE_ENVIRONMENTS,
+    CORE,
     CORE_FORMATS,
-    CORE_SOURCE_FACTORS,
-    CORE_STENCIL_OPERATIONS,
-    CORE_TARGETS,
-    CORE_TEXGEN_MODES,
     CORE_WRAP_MODES,
-    NOT_CORE,
-    OF_SUBSET,
-    SUBSET_EQUATIONS,
+    SUBSET,
     TRANSFERRED_QUERIES,
 )
 from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
@@ -49,161 +21,61 @@ _SUBSET = "Assumed: as on the imaging board; a query of an Octane's driver would
 _PICTURE = "Assumed: as on the plain board; a picture of an Octane would settle it"
 _NO_COMBINERS = "Assumed: does not matter; an Octane has no register combiners"
 
-OCTANE = Profile(
+OCTANE = Profile.of(
+    CORE | SUBSET,
     name="SGI Octane",
     description="SGI Octane (Impact), 1997: imaging subset, pixel textures, up to twelve bits",
-    textures=Textures(
-        max_texture_units=known(1, "Source: Heidrich and others 2000, section 6 (no multi-texturing)"),
-        max_texture_size=known(2048, _DRIVER),
-        max_cube_map_texture_size=known(0, NOT_CORE),
-        max_3d_texture_size=known(256, _DRIVER),
-        power_of_two_textures=known(True, "Source: OpenGL 1.2.1 section 3.8.1"),
-        texture_targets=known(CORE_TARGETS, "Source: OpenGL 1.2.1 section 3.8"),
-        internal_formats=known(
-            CORE_FORMATS | TWELVE_BIT_FORMATS,
-            "Source: OpenGL 1.2.1 table 3.16; twelve bits Inferred from SGIX_impact_pixel_texture's alpha",
-        ),
-        texture_borders=known(frozenset({0, 1}), "Source: OpenGL 1.2.1 section 3.8.1 (a border of 0 or 1)"),
-        wrap_modes=known(
-            CORE_WRAP_MODES | {WrapMode.CLAMP_TO_BORDER},
-            "Assumed: edge and border clamp; an Octane's driver that lists SGIS_texture_border_clamp would "
-            "settle it",
-        ),
-        cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
-        signed_components=known(False, NOT_CORE),
-        hilo_as_color=known(False, NOT_CORE),
-        max_lod_bias=known(0.0, NOT_CORE),
-        max_anisotropy=known(1.0, NOT_CORE),
-        max_probes=known(1, NOT_CORE),
-        exact_probes=known(False, NOT_CORE),
-        texture_color_table=known(True, "Source: SGIX_impact_pixel_texture (it shifts alphas by one)"),
-        color_key_operations=known(frozenset(), NOT_CORE),
-        evaluate_before_filtering=known(
-            False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"
-        ),
-        texture_compare_modes=known(frozenset({TextureCompareMode.NONE}), NOT_CORE),
-        shadow_functions=known(frozenset(), NOT_CORE),
-        shadow_ambient=known(False, NOT_CORE),
-        depth_texture_modes=known((), NOT_CORE),
-        depths_as_colors=known(False, NOT_CORE),
-        depth_units_in_coordinates=known(False, NOT_CORE),
+    max_texture_units=known(1, "Source: Heidrich and others 2000, section 6 (no multi-texturing)"),
+    internal_formats=known(
+        CORE_FORMATS | TWELVE_BIT_FORMATS,
+        "Source: OpenGL 1.2.1 table 3.16; twelve bits Inferred from SGIX_impact_pixel_texture's alpha",
     ),
-    texture_shaders=TextureShaders(
-        texture_shader_operations=known(frozenset(), NOT_CORE),
-        dot_product_mappings=known(frozenset(), NOT_CORE),
-        foreign_texture_targets=known(False, NOT_CORE),
-        offset_scale_clamped=known(False, NOT_CORE),
-        roughness_lookups=known(False, NOT_CORE),
+    wrap_modes=known(
+        CORE_WRAP_MODES | {WrapMode.CLAMP_TO_BORDER},
+        "Assumed: edge and border clamp; an Octane's driver that lists SGIS_texture_border_clamp would "
+        "settle it",
     ),
-    combiners=Combiners(
-        texture_environment_modes=known(CORE_ENVIRONMENTS, "Source: OpenGL 1.2.1 section 3.8.9"),
-        combine_functions=known(frozenset(), NOT_CORE),
-        texture_environment_crossbar=known(False, NOT_CORE),
-        max_general_combiners=known(0, NOT_CORE),
-        per_stage_constants=known(False, NOT_CORE),
-        combiner_functions=known(frozenset(), NOT_CORE),
-        combiner_lookup=known(False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"),
-        blue_to_alpha=known(False, _NO_COMBINERS),
-        ycbcr_conversion=known(False, _NO_COMBINERS),
-        final_alpha_from_blue=known(False, _NO_COMBINERS),
-        combiner_flags=known(False, _NO_COMBINERS),
+    texture_color_table=known(True, "Source: SGIX_impact_pixel_texture (it shifts alphas by one)"),
+    color_bits=known(
+        (8, 12), "Inferred: from SGIX_impact_pixel_texture's alpha of twelve bits; the usual 8 Assumed"
     ),
-    vertices=Vertices(
-        max_lights=known(8, "Source: OpenGL 1.2.1 table 6.24 (the minimum)"),
-        max_clip_planes=known(6, "Source: OpenGL 1.2.1 table 6.24 (the minimum)"),
-        max_shininess=known(128.0, "Source: OpenGL 1.2.1 table 2.7"),
-        separate_specular_color=known(True, "Source: OpenGL 1.2.1 section 2.13.1"),
-        texgen_modes=known(CORE_TEXGEN_MODES, "Source: OpenGL 1.2.1 section 2.10.4"),
-        fog_coordinate=known(False, NOT_CORE),
-        point_parameters=known(False, NOT_CORE),
-        composite_matrix=known(False, NOT_CORE),
-        vertex_weighting=known(False, NOT_CORE),
+    transfers_texture_queries=known(True, TRANSFERRED_QUERIES),
+    max_color_table_size=known(4096, _SUBSET),
+    max_convolution_size=known(11, _SUBSET),
+    pixel_texture=known(True, "Source: SGIX_pixel_texture; Kautz, Seidel 2000, section 5"),
+    pixel_texture_sgis=known(True, "Assumed: as well; a driver's list of SGIS_pixel_texture would settle it"),
+    impact_pixel_texture=known(True, "Source: SGIX_impact_pixel_texture"),
+    texture_bits=known(12, "Inferred: from SGIX_impact_pixel_texture's alpha of twelve bits"),
+    combiner_bits=known(
+        8,
+        "Assumed: environments are as wide as the colour buffer; a picture of an Octane would settle it",
     ),
-    primitives=Primitives(
-        max_point_size=known(64.0, _DRIVER),
-        max_line_width=known(64.0, _DRIVER),
-        line_stipple=known(True, "Source: OpenGL 1.2.1 section 3.4.2"),
-        smoothing_samples=known(
-            (), "Source: OpenGL 1.2.1, section 3.2 leaves coverage to the machine; unseen"
-        ),
-        point_sprite_units=known(frozenset(), NOT_CORE),
-        perspective_hint=known(False, "Source: OpenGL 1.2.1 section 5.6 (a hint may be ignored)"),
-        spherical_interpolation=known(
-            False, "Source: Kautz, Seidel 2000, section 5.1 (asked for, so not there)"
-        ),
+    offset_fraction=known(False, "Assumed: whole units; a slope drawn on an Octane would settle it"),
+    expand_half=known(128, "Assumed: as on the plain board, 128; no stage of an Octane expands"),
+    clamps_color_matrix=known(True, "Source: Kautz, Seidel 2000, section 5 (no signed results)"),
+    **as_on_the_plain_board(
+        _DRIVER,
+        "max_texture_size",
+        "max_3d_texture_size",
+        "max_point_size",
+        "max_line_width",
+        "max_viewport",
+        "depth_bits",
+        "stencil_bits",
+        "accumulation_bits",
+        "auxiliary_buffers",
+        "max_pixel_map_table",
+        "subpixel_bits",
     ),
-    fragments=Fragments(
-        color_sum=known(False, "Source: OpenGL 1.2.1 section 3.9: lighting's specular term alone"),
-        fog_registers=known(False, NOT_CORE),
-        depth_clamp=known(False, NOT_CORE),
-        w_buffering=known(False, NOT_CORE),
-        max_window_rectangles=known(0, NOT_CORE),
-        stencil_operations=known(CORE_STENCIL_OPERATIONS, "Source: OpenGL 1.2.1 section 4.1.4"),
-        blend_factors_source=known(CORE_SOURCE_FACTORS | CONSTANT_FACTORS, OF_SUBSET),
-        blend_factors_destination=known(CORE_DESTINATION_FACTORS | CONSTANT_FACTORS, OF_SUBSET),
-        blend_equations=known(SUBSET_EQUATIONS, OF_SUBSET),
-        logic_op=known(True, "Source: OpenGL 1.2.1 section 4.1.8"),
+    **as_on_the_plain_board(
+        _PICTURE,
+        "fog_arithmetic",
+        "guard_band",
+        "device_origin",
+        "color_weights",
+        "filter_fraction_bits",
+        "product_rounding",
+        "round_before_scale",
     ),
-    framebuffers=Framebuffers(
-        max_viewport=known(2048, _DRIVER),
-        color_bits=known(
-            (8, 12), "Inferred: from SGIX_impact_pixel_texture's alpha of twelve bits; the usual 8 Assumed"
-        ),
-        depth_bits=known((16, 24), _DRIVER),
-        stencil_bits=known(8, _DRIVER),
-        accumulation_bits=known(16, _DRIVER),
-        auxiliary_buffers=known(2, _DRIVER),
-        samples=known((1,), NOT_CORE),
-        shades_samples=known(True, "Source: OpenGL 1.2.1, section 3: one sample, a pixel's middle"),
-        surface_formats=known(frozenset(), NOT_CORE),
-        shared_depth=known(False, NOT_CORE),
-    ),
-    pixels=Pixels(
-        max_pixel_map_table=known(256, _DRIVER),
-        transfers_texture_queries=known(True, TRANSFERRED_QUERIES),
-        color_matrix=known(True, OF_SUBSET),
-        color_tables=known(True, OF_SUBSET),
-        max_color_table_size=known(4096, _SUBSET),
-        convolution=known(True, OF_SUBSET),
-        max_convolution_size=known(11, _SUBSET),
-        histogram=known(True, OF_SUBSET),
-        pixel_texture=known(True, "Source: SGIX_pixel_texture; Kautz, Seidel 2000, section 5"),
-        pixel_texture_sgis=known(
-            True, "Assumed: as well; a driver's list of SGIS_pixel_texture would settle it"
-        ),
-        impact_pixel_texture=known(True, "Source: SGIX_impact_pixel_texture"),
-    ),
-    arithmetic=Arithmetic(
-        exact=known(
-            False,
-            "Source: OpenGL 1.2.1 section 2.1.1: floating-point or fixed-point, here fixed-point colours",
-        ),
-        clamps=known(frozenset(Clamp), "Source: OpenGL 1.2.1 sections 2.13.6, 3.8.9, 3.9, 3.10, 4.1.6"),
-        lighting=known(LightingArithmetic.EQUATIONS, "Source: OpenGL 1.2.1 section 2.13.1"),
-        color_mantissa_bits=known(
-            53, "Source: OpenGL 1.2.1 section 2.13.9 (rounded to nearest, nothing cut before)"
-        ),
-        fog_arithmetic=known(FogArithmetic.ROUNDED, _PICTURE),
-        subpixel_bits=known(4, _DRIVER),
-        guard_band=known(8192, _PICTURE),
-        device_origin=known(WindowOrigin.UPPER_LEFT, _PICTURE),
-        color_weights=known(ColorWeights.EXACT, _PICTURE),
-        diamond_exit_lines=known(True, "Source: OpenGL 1.2.1 section 3.4.1"),
-        magnification_threshold=known(MagnificationThreshold.OPENGL_C, "Source: OpenGL 1.2.1 section 3.8.5"),
-        filter_fraction_bits=known(8, _PICTURE),
-        texture_bits=known(12, "Inferred: from SGIX_impact_pixel_texture's alpha of twelve bits"),
-        dithered_s3tc_dxt1=known(False, NOT_CORE),
-        combiner_bits=known(
-            8,
-            "Assumed: environments are as wide as the colour buffer; a picture of an Octane would settle it",
-        ),
-        combiner_range=known(1.0, _NO_COMBINERS),
-        clamp_low=known(-256, _NO_COMBINERS),
-        offset_fraction=known(False, "Assumed: whole units; a slope drawn on an Octane would settle it"),
-        expand_half=known(128, "Assumed: as on the plain board, 128; no stage of an Octane expands"),
-        product_rounding=known(ProductRounding.JOINT, _PICTURE),
-        round_before_scale=known(True, _PICTURE),
-        add_signed_scale_by_four=known(False, NOT_CORE),
-        clamps_color_matrix=known(True, "Source: Kautz, Seidel 2000, section 5 (no signed results)"),
-    ),
+    **as_on_the_plain_board(_NO_COMBINERS, *OF_COMBINERS),
 )

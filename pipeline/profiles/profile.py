@@ -32,6 +32,15 @@ NATIVE_BITS = 8
 NATIVE_SUBPIXEL_BITS = 4
 
 
+def _refuse_unknown(given):
+    if unknown := given.keys() - SECTION_OF.keys():
+        near = [field for name in sorted(unknown) for field in get_close_matches(name, SECTION_OF)]
+        raise TypeError(
+            f"A profile has no field {', '.join(sorted(unknown))}; "
+            + (f"the nearest are {', '.join(near)}." if near else "Profile.facts has those that there are.")
+        )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Driver:
     """A driver of a machine, by the properties in which the machine with it differs from its profile.
@@ -52,7 +61,7 @@ class Profile:
 
     - ``name``: its name in messages.
     - ``description``: one line.
-    - ``ancestor``: the machine that it was made from (``descendant``); None: it was written whole.
+    - ``ancestor``: the machine that it was made from (``descendant``); None: from none.
     - ``changed_from``: the machine that this one is with other values (``changed``); equal machines may
       differ in it.
     - ``drivers``: its drivers whose dates are known, the oldest first.
@@ -86,6 +95,23 @@ class Profile:
                 f"are beyond a line's ends is not defined. Give color_weights EXACT, or lines by the NV2A's "
                 f"steps (diamond_exit_lines False)."
             )
+
+    @classmethod
+    def of(cls, facts: Mapping[str, Any], *, name: str, description: str, **own: Any) -> "Profile":
+        """A machine of ``facts`` and its ``own``, which come first: fields as known(value, evidence).
+
+        ``facts`` are what holds of any machine, as a specification's words do (``specified.CORE``).
+
+        Raises TypeError for a name that no section has and where a field is missing, ValueError for a value
+        without evidence.
+        """
+        whole = {**facts, **own}
+        _refuse_unknown(whole)
+        sections: dict[str, Any] = {
+            section: kind(**{field: whole[field] for field in kind.names() if field in whole})
+            for section, kind in SECTIONS.items()
+        }
+        return cls(name=name, description=description, **sections)
 
     if not TYPE_CHECKING:  # to a type checker every name would exist
 
@@ -169,16 +195,7 @@ class Profile:
 
     def _with(self, given, **changes):
         """The machine with fields as ``given``, each with its evidence, and with other changes."""
-        if unknown := given.keys() - SECTION_OF.keys():
-            near = [field for name in sorted(unknown) for field in get_close_matches(name, SECTION_OF)]
-            raise TypeError(
-                f"A profile has no field {', '.join(sorted(unknown))}; "
-                + (
-                    f"the nearest are {', '.join(near)}."
-                    if near
-                    else "Profile.facts has those that there are."
-                )
-            )
+        _refuse_unknown(given)
         whole = {**self.facts, **given}
         for section in dict.fromkeys(SECTION_OF[name] for name in given):
             kind = SECTIONS[section]

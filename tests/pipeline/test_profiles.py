@@ -174,6 +174,25 @@ def test_sets_that_machines_share_are_the_specification_s(name):
     assert {member.name for member in getattr(specified, name)} == set(TABLES[name].split())
 
 
+def test_what_holds_of_any_machine_is_the_specification_s_word():
+    for field, fact in (specified.CORE | specified.SUBSET).items():
+        assert SPECIFIED.match(fact.evidence), f"{field}: {fact.evidence}"
+        assert "Assumed" not in fact.evidence, field
+
+
+def test_a_machine_of_facts_needs_every_field_and_no_other():
+    whole = NV2A.facts
+    made = Profile.of(whole, name="n", description="d", max_lights=known(4, "Assumed: for this test"))
+    assert (made.name, made.description, made.ancestor, made.vertices.max_lights) == ("n", "d", None, 4)
+    assert {**made.facts, "max_lights": whole["max_lights"]} == whole
+    with pytest.raises(TypeError, match="no field max_light; the nearest are max_lights"):
+        Profile.of(whole, name="n", description="d", max_light=known(4, "Assumed: for this test"))
+    with pytest.raises(TypeError, match="max_lights"):
+        Profile.of({k: v for k, v in whole.items() if k != "max_lights"}, name="n", description="d")
+    with pytest.raises(ValueError, match="without evidence"):
+        Profile.of(whole, name="n", description="d", max_lights=4)
+
+
 def test_sections_are_the_profiles_and_no_two_have_a_field_of_one_name():
     assert [f.name for f in fields(Profile)][2:-4] == list(SECTIONS)
     assert len(SECTION_OF) == sum(len(kind.names()) for kind in SECTIONS.values())
