@@ -1,5 +1,5 @@
 """Ids of techniques, with what they mean. A technique's module declares its own under its imports, as
-``TECHNIQUES``, a tuple of ``Technique`` and ``AnotherWay``.
+``TECHNIQUES``, a tuple of ``Technique`` and ``Variant``.
 
 An id is a letter for the paper, or X for an effect of one's own, and a number. Figures and studies name the
 ids of the techniques that they use; docs/papers/index.md is made of both.
@@ -51,7 +51,7 @@ class Technique:
 
 
 @dataclass(frozen=True)
-class AnotherWay:
+class Variant:
     """Techniques that other modules declare, drawn here by other means.
 
     ids  tuple of techniques' ids

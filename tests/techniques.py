@@ -8,7 +8,7 @@ from pathlib import Path
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.reflectance.brdfs import BRDFS
 from fixedpipe.effects.studies import STUDIES
-from fixedpipe.effects.technique import INDEX, OWN, PAPERS, AnotherWay, Technique
+from fixedpipe.effects.technique import INDEX, OWN, PAPERS, Technique, Variant
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / INDEX
@@ -75,7 +75,7 @@ Comments and pages name these techniques of the papers; no module here draws the
 
 @cache
 def declared():
-    """What every module of effects/ declares: ((path in the repository, Technique or AnotherWay), ...)."""
+    """What every module of effects/ declares: ((path in the repository, Technique or Variant), ...)."""
     found = []
     for path in sorted((ROOT / "effects").rglob("*.py")):
         if re.search(r"^TECHNIQUES = ", path.read_text(), re.MULTILINE):
@@ -94,9 +94,7 @@ def claims():
 def other_ways(identifier):
     """(path, how) of the modules that draw another module's technique by other means."""
     return [
-        (path, each.how)
-        for path, each in declared()
-        if isinstance(each, AnotherWay) and identifier in each.ids
+        (path, each.how) for path, each in declared() if isinstance(each, Variant) and identifier in each.ids
     ]
 
 

@@ -71,14 +71,14 @@ from fixedpipe.effects.passes.texture_shaders import (
     TEXTURE_STAGE,
     dot_product_stages,
 )
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import DotProductMapping, InternalFormat, TextureEnvironmentMode
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import SignedComponents, TextureEnvironment, TextureShaderStage
 from fixedpipe.pipeline.textures.images import texture_2d, texture_cube_map
 
-TECHNIQUES = (AnotherWay(("S13", "S14", "S15"), "on machines, by dot products, combiners and displacement"),)
+TECHNIQUES = (Variant(("S13", "S14", "S15"), "on machines, by dot products, combiners and displacement"),)
 
 LIGHT, LIGHT_IN_PLANE = "light by normals", "light by normals, in a plane"
 _SIGNED = replace(REPEATED, signed_components=SignedComponents(True, True, True, True))

@@ -52,7 +52,7 @@ from fixedpipe.effects.passes.combiners import (
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, LATER_PASS, draw, unit
 from fixedpipe.effects.passes.encoding import dot_product_texels, factor_texels
 from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stages
-from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.effects.technique import Technique, Variant
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, InternalFormat, TextureFilter, WrapMode
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
@@ -63,7 +63,7 @@ TECHNIQUES = (
     Technique(
         "S28", "water far away: its mean mirrors the moon as a calm does, its roughness spreads it", "6"
     ),
-    AnotherWay(("S24", "S25"), "on a GeForce 3, a pass for each of five filtered cube maps, weighed by I_1"),
+    Variant(("S24", "S25"), "on a GeForce 3, a pass for each of five filtered cube maps, weighed by I_1"),
 )
 
 # Cube maps, and so passes.  Inferred: tents a quarter of alpha's range wide are what a combiner's largest

@@ -22,7 +22,7 @@ from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
 from fixedpipe.effects.environment_maps.rough_mirrors import mirrored
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize, unit_vector
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPEATED, REPLACE, draw, unit
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     DotProductMapping,
@@ -35,7 +35,7 @@ from fixedpipe.pipeline.enums import TextureShaderOperation as Operation
 from fixedpipe.pipeline.state import SignedComponents, TextureEnvironment, TextureShaderStage
 from fixedpipe.pipeline.textures.images import Texture, texture_2d
 
-TECHNIQUES = (AnotherWay(("S24", "S25"), "on the machine that the paper proposes"),)
+TECHNIQUES = (Variant(("S24", "S25"), "on the machine that the paper proposes"),)
 
 BUMPS, ROUGHNESS, ENVIRONMENT = "bumps", "roughness", "environment ahead"
 _NONE = TextureEnvironment(TextureEnvironmentMode.NONE)

@@ -21,7 +21,7 @@ from fixedpipe.effects.passes.draws import (
     REPLACE,
     copy_of_panel,
 )
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import Clear, CopyPixels, Draw, DrawPixels, HostStep, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import InternalFormat, PixelCopyType
 from fixedpipe.pipeline.pixel_transfer import PixelImage, PixelTransfer
@@ -33,7 +33,7 @@ from fixedpipe.pipeline.state import (
     TextureUnit,
 )
 
-TECHNIQUES = (AnotherWay(("K15",), "the copies of which such passes are made"),)
+TECHNIQUES = (Variant(("K15",), "the copies of which such passes are made"),)
 
 RED = ColorMask(green=False, blue=False, alpha=False)
 GREEN = ColorMask(red=False, blue=False, alpha=False)

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.passes.draws import at_pixel
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import Draw, DrawPixels, HostStep, Mesh, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import (
     PrimitiveType,
@@ -28,7 +28,7 @@ from fixedpipe.pipeline.pixel_transfer import PixelImage
 from fixedpipe.pipeline.state import PassState, Sampler, TextureEnvironment, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (AnotherWay(("K15",), "by the host, where a board has no pixel textures"),)
+TECHNIQUES = (Variant(("K15",), "by the host, where a board has no pixel textures"),)
 
 _WRAPS = (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE)
 

@@ -35,11 +35,11 @@ from fixedpipe.effects.reflectance.anisotropic_blinn_phong import combiners
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
 from fixedpipe.effects.reflectance.pixel_textures import UpTo
 from fixedpipe.effects.reflectance.sampled_functions import stored_exponent
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import HostStep
 from fixedpipe.pipeline.state import PassState
 
-TECHNIQUES = (AnotherWay(("K05", "K15"), "parameters by register combiners, the lookup by the host"),)
+TECHNIQUES = (Variant(("K05", "K15"), "parameters by register combiners, the lookup by the host"),)
 
 
 def _lobe_and_exponent():

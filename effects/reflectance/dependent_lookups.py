@@ -68,11 +68,11 @@ from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.lookup_framework import RESULT, STAGES
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT, SMALLEST_ALPHA
 from fixedpipe.effects.reflectance.sampled_functions import LARGEST_M, LARGEST_S_NL, sampled
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import CopyTexSubImage, TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (AnotherWay(("K01", "K05", "K09"), "on a GeForce 3, through a copy of the screen"),)
+TECHNIQUES = (Variant(("K01", "K05", "K09"), "on a GeForce 3, through a copy of the screen"),)
 
 TABLE_TEXELS = 256
 # F(N, e) is steep where e is near one: (sqrt e)^128 falls by half within 0.011.

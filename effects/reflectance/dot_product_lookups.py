@@ -42,12 +42,12 @@ from fixedpipe.effects.passes.draws import ADD, ADD_GATED, FIRST_PASS, LATER_PAS
 from fixedpipe.effects.passes.encoding import dot_product_texels, factor_texels, vector_colors
 from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stages
 from fixedpipe.effects.reflectance import brdfs
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (AnotherWay(("K03", "K05", "K06"), "on a GeForce 3, by a texture shader's dot products"),)
+TECHNIQUES = (Variant(("K03", "K05", "K06"), "on a GeForce 3, by a texture shader's dot products"),)
 
 # Two fifths of them are the lobe's where the smallest alpha is 1/4: 205 across. Assumed: a quarter of a
 # megabyte is small enough for a GeForce 3.

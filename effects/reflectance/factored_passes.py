@@ -60,13 +60,13 @@ from fixedpipe.effects.passes.encoding import factor_texels, vector_texels
 from fixedpipe.effects.reflectance import hemisphere_maps
 from fixedpipe.effects.reflectance.hemisphere_maps import Halves
 from fixedpipe.effects.reflectance.homomorphic_factors import HomomorphicFactors
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import Accum, Clear, Saturate, TexImage
 from fixedpipe.pipeline.enums import AccumOperation, BlendEquation, BlendFactor, InternalFormat, TextureTarget
 from fixedpipe.pipeline.state import Blending
 from fixedpipe.pipeline.textures.images import texture_2d, texture_cube_map
 
-TECHNIQUES = (AnotherWay(("H17", "H18"), "as passes of each machine"),)
+TECHNIQUES = (Variant(("H17", "H18"), "as passes of each machine"),)
 
 # The picture twice: a white draw adds what is there.
 _DOUBLE = Blending(BlendFactor.DST_COLOR, BlendFactor.ONE)

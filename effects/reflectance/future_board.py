@@ -62,13 +62,13 @@ from fixedpipe.effects.passes.draws import ADD, ADD_GATED, EDGE, FIRST_PASS, LAT
 from fixedpipe.effects.passes.encoding import factor_texels, vector_and_factor_texels, vector_colors
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.reflectance.material_textures import LARGEST_EXPONENT
-from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.effects.technique import Technique, Variant
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
     Technique("K17", "the board asked for: roots, quotients, exponentials, lookups in combiners", "5.1"),
-    AnotherWay(("K03", "K05", "K09", "K16"), "on the board that the paper asks for"),
+    Variant(("K03", "K05", "K09", "K16"), "on the board that the paper asks for"),
 )
 
 # ln s = -2 y (1 + LOG_3 y^2 + LOG_5 y^4) with y = (1 - s)/(1 + s); Taylor's are 1/3 and 1/5.

@@ -57,7 +57,7 @@ from fixedpipe.effects.passes.draws import (
 )
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.passes.host_images import HostImage, dot_product_transfer
-from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.effects.technique import Technique, Variant
 from fixedpipe.pipeline.commands import Mesh, TexImage
 from fixedpipe.pipeline.enums import BaseFormat, BlendFactor, InternalFormat, TextureFilter, WrapMode
 from fixedpipe.pipeline.pixel_transfer import PixelImage
@@ -67,7 +67,7 @@ from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
     Technique("K08", "Eq. 1 by the imaging subset: the colour matrix makes the dot products", "4.2"),
-    AnotherWay(("K10",), "by the imaging subset"),
+    Variant(("K10",), "by the imaging subset"),
 )
 
 # Assumed: entries of a colour table; any machine with one holds so many. 256 would cost |d| / 255 of accuracy

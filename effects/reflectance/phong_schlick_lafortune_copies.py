@@ -42,12 +42,12 @@ from fixedpipe.effects.reflectance.phong_schlick_lafortune import (
     schlick_t,
 )
 from fixedpipe.effects.reflectance.sampled_functions import stored_exponent
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.pixel_transfer import PixelImage, PixelTransfer
 from fixedpipe.pipeline.state import ColorMask
 
-TECHNIQUES = (AnotherWay(("K24",), "on the Octane, by pixel textures"),)
+TECHNIQUES = (Variant(("K24",), "on the Octane, by pixel textures"),)
 
 RED_GREEN = ColorMask(blue=False, alpha=False)
 

@@ -46,7 +46,7 @@ from fixedpipe.effects.passes.draws import (
     unit,
 )
 from fixedpipe.effects.passes.encoding import factor_texels
-from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.effects.technique import Technique, Variant
 from fixedpipe.pipeline.commands import Saturate, TexImage
 from fixedpipe.pipeline.enums import (
     CombineFunction,
@@ -60,7 +60,7 @@ from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
     Technique("K22", "plain multitexturing, found too limited: how far it comes", "5"),
-    AnotherWay(("K10",), "by unsigned texture environments"),
+    Variant(("K10",), "by unsigned texture environments"),
 )
 
 # What a stored one is worth: entries of M up to it, alpha from 0.5 on. RGB_SCALE goes no higher.

@@ -14,12 +14,12 @@ import numpy as np
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (AnotherWay(("S21", "S22", "S23"), "on machines, by tables of two numbers"),)
+TECHNIQUES = (Variant(("S21", "S22", "S23"), "on machines, by tables of two numbers"),)
 
 
 def table_places(texels):

@@ -21,9 +21,9 @@ from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering.curved_base import Base
 from fixedpipe.effects.scattering.ellipses import Ellipses
 from fixedpipe.effects.scattering.visibility import BACK, FREE, distances
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 
-TECHNIQUES = (AnotherWay(("G20",), "from what is seen on the flat base, moved by the curvature"),)
+TECHNIQUES = (Variant(("G20",), "from what is seen on the flat base, moved by the curvature"),)
 
 # The curvatures for which ellipses are fitted, in 1 / period. Measured: a groove, 100 directions; a fit's
 # radii go from one direction to the next, and at a tenth of one over the period that is as much as the bend.

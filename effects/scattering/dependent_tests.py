@@ -34,7 +34,7 @@ from fixedpipe.effects.scattering.height_field import HeightField, check_light
 from fixedpipe.effects.scattering.light_transport import WEIGHT
 from fixedpipe.effects.scattering.visibility import Visibility, free_view
 from fixedpipe.effects.scattering.visibility_textures import looked_up_size
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import (
     Accum,
     Clear,
@@ -50,7 +50,7 @@ from fixedpipe.pipeline.enums import AccumOperation, InternalFormat, PrimitiveTy
 from fixedpipe.pipeline.state import PassState, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (AnotherWay(("G06", "G11"), "on machines, pass by pass, in three kinds of sums"),)
+TECHNIQUES = (Variant(("G06", "G11"), "on machines, pass by pass, in three kinds of sums"),)
 
 # Names of textures: the light that is looked up, direct light, a term of the sum, and the result.
 LIGHT, DIRECT, TERM, RESULT = "L_d", "direct light", "term of the sum", "scattered light"

@@ -72,7 +72,7 @@ from fixedpipe.effects.passes.draws import (
 )
 from fixedpipe.effects.passes.encoding import vector_colors, vector_texels
 from fixedpipe.effects.passes.host_images import HostImage, dot_product_transfer
-from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.effects.technique import Technique, Variant
 from fixedpipe.pipeline.commands import Clear, TexImage
 from fixedpipe.pipeline.enums import BaseFormat, ComparisonFunction, InternalFormat
 from fixedpipe.pipeline.pixel_transfer import PixelImage, PixelTransfer
@@ -86,7 +86,7 @@ TECHNIQUES = (
     Technique("H48", "the test whether light lies in an ellipse, by register combiners", "3.1"),
     Technique("H49", "the test whether light lies in an ellipse, by the imaging subset", "3.1"),
     Technique("H45", "bump mapping by a colour matrix: an image of normals loaded through l", "3"),
-    AnotherWay(("K10",), "by the imaging subset, where a mark is"),
+    Variant(("K10",), "by the imaging subset, where a mark is"),
 )
 
 POSITIVE_ALPHA = AlphaTest(ComparisonFunction.GREATER, 0.0)

@@ -34,7 +34,7 @@ from fixedpipe.effects.scattering.dependent_tests import (
     rectangle,
     share_of,
 )
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     ColorMaterialParameter,
@@ -56,7 +56,7 @@ from fixedpipe.pipeline.state import (
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 
-TECHNIQUES = (AnotherWay(("G10",), "by offsets of a texture's coordinates, on a G400"),)
+TECHNIQUES = (Variant(("G10",), "by offsets of a texture's coordinates, on a G400"),)
 
 # The most texels along an edge; and the offset that leads beyond them all.
 MOST_TEXELS = 127

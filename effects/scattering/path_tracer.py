@@ -26,7 +26,7 @@ from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.scattering.directions import finite
 from fixedpipe.effects.scattering.light_transport import WEIGHT, reflected
 from fixedpipe.effects.scattering.visibility import BACK, FREE, check_same_texels, free_view
-from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.effects.technique import Technique, Variant
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.raster.kernel import kernel
 
@@ -34,7 +34,7 @@ TECHNIQUES = (
     Technique("G03", "paths of random directions over the stored visibility", "3"),
     Technique("G04", "indirect light from the nearest texel, or interpolated where the eye sees it", "3"),
     Technique("G05", "distribution ray tracing on the same data: several directions at every place", "3"),
-    AnotherWay(("G30",), "where a path meets nothing"),
+    Variant(("G30",), "where a path meets nothing"),
 )
 
 # Texture coordinates beyond this have no digits left to tell texels apart.

@@ -15,9 +15,9 @@ Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3 (two components a texel
 
 import numpy as np
 
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 
-TECHNIQUES = (AnotherWay(("G01",), "as textures of texture coordinates, of 8, 12 or 16 bits"),)
+TECHNIQUES = (Variant(("G01",), "as textures of texture coordinates, of 8, 12 or 16 bits"),)
 
 
 def codes(texels, size, bits=8):

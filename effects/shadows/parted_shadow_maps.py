@@ -15,12 +15,12 @@ from fixedpipe.effects.passes.arguments import checked_rgb, member_of, one_of, p
 from fixedpipe.effects.scenes.objects_and_lamps import Scene
 from fixedpipe.effects.shadows import cube_of_maps, frustum_slices, light_space, shadow_maps
 from fixedpipe.effects.shadows.lit_scene import SceneShading, unlit_pass
-from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.effects.technique import Technique, Variant
 
 TECHNIQUES = (
     Technique("Z13", "shadow maps with more texels", "Sampling problems"),
     Technique("Z16", "slices and light-space perspective together", "Sampling problems"),
-    AnotherWay(("Z11", "Z14", "Z15"), "the passes that draw with several maps"),
+    Variant(("Z11", "Z14", "Z15"), "the passes that draw with several maps"),
 )
 
 # Measured, on the avenue at 256 pixels and texels: of the pixels that face the light 0.11 % are in their own

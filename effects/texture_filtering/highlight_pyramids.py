@@ -54,14 +54,12 @@ from fixedpipe.effects.passes.encoding import dot_product_texels, vector_colors,
 from fixedpipe.effects.passes.texture_shaders import NO_TEXTURE, TEXTURE_STAGE, dot_product_stages
 from fixedpipe.effects.reflectance import rough_highlights as shine
 from fixedpipe.effects.reflectance.dot_product_lookups import centered_table
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.effects.texture_filtering.mipmapped_materials import texture_of_levels
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import TextureFilter
 
-TECHNIQUES = (
-    AnotherWay(("S21", "S22"), "by mip-maps of D^-1, dot products and a table, or of K and a divide"),
-)
+TECHNIQUES = (Variant(("S21", "S22"), "by mip-maps of D^-1, dot products and a table, or of K and a divide"),)
 
 
 class Roughness(StrEnum):

@@ -17,11 +17,11 @@ from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
-from fixedpipe.effects.technique import AnotherWay
+from fixedpipe.effects.technique import Variant
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.raster.kernel import kernel
 
-TECHNIQUES = (AnotherWay(("S22", "S29"), "by 256 highlights a pixel, over a plane"),)
+TECHNIQUES = (Variant(("S22", "S29"), "by 256 highlights a pixel, over a plane"),)
 
 # Samples along a pixel's edge.
 SIDE = 16

@@ -11,7 +11,7 @@ from fixedpipe.effects import technique
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.reflectance.brdfs import BRDFS
 from fixedpipe.effects.studies import STUDIES
-from fixedpipe.effects.technique import AnotherWay, Technique
+from fixedpipe.effects.technique import Technique, Variant
 from tests import techniques
 
 ROOT = Path(__file__).parents[2]
@@ -87,7 +87,7 @@ def test_every_technique_is_shown_by_a_figure():
 def test_another_way_is_to_what_another_module_is():
     owners = {technique.id: path for path, technique in techniques.claims()}
     for path, each in techniques.declared():
-        if isinstance(each, AnotherWay):
+        if isinstance(each, Variant):
             assert each.ids, path
             for identifier in each.ids:
                 assert owners.get(identifier, path) != path, f"{path}: no other module is {identifier}"
@@ -156,9 +156,9 @@ def test_an_id_of_no_paper_is_refused(identifier):
     with pytest.raises(ValueError, match="no technique's id"):
         Technique(identifier, "what", "1")
     with pytest.raises(ValueError, match="no technique's id"):
-        AnotherWay(("K07", identifier), "how")
+        Variant(("K07", identifier), "how")
 
 
 def test_ids_are_a_tuple():
     with pytest.raises(ValueError, match=r"The ids are 'K07'; give a tuple of them: \('K07',\)"):
-        AnotherWay("K07", "how")
+        Variant("K07", "how")
