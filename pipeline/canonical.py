@@ -25,7 +25,7 @@ _known: dict = dict(
     _CONSTANTS
 )  # id of an object: the object itself, which keeps its id, and the first equal one
 _by_value: dict = {}  # what an object is made of: the first that is
-_ways: dict = {}  # class: the _Way of its objects
+_layouts: dict = {}  # class: the _Layout of its objects
 
 
 class _NoStateError(Exception):
@@ -58,12 +58,14 @@ def _is_changed(state):
 def _first(value):
     """As ``canonical`` for what is not known; raises what taking apart something else raises."""
     kind = type(value)
-    if (way := _ways.get(kind)) is None:
-        way = _ways[kind] = _Row() if kind is tuple else _Member() if issubclass(kind, Enum) else _Way(kind)
-    key, made = way.apart(value)
+    if (layout := _layouts.get(kind)) is None:
+        layout = _layouts[kind] = (
+            _Row() if kind is tuple else _Member() if issubclass(kind, Enum) else _Layout(kind)
+        )
+    key, made = layout.apart(value)
     first = _by_value.get(key)
     if first is None:
-        first = way.checked(value, made)
+        first = layout.checked(value, made)
         if len(_by_value) >= _MOST:
             _by_value.clear()
             _forget()
@@ -115,7 +117,7 @@ def _inner(annotation):
     return annotation, several, optional
 
 
-class _Way:
+class _Layout:
     """How objects of a class are taken apart: into numbers (and tuples of them, and None), strings, enum
     members, and parts: states that may be missing or that many have in common, and tuples. What else it holds
     is looked through: the values of that are among the others.
