@@ -16,7 +16,7 @@ MOST_THREADS = 8
 
 
 @dataclass(frozen=True)
-class Way:
+class EngineChoice:
     """How frames are drawn: by which of ``pipeline.execution.machine.ENGINES``, and on how many threads."""
 
     engine: Engine | None
@@ -60,10 +60,12 @@ class Check:
         return f"DIFFERENT {what}: {len(self.failures)} of {self.frames} frames"
 
 
-def ways(threads: Sequence[int], engines: Sequence[Engine | None] = (None, "portable")) -> tuple[Way, ...]:
+def ways(
+    threads: Sequence[int], engines: Sequence[Engine | None] = (None, "portable")
+) -> tuple[EngineChoice, ...]:
     """Compiled engines on each number of threads; with several engines the column engine too, on one."""
-    columns = (Way("columns", 1),) if len(engines) > 1 else ()
-    return tuple(Way(engine, count) for engine in engines for count in threads) + columns
+    columns = (EngineChoice("columns", 1),) if len(engines) > 1 else ()
+    return tuple(EngineChoice(engine, count) for engine in engines for count in threads) + columns
 
 
 def usual_threads() -> tuple[int, ...]:
@@ -71,19 +73,22 @@ def usual_threads() -> tuple[int, ...]:
     return tuple(range(1, min(max(default_threads(), 2), MOST_THREADS) + 1))
 
 
-def draw(frame: Frame, way: Way) -> Drawn:
+def draw(frame: Frame, way: EngineChoice) -> Drawn:
     """The results of a frame that is drawn in this way."""
     window = {"engine": way.engine, "threads": way.threads, **frame.window}
     return drawn_by(execute(frame.commands, frame.profile, *frame.size, **window))
 
 
 def check_frames(
-    where: str, asked: Sequence[Way], frames: Iterable[Frame] = FRAMES, known: dict[str, Digest] | None = None
+    where: str,
+    asked: Sequence[EngineChoice],
+    frames: Iterable[Frame] = FRAMES,
+    known: dict[str, Digest] | None = None,
 ) -> tuple[Check, ...]:
-    """A Check for each Way. ``known``: other digests than the package's."""
+    """A Check for each EngineChoice. ``known``: other digests than those of the package."""
     known = accepted() if known is None else known
     frames = tuple(frames)
-    failures: dict[Way, list[str]] = {way: [] for way in asked}
+    failures: dict[EngineChoice, list[str]] = {way: [] for way in asked}
     for frame in frames:
         for way, sentence in _failures(frame, asked, known.get(frame.name)):
             failures[way].append(f"Frame {frame.name!r}, drawn by {way}, {where}: {sentence}")

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from fixedpipe.pipeline.selftest import checks, processes, processors, quick, run
-from fixedpipe.pipeline.selftest.checks import Check, Way, check_frames, ways
+from fixedpipe.pipeline.selftest.checks import Check, EngineChoice, check_frames, ways
 from fixedpipe.pipeline.selftest.digests import accepted
 from fixedpipe.pipeline.selftest.frames import FRAMES
 from fixedpipe.pipeline.selftest.processes import checks_elsewhere, checks_of, to_json
@@ -23,7 +23,7 @@ def wrong_portable(monkeypatch):
 
     def drawn(frame, way):
         made = draw(frame, way)
-        if way == Way("portable", 2):
+        if way == EngineChoice("portable", 2):
             made.color[5, 9, 1] ^= 4
         return made
 

@@ -6,7 +6,7 @@ import pytest
 
 from fixedpipe.pipeline.native import queue
 from fixedpipe.pipeline.native.threads import Threads
-from fixedpipe.pipeline.selftest.checks import MOST_THREADS, Way, draw, ways
+from fixedpipe.pipeline.selftest.checks import MOST_THREADS, EngineChoice, draw, ways
 from fixedpipe.pipeline.selftest.digests import accepted, digest_of, from_text, to_text
 from fixedpipe.pipeline.selftest.frames import FRAMES
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
@@ -45,7 +45,7 @@ def test_most_frames_are_shared_by_all_threads_that_are_asked_for(engine, monkey
     most = {}
     for frame in FRAMES:
         shared.clear()
-        draw(frame, Way(engine, MOST_THREADS))
+        draw(frame, EngineChoice(engine, MOST_THREADS))
         most[frame.name] = max(shared, default=1)
     bands = {frame.name: -(-frame.size[1] // BAND_HEIGHT) for frame in FRAMES}
     shared_by_all = [name for name in NAMES if most[name] == min(bands[name], MOST_THREADS)]
