@@ -271,7 +271,7 @@ def _by_unsigned_environments(surface, material, view, light, profile, parameter
 
 
 @dataclass(frozen=True)
-class Way:
+class BumpMapping:
     """One of the ways in which a machine draws a bumped mesh.
 
     title        in a few words, with the catalogue's ids
@@ -288,14 +288,16 @@ class Way:
 
 # The best that a machine has is taken.
 WAYS = (
-    Way(
+    BumpMapping(
         "register combiners (K10, K07)",
         _by_combiners,
         "two general combiners and two texture units",
         antialiased=True,
     ),
-    Way("imaging subset, flat triangles (K08)", _by_imaging_subset, "a colour matrix with colour tables"),
-    Way(
+    BumpMapping(
+        "imaging subset, flat triangles (K08)", _by_imaging_subset, "a colour matrix with colour tables"
+    ),
+    BumpMapping(
         "plain multitexturing, unsigned halves of signed products (K22)",
         _by_unsigned_environments,
         "texture environments and copies of the framebuffer",
