@@ -30,7 +30,7 @@ _FILES = "Give a MERL table (.binary) or an NPZ file with an array `samples` [n,
 _COMPARED = 16
 
 
-class Way(Enum):
+class Factorisation(Enum):
     """How a BRDF becomes textures."""
 
     HOMOMORPHIC = "homomorphic"
@@ -46,7 +46,7 @@ class Factored:
     """
 
     factors: object
-    way: Way
+    way: Factorisation
     error: float
 
 
@@ -135,9 +135,9 @@ def brdf_of(brdf):
 
 
 def _found(brdf, way, size, terms):
-    if way is Way.HOMOMORPHIC:
+    if way is Factorisation.HOMOMORPHIC:
         return homomorphic_factors.factored(brdf, size)
-    halves = Halves.HALFWAY_AND_DIFFERENCE if way is Way.HALFWAY else Halves.LIGHT_AND_VIEW
+    halves = Halves.HALFWAY_AND_DIFFERENCE if way is Factorisation.HALFWAY else Halves.LIGHT_AND_VIEW
     return separable_factors.factored(separable_factors.table(brdf, size, halves), terms)
 
 
@@ -152,7 +152,8 @@ def _error(factors, table):
 def factored(brdf, way=None, *, size=32, terms=2):
     """The Factored of a BRDF, or of a file's name.
 
-    way    a Way, or its text; None: that of the smallest error, of all three (Measured: 4 s for 32 texels)
+    way    a Factorisation, or its text; None: that of the smallest error, of all three (Measured: 4 s for 32
+           texels)
     size   texels along an edge of the factors' maps, from 4 to 64
     terms  products that separable factors add, from 1 to 8
 
@@ -160,11 +161,17 @@ def factored(brdf, way=None, *, size=32, terms=2):
     """
     brdf = brdf_of(brdf)
     if isinstance(way, str):
-        named = {each.value: each for each in Way} | {each.name.lower(): each for each in Way}
+        named = {each.value: each for each in Factorisation} | {
+            each.name.lower(): each for each in Factorisation
+        }
         if way not in named:
             raise ValueError(f"There is no way {way!r}; give one of {', '.join(map(repr, named))}.")
         way = named[way]
-    ways = tuple(Way) if way is None else (member_of(Way, way, "The way in which a BRDF is factored"),)
+    ways = (
+        tuple(Factorisation)
+        if way is None
+        else (member_of(Factorisation, way, "The way in which a BRDF is factored"),)
+    )
     compared = separable_factors.table(brdf, _COMPARED, Halves.LIGHT_AND_VIEW)
     best = None
     for each in ways:

@@ -34,7 +34,7 @@ from fixedpipe.effects.scenes.teapot import teapot
 from fixedpipe.effects.user_pictures import factored_brdf, probes
 from fixedpipe.effects.user_pictures.bumped_mesh import EYE, fitted
 from fixedpipe.effects.user_pictures.drawing import Drawing
-from fixedpipe.effects.user_pictures.factored_brdf import Factored, Way
+from fixedpipe.effects.user_pictures.factored_brdf import Factored, Factorisation
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 from fixedpipe.pipeline.validation.validate import validate
 
@@ -149,7 +149,10 @@ def factored(brdf, terms=None):
         return factored_brdf.factored(brdf)
     if isinstance(terms, bool) or not 1 <= terms <= MOST_TERMS:
         raise ValueError(f"{terms} terms are asked for; give 1 to {MOST_TERMS}.")
-    found = [factored_brdf.factored(brdf, way, terms=terms) for way in (Way.HALFWAY, Way.DIRECTIONS)]
+    found = [
+        factored_brdf.factored(brdf, way, terms=terms)
+        for way in (Factorisation.HALFWAY, Factorisation.DIRECTIONS)
+    ]
     return min(found, key=lambda each: each.error)
 
 
@@ -357,9 +360,9 @@ def passes_of(frame):
 
 def said_of(name, found):
     """What a Factored is drawn as, and how far it is from its reflectance: a line."""
-    terms = 1 if found.way is Way.HOMOMORPHIC else found.factors.terms
+    terms = 1 if found.way is Factorisation.HOMOMORPHIC else found.factors.terms
     products = f"{terms} term{'s' * (terms > 1)}"
-    if found.way is Way.HOMOMORPHIC:
+    if found.way is Factorisation.HOMOMORPHIC:
         products = "one product of three maps"
     return (
         f"{name}: {found.way.value}, {products}; RMS error of the factors {found.error:.3g} of the "
@@ -387,7 +390,7 @@ def can_draw(profile):
     """Whether a machine can draw factors under several lights: a small frame is validated."""
     size = 16
     maps = np.linspace(-0.5, 1.0, 2 * 4 * 4 * 3).reshape(2, 4, 4, 3)
-    found = Factored(SeparableFactors(Halves.LIGHT_AND_VIEW, maps, maps), Way.DIRECTIONS, 0.0)
+    found = Factored(SeparableFactors(Halves.LIGHT_AND_VIEW, maps, maps), Factorisation.DIRECTIONS, 0.0)
     lighting = replace(directional(((0.0, 0.0, 1.0), (0.0, 1.0, 1.0))), behind=np.ones_like)
     try:
         validate(commands(found, surfaces.plane(), lighting, profile, size, size), profile, size, size)

@@ -12,7 +12,7 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.scattering import merl
 from fixedpipe.effects.scattering.dense_brdf import DenseBRDF
 from fixedpipe.effects.user_pictures import factored_brdf
-from fixedpipe.effects.user_pictures.factored_brdf import Way
+from fixedpipe.effects.user_pictures.factored_brdf import Factorisation
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import PROFILES
 
@@ -78,15 +78,15 @@ def test_a_measured_table_is_finite(table, bad):
 
 def test_the_way_with_the_smallest_error_is_taken(file):
     found = factored_brdf.factored(str(file), size=16)
-    errors = {way: factored_brdf.factored(file, way, size=16).error for way in Way}
+    errors = {way: factored_brdf.factored(file, way, size=16).error for way in Factorisation}
     assert found.way is min(errors, key=errors.get)
     assert found.error == errors[found.way] < 0.1
     assert relative(found.factors.at(LIGHTS, VIEWS), Shiny().at(LIGHTS, VIEWS)) < 0.15
 
 
 def test_ways_have_names(file):
-    assert factored_brdf.factored(Shiny(), "homomorphic", size=8).way is Way.HOMOMORPHIC
-    assert factored_brdf.factored(Shiny(), "halfway", size=8, terms=1).way is Way.HALFWAY
+    assert factored_brdf.factored(Shiny(), "homomorphic", size=8).way is Factorisation.HOMOMORPHIC
+    assert factored_brdf.factored(Shiny(), "halfway", size=8, terms=1).way is Factorisation.HALFWAY
     with pytest.raises(ValueError, match="no way 'best'"):
         factored_brdf.factored(Shiny(), "best", size=8)
 
@@ -98,7 +98,7 @@ def test_a_file_is_drawn_on_a_mesh(machine, file):
     profile = PROFILES[machine]
     frame = (
         panel.clear(BACKGROUND),
-        *factored_brdf.commands(file, sphere(24, 13), view, light, profile, way=Way.HALFWAY),
+        *factored_brdf.commands(file, sphere(24, 13), view, light, profile, way=Factorisation.HALFWAY),
     )
     image = execute(frame, profile, 48, 48).framebuffer.color[::-1, :, :3] / 255.0
     # In the middle of the highlight, above the ball's own middle, and far below it.
@@ -121,7 +121,7 @@ def test_a_dense_grid_is_read_and_given(tmp_path):
     path = tmp_path / "even.npz"
     path.write_bytes(npz(samples=samples, other=np.zeros(2)))
     for given in (path, str(path), samples, DenseBRDF(samples)):
-        found = factored_brdf.factored(given, Way.DIRECTIONS, size=8, terms=1)
+        found = factored_brdf.factored(given, Factorisation.DIRECTIONS, size=8, terms=1)
         assert found.error < 1e-6
         assert np.abs(found.factors.at(LIGHTS, VIEWS) - 0.2).max() < 1e-6
 

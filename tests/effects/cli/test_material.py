@@ -14,14 +14,14 @@ from fixedpipe.effects.reflectance.brdfs import BRDFS
 from fixedpipe.effects.scattering import merl
 from fixedpipe.effects.user_pictures import factored_brdf, shown_material
 from fixedpipe.effects.user_pictures.drawing import drawn
-from fixedpipe.effects.user_pictures.factored_brdf import Way
+from fixedpipe.effects.user_pictures.factored_brdf import Factorisation
 from fixedpipe.pipeline.profiles import PROFILES
 from tests.effects.cli.test_cli import refusal_of, run
 
 SIZE = 96
 
 
-def quickly(brdf, way=Way.HALFWAY, terms=2):
+def quickly(brdf, way=Factorisation.HALFWAY, terms=2):
     """Factors with maps of half the size."""
     return factored_brdf.factored(brdf, way, size=16, terms=terms)
 
@@ -140,7 +140,7 @@ def test_factors_of_another_material_are_told(tmp_path):
 
 
 @pytest.mark.parametrize("key", PROFILES)
-@pytest.mark.parametrize("way", (Way.HALFWAY, Way.HOMOMORPHIC))
+@pytest.mark.parametrize("way", (Factorisation.HALFWAY, Factorisation.HOMOMORPHIC))
 def test_every_machine_draws_about_what_the_ideal_does(key, way, ward):
     found = quickly(ward, way)
     lighting = shown_material.directional([(-1.0, 1.0, 1.0), (1.0, 0.2, 0.7)], 0.6)
