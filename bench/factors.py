@@ -10,14 +10,14 @@ def measure(turns=3):
     from fixedpipe.effects.reflectance import homomorphic_factors, separable_factors
     from fixedpipe.effects.reflectance.brdfs import BRDFS
     from fixedpipe.effects.reflectance.hemisphere_maps import AnalyticBRDF
-    from fixedpipe.effects.reflectance.separable_factors import Way
+    from fixedpipe.effects.reflectance.separable_factors import Fit
 
     brdf = AnalyticBRDF(BRDFS["ward_bounded"], {"alpha_x": 0.2, "alpha_y": 0.5})
     table = separable_factors.table(brdf, SIZE)
     steps = {
         "three separable terms": lambda: separable_factors.factored(table, TERMS),
         "one separable term": lambda: separable_factors.factored(table, 1),
-        "one term by norms": lambda: separable_factors.factored(table, 1, Way.NORMS),
+        "one term by norms": lambda: separable_factors.factored(table, 1, Fit.NORMS),
         "homomorphic, samples included": lambda: homomorphic_factors.factored(brdf, SIZE),
         "the table's samples": lambda: separable_factors.table(brdf, SIZE),
     }

@@ -41,7 +41,7 @@ MOST_TERMS = 8
 LEAST_COSINE = 1e-3
 
 
-class Way(Enum):
+class Fit(Enum):
     """How a term is found."""
 
     SINGULAR_VALUES = "singular values"
@@ -218,20 +218,20 @@ def _by_norms(rest, weights):
     return u * largest, v / largest
 
 
-def factored(samples, terms=1, way=Way.SINGULAR_VALUES):
+def factored(samples, terms=1, way=Fit.SINGULAR_VALUES):
     """The SeparableFactors of a Table.
 
-    terms  products that are added; ``Way.NORMS`` has one
+    terms  products that are added; ``Fit.NORMS`` has one
 
     Raises ValueError for a number of terms that is not from 1 to 8, and for more than one by norms.
     """
-    way = member_of(Way, way, "The way in which factors are found")
-    most = MOST_TERMS if way is Way.SINGULAR_VALUES else 1
+    way = member_of(Fit, way, "The way in which factors are found")
+    most = MOST_TERMS if way is Fit.SINGULAR_VALUES else 1
     if isinstance(terms, bool) or int(terms) != terms or not 1 <= terms <= most:
         raise ValueError(f"{terms!r} terms by {way.value}; give a whole number from 1 to {most}.")
     rest, found = samples.samples, []
     for _ in range(int(terms)):
-        fit = _term if way is Way.SINGULAR_VALUES else _by_norms
+        fit = _term if way is Fit.SINGULAR_VALUES else _by_norms
         u, v = fit(rest, samples.weights)
         found.append((u, v))
         rest = rest - u[:, None] * v[None]

@@ -7,7 +7,7 @@ from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.reflectance import hemisphere_maps, homomorphic_factors, separable_factors
 from fixedpipe.effects.reflectance.brdfs import BRDFS
 from fixedpipe.effects.reflectance.hemisphere_maps import AnalyticBRDF, Halves
-from fixedpipe.effects.reflectance.separable_factors import Way
+from fixedpipe.effects.reflectance.separable_factors import Fit
 
 
 class Made:
@@ -80,9 +80,9 @@ def product(lights, views):
 
 def test_one_term_is_exact_for_a_product():
     table = separable_factors.table(Made(product), 16, Halves.LIGHT_AND_VIEW)
-    for way in Way:
+    for way in Fit:
         factors = separable_factors.factored(table, 1, way)
-        assert table.error(factors.values()) < 1e-9 or way is Way.NORMS
+        assert table.error(factors.values()) < 1e-9 or way is Fit.NORMS
         assert relative(factors.at(LIGHTS, VIEWS), product(LIGHTS, VIEWS)) < 0.01
         assert (factors.first >= 0.0).all() and (factors.second >= 0.0).all()
 
@@ -118,7 +118,7 @@ def test_each_term_makes_the_error_smaller():
     table = separable_factors.table(brdf, 16)
     errors = [table.error(separable_factors.factored(table, terms).values()) for terms in (1, 2, 3)]
     assert errors[0] > errors[1] > errors[2]
-    assert errors[0] < table.error(separable_factors.factored(table, 1, Way.NORMS).values())
+    assert errors[0] < table.error(separable_factors.factored(table, 1, Fit.NORMS).values())
 
 
 def test_a_highlight_is_a_function_of_the_halfway_vector():
@@ -195,7 +195,7 @@ def test_terms_are_whole_numbers(terms):
 def test_norms_have_one_term():
     table = separable_factors.table(Made(product), 4)
     with pytest.raises(ValueError, match="from 1 to 1"):
-        separable_factors.factored(table, 2, Way.NORMS)
+        separable_factors.factored(table, 2, Fit.NORMS)
 
 
 @pytest.mark.parametrize("smoothness", (0.0, -1.0, np.nan, np.inf))
