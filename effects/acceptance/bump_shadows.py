@@ -25,7 +25,7 @@ from fixedpipe.effects.scattering import (
 )
 from fixedpipe.pipeline.execution.machine import execute
 
-Way: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+LitTexels: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
 # Degrees above the horizon and round it, none along an azimuth of a horizon map.
 ELEVATIONS = (15.0, 30.0, 45.0, 60.0)
@@ -116,7 +116,7 @@ def ways_of_the_imaging_subset(field, count, profile):
     return {"ellipses": elliptic}
 
 
-def agreement(field, told: Mapping[str, Way], towards=None):
+def agreement(field, told: Mapping[str, LitTexels], towards=None):
     """Of every way, by its name, the share of the texels that face a light which it lights as rays do.
 
     field    a HeightField
