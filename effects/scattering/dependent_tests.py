@@ -1,8 +1,8 @@
 """G11 on machines: paths of bump mapping and dependent lookups, drawn texel by pixel, and their sum.
 
-The height field's square fills a panel of as many pixels as it has texels. A ``Way`` is how a machine draws
-the two things of which paths are made: bump mapping, and bump mapping times a lookup of the light that the
-texels seen along d_i send back. This module makes the paths of them, in the order of pass sequence A-G11.
+The height field's square fills a panel of as many pixels as it has texels. ``PathPasses`` are how a machine
+draws the two things of which paths are made: bump mapping, and bump mapping times a lookup of the light that
+the texels seen along d_i send back. This module makes the paths of them, in the order of pass sequence A-G11.
 
 Radiances are in units of what a white surface that faces the light sends back. The weight W of a path's step
 is 4 (``light_transport``), and light after so many steps may be so many times as large; textures hold 1 at
@@ -114,7 +114,7 @@ class Setup:
 
 
 @dataclass(frozen=True)
-class Way:
+class PathPasses:
     """How a machine draws what paths are made of. Each function returns commands.
 
     load      (setup, lit, numbers): textures of the field, and S_i of these directions

@@ -14,7 +14,7 @@ import numpy as np
 from fixedpipe.effects.passes.draws import MULTIPLY_DESTINATION
 from fixedpipe.effects.passes.software_pixel_texture import look_up
 from fixedpipe.effects.scattering import combiner_bumps, dependent_tests
-from fixedpipe.effects.scattering.dependent_tests import Way, added_as_texture, textured
+from fixedpipe.effects.scattering.dependent_tests import PathPasses, added_as_texture, textured
 from fixedpipe.effects.scattering.visibility_textures import coordinates, padded
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import HostStep, ReadPixels, TexImage
@@ -84,4 +84,4 @@ def gathered(setup, number, view, name, into):
     )
 
 
-WAY = Way(load, combiner_bumps.bumps, keep, gathered, looked_up, by_host=True)
+WAY = PathPasses(load, combiner_bumps.bumps, keep, gathered, looked_up, by_host=True)

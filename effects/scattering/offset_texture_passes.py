@@ -29,7 +29,7 @@ from fixedpipe.effects.scattering import dependent_tests
 from fixedpipe.effects.scattering.combiner_bumps import named
 from fixedpipe.effects.scattering.dependent_tests import (
     UP,
-    Way,
+    PathPasses,
     added_as_texture,
     rectangle,
     share_of,
@@ -201,4 +201,4 @@ def keep(setup, name):
     return (dependent_tests.kept(setup, name),)
 
 
-WAY = Way(load, bumps, keep, gathered, looked_up)
+WAY = PathPasses(load, bumps, keep, gathered, looked_up)

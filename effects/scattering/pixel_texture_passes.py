@@ -33,7 +33,7 @@ from fixedpipe.effects.passes.host_images import HostImage, dot_product_transfer
 from fixedpipe.effects.passes.pixel_texture_copies import tabulated, unchanged
 from fixedpipe.effects.scattering import dependent_tests
 from fixedpipe.effects.scattering.combiner_bumps import named
-from fixedpipe.effects.scattering.dependent_tests import Into, Way
+from fixedpipe.effects.scattering.dependent_tests import Into, PathPasses
 from fixedpipe.effects.scattering.visibility_textures import coordinates
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Clear, CopyPixels, DrawPixels, TexImage
@@ -187,4 +187,4 @@ def keep(setup, name):
     return (dependent_tests.kept(setup, name),)
 
 
-WAY = Way(load, bumps, keep, gathered, looked_up)
+WAY = PathPasses(load, bumps, keep, gathered, looked_up)

@@ -40,7 +40,7 @@ from fixedpipe.effects.passes.draws import NEAREST, unit
 from fixedpipe.effects.passes.texture_shaders import ALPHA_RED_STAGE, TEXTURE_STAGE
 from fixedpipe.effects.scattering import combiner_bumps, dependent_tests
 from fixedpipe.effects.scattering.combiner_bumps import ALBEDO, NORMALS
-from fixedpipe.effects.scattering.dependent_tests import Way, rectangle
+from fixedpipe.effects.scattering.dependent_tests import PathPasses, rectangle
 from fixedpipe.effects.scattering.visibility_textures import coordinates
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -133,4 +133,4 @@ def keep(setup, name):
     return (dependent_tests.kept(setup, name),)
 
 
-WAY = Way(load, combiner_bumps.bumps, keep, gathered, looked_up)
+WAY = PathPasses(load, combiner_bumps.bumps, keep, gathered, looked_up)

@@ -15,7 +15,7 @@ from fixedpipe.effects.scattering import (
     pixel_texture_passes,
     texture_shader_passes,
 )
-from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation, Setup, Way
+from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation, PathPasses, Setup
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.effects.scattering.height_field import check_light, height_field
 from fixedpipe.effects.scattering.visibility import precompute
@@ -33,13 +33,13 @@ class Drawn:
     """How machines draw scattered light.
 
     title        in a few words, with the catalogue's ids
-    way          a ``dependent_tests.Way``
+    way          its ``dependent_tests.PathPasses``
     most_texels  along an edge of the height field, a power of two: by its coordinates' bits
     needs        what a machine must have, in words
     """
 
     title: str
-    way: Way
+    way: PathPasses
     most_texels: int
     needs: str
 
