@@ -7,6 +7,9 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+from fixedpipe.effects import data_files
+from fixedpipe.effects.figures import identify
+
 _BELOW = "fixedpipe.effects."
 _ROOT = Path(__file__).parents[1]
 # What turns every figure into its record and pictures.
@@ -21,13 +24,23 @@ def inputs_of(module, what):
     what    the other words of the order: its id, machines, size, whether it is checked
 
     These are the sources of ``raster`` and ``pipeline``, those modules of ``effects`` that the figure's
-    module and the report of it import, by whatever way, the files of ``effects`` that are no modules, and the
-    versions of Python and of the packages that compute (docs/decisions/0022-figures-once-and-in-parallel.md).
+    module and the report of it import, by whatever way, what the data file says of the figure, the other
+    files of ``effects`` that are no modules, and the versions of Python and of the packages that compute
+    (docs/decisions/0022-figures-once-and-in-parallel.md).
     """
-    found = hashlib.sha256(f"{_common()}\n{what!r}\n".encode())
+    found = hashlib.sha256(f"{_common()}\n{what!r}\n{_said(module)!r}\n".encode())
     for name in sorted(_reached((module, *_DRAWS))):
         found.update(f"{name} {_read(name)[0]}\n".encode())
     return found.hexdigest()[:16]
+
+
+def _said(module):
+    """What the data file beside a figure's module says of it: texts; none where there is no such file."""
+    file = _file(module)
+    data = file and file.with_name("figures.toml")
+    if not (data and data.is_file()):
+        return ()
+    return data_files.sections_of(data).get(identify(module.rpartition(".")[2]), ())[1:]
 
 
 @cache
@@ -37,7 +50,8 @@ def _common():
     for package in _PACKAGES:
         found.update(f"{package} {metadata.version(package)}\n".encode())
     files = [path for package in ("raster", "pipeline") for path in (_ROOT.parent / package).rglob("*.py")]
-    files += [path for path in _ROOT.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc")]
+    others = (path for path in _ROOT.rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc"))
+    files += [path for path in others if path.name not in data_files.WORDS]
     for path in sorted(files, key=Path.as_posix):
         name = path.relative_to(_ROOT.parent).as_posix()
         found.update(f"{name} {hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
