@@ -2,11 +2,14 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.texture_filtering import stretched_writing as written
+
+DATA = figure_data(__file__, "F001-1")
 
 MACHINES = ("OPENGL_1_2", "TEXRAM", "GEFORCE_3", "NV2A")
 
@@ -28,22 +31,15 @@ def checks(figure, renderer):
     size = figure.size
     for on in Answer:
         image = renderer.window(on, figure, size)
-        yield Check("the stretch that is found by matching, off the figure's",
-                    abs(written.found_stretch(np.asarray(image)) - figure.values["stretch"]), at_most=0,
-                    on=on, reason="the catalogue's: whole numbers of the font's pixels")  # fmt: skip
+        yield DATA.check(
+            "the stretch that is found by matching, off the figure's",
+            abs(written.found_stretch(np.asarray(image)) - figure.values["stretch"]),
+            on,
+        )
 
 
 FIGURE = Figure(
-    id="F001-1",
-    title="A puzzle",
-    caption=(
-        "Writing eight times as high as it should be hardly reads; for an eye that looks along the page it "
-        "does (F001-2), or when the picture is tilted."
-    ),
-    must_see="Bars and slabs of ink in four rows, no words at a glance.",
-    source="Schilling1997",
-    techniques=("S01",),
-    panels=("from above",),
+    **DATA.words,
     parameters={
         "stretch": word.of(word.Whole(1, 8), written.STRETCH, "How many times too high the letters are."),
         "background": word.BACKDROP(BACKGROUND),

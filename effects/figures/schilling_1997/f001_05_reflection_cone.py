@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, VIOLET, YELLOW
@@ -18,6 +19,8 @@ from fixedpipe.effects.figures.schilling_1997.shared.bumpy_line import (
 )
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+
+DATA = figure_data(__file__, "F001-5")
 
 PANELS = ("smooth", "rough")
 # Half of what the pixel's beam meets of the surface, and how far it comes from.
@@ -135,19 +138,26 @@ def checks(figure, renderer):
     turns = turned(mirrored(incoming(angle), at), middle)
     edges = sorted(float(turned(edge, middle)) for edge in (low, high))
     share = float(((turns >= edges[0]) & (turns <= edges[1])).mean())
-    yield Check("share of 256 rays within the cone of a deviation, less 0.683", abs(share - 0.683),
-                at_most=0.08, on=Answer.IDEAL,
-                reason="that of normal slopes; twelve waves are nearly so")  # fmt: skip
+    yield DATA.check(
+        "share of 256 rays within the cone of a deviation, less 0.683", abs(share - 0.683), Answer.IDEAL
+    )
     twice = float(np.radians(turns.std()) / (2.0 * at.std()))
-    yield Check("deviation of the rays' angles over twice that of the slopes, less one", abs(twice - 1.0),
-                at_most=0.08, on=Answer.IDEAL, reason="a mirror turns twice; steep slopes less")  # fmt: skip
-    yield Check("I_1 of the pyramid - deviation of the slopes",
-                abs(mean_and_deviation(slope)[1] - float(at.std())), at_most=1e-12, on=Answer.IDEAL,
-                reason="the same, by halves")  # fmt: skip
+    yield DATA.check(
+        "deviation of the rays' angles over twice that of the slopes, less one",
+        abs(twice - 1.0),
+        Answer.IDEAL,
+    )
+    yield DATA.check(
+        "I_1 of the pyramid - deviation of the slopes",
+        abs(mean_and_deviation(slope)[1] - float(at.std())),
+        Answer.IDEAL,
+    )
     smooth = mirrored(incoming(angle), _feet(None, SAMPLES)[1])
-    yield Check("rays of the smooth surface: largest angle between two, degrees",
-                float(np.ptp(turned(smooth, smooth[0]))), at_most=1e-9, on=Answer.IDEAL,
-                reason="one direction")  # fmt: skip
+    yield DATA.check(
+        "rays of the smooth surface: largest angle between two, degrees",
+        float(np.ptp(turned(smooth, smooth[0]))),
+        Answer.IDEAL,
+    )
     views = [_view(panel) for panel in row_of_panels(2, figure.size // 2)]
     flat = cone(0.0, angle)[1]
     marks = [(0, views[0], BASE + 0.6 * flat, GREEN), (1, views[1], BASE + 0.7 * middle, GREEN)]
@@ -156,17 +166,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F001-5",
-    title="The reflection cone",
-    caption=(
-        "A pixel's beam meets a surface. Left all rays of the beam mirror one direction. Right bumps far "
-        "smaller than the pixel turn each ray elsewhere, and light from a cone reaches the pixel. The violet "
-        "cone has the mean slope and one deviation of slopes to both sides, which is all that roughness "
-        "keeps: two rays of three lie in it."
-    ),
-    must_see="Left parallel rays. Right rays in a fan, most in the violet cone round the green arrow.",
-    source="Schilling1997",
-    techniques=("S16", "S19"),
+    **DATA.words,
     panels=PANELS,
     parameters={
         "slope": word.of(word.Number(0.01, 0.3), 0.09, "The deviation of the rough surface's slopes."),

@@ -4,8 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import offset_vectors
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, INK, RED, VIOLET, YELLOW
@@ -13,6 +14,8 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+
+DATA = figure_data(__file__, "F001-6")
 
 EYE, CENTER, FIELD = (1.5, 1.9, 4.2), (-0.15, 0.45, 0.0), 32.0
 _HILL, _LIGHT = (0.38, 0.42, 0.52), normalize(np.array([-0.5, 0.7, 0.5]))
@@ -127,29 +130,21 @@ def checks(figure, renderer):
     _, f_u, f_v = _height(0.0, 0.0, height)
     up = n / np.sqrt((n * n).sum())
     product = cross(p_u + f_u * up, p_v + f_v * up)
-    yield Check(
+    yield DATA.check(
         "n' - (p_u + f_u n/|n|) x (p_v + f_v n/|n|), largest",
         float(np.abs(bumped - product).max()),
-        at_most=1e-6,
-        on=Answer.IDEAL,
-        reason="the catalogue's bound: Blinn's normal",
+        Answer.IDEAL,
     )
     apart = np.cross(bumped, _by_differences(height))
     sine = np.sqrt((apart * apart).sum() / ((bumped**2).sum() * (_by_differences(height) ** 2).sum()))
-    yield Check(
+    yield DATA.check(
         "angle of n' from the drawn surface's normal by differences, degrees",
         float(np.degrees(np.arcsin(sine))),
-        at_most=4.0,
-        on=Answer.IDEAL,
-        reason="the offset leaves out that n turns under the bump: its height times the surface's bend",
+        Answer.IDEAL,
     )
     # Uphill lies to the left: n' leans to the right, away from the hill (E001.9).
-    yield Check(
-        "n' along the way downhill, from n",
-        float(-(bumped - n) @ (f_u * p_u + f_v * p_v)),
-        at_least=0.01,
-        on=Answer.IDEAL,
-        reason="s_u points against u's direction: with its sign turned, bumps were dents (E001.9)",
+    yield DATA.check(
+        "n' along the way downhill, from n", float(-(bumped - n) @ (f_u * p_u + f_v * p_v)), Answer.IDEAL
     )
     view, here = _view(row_of_panels(1, figure.size // 2)[0]), points(0.0, 0.0, height)[1]
     yield from drawn_check(
@@ -165,20 +160,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F001-6",
-    title="A bump as an offset vector",
-    caption=(
-        "A surface p(u, v) and the hill that f makes of it. At the point the surface has the normal n; "
-        "derivatives f_u and f_v times the frame's vectors s_u and s_v are the offset vector, and with it n "
-        "becomes n', the hill's normal."
-    ),
-    must_see=(
-        "n upright; from its tip the blue and the green arrow; the red one, n', goes to their end and stands "
-        "across the hill. The dashed line is the surface under the hill."
-    ),
-    source="Schilling1997",
-    techniques=("S12", "S13"),
-    panels=("n, the offset and n'",),
+    **DATA.words,
     parameters={
         "height": word.NUMBER(0.42, "How high the hill is.", low=0.05, high=1.0),
         "background": word.BACKDROP(BACKGROUND),

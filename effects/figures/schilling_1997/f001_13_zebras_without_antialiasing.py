@@ -2,12 +2,15 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps.rough_mirrors import Antialiasing
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.schilling_1997.shared import zebras as the
 from fixedpipe.effects.geometry.views import row_of_panels
+
+DATA = figure_data(__file__, "F001-13")
 
 PANELS = ("without antialiasing", "bumps averaged alone")
 _WAYS = (Antialiasing.NONE, Antialiasing.MIP)
@@ -47,21 +50,13 @@ def checks(figure, renderer):
     for on in Answer:
         image = renderer.window(on, figure, size)
         error = root_mean_square((the.panel(image, 0) - truth)[full])
-        yield Check("without antialiasing: RMS from 256 samples over that with roughness", error / least,
-                    at_least=2.5, on=on, reason="the catalogue's bound")  # fmt: skip
+        yield DATA.check(
+            "without antialiasing: RMS from 256 samples over that with roughness", error / least, on
+        )
 
 
 FIGURE = Figure(
-    id="F001-13",
-    title="Zebras without antialiasing",
-    caption=(
-        "The plate of F001-12. Left level 0 of bumps and environment, in the pixel's middle: each pixel "
-        "mirrors one ray of many, and the stripes fall to pieces. Right bumps mip-mapped as if they were "
-        "colours: far away the plate becomes a flat mirror, sharper than it is."
-    ),
-    must_see="Left noise where F001-12 is soft; right stripes too sharp in the distance.",
-    source="Schilling1997",
-    techniques=("S09", "S08", "S29"),
+    **DATA.words,
     panels=PANELS,
     aspect=the.ASPECT,
     parameters=the.PARAMETERS,

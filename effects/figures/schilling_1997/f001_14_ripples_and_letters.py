@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.schilling_1997.shared import zebras as the
@@ -12,6 +13,8 @@ from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "F001-14")
 
 MACHINES = ("OPENGL_1_2", "GEFORCE_256")
 
@@ -48,21 +51,16 @@ def checks(figure, renderer):
     heights = _heights()
     size = 256
     image = np.asarray(renderer.window(Answer.MACHINE, figure, size))[..., 0]
-    yield Check("the picture - the heights, RMS", float(np.sqrt(((image - heights) ** 2).mean())),
-                at_most=0.5 / 255.0, on=Answer.MACHINE, reason="bytes, a texel a pixel")  # fmt: skip
+    yield DATA.check(
+        "the picture - the heights, RMS",
+        float(np.sqrt(((image - heights) ** 2).mean())),
+        Answer.MACHINE,
+        at_most=0.5 / 255.0,
+    )
 
 
 FIGURE = Figure(
-    id="F001-14",
-    title="Ripples and letters",
-    caption=(
-        "The heights of F001-12's bumps, a square that repeats: ripples about four places and a word that "
-        "stands out of them. High is light."
-    ),
-    must_see="Rings that run into each other, and ZEBRA across the middle.",
-    source="Schilling1997",
-    techniques=("S16",),
-    panels=("heights",),
+    **DATA.words,
     parameters={
         "slope": word.of(word.Number(0.01, 1.0), 0.3, "The deviation of the bump map's slopes."),
     },

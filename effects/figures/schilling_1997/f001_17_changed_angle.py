@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, VIOLET, YELLOW
@@ -12,6 +13,8 @@ from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.reflectance import rough_highlights as shine
 from fixedpipe.effects.reflectance.rough_highlights import Form
+
+DATA = figure_data(__file__, "F001-17")
 
 PANELS = ("less than one", "more than one")
 EYE, CENTER, FIELD = (1.4, 1.35, 3.6), (0.06, 0.42, 0.0), 30.0
@@ -114,22 +117,27 @@ def checks(figure, renderer):
     k = np.stack([matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 1, 1]], axis=-1)
     deviation = np.sqrt(np.einsum("ni,nij,nj->n", u, matrix, u))
     smaller = shine.squared_cosine(d, k, Form.CORRECTED) > np.cos(angle) ** 2
-    yield Check("random d and K: where a' < a and the deviation along d does not exceed one, or the reverse",
-                int((smaller != (deviation > 1.0)).sum()), at_most=0, on=Answer.IDEAL,
-                reason="tan a' = tan a / deviation (E001.11)")  # fmt: skip
+    yield DATA.check(
+        ("random d and K: where a' < a and the deviation along d does not exceed one, or the reverse"),
+        int((smaller != (deviation > 1.0)).sum()),
+        Answer.IDEAL,
+    )
     worst = 0.0
     for size in (0.1, 0.5, 1.0, 2.0):
         squared = shine.squared_cosine_isotropic(d, size)
         tangent = np.sqrt((1.0 - squared) / squared)
         worst = max(worst, float(np.abs(tangent * size / np.tan(angle) - 1.0).max()))
-    yield Check("isotropic: tan a' I_1 / tan a - 1, largest", worst, at_most=1e-12, on=Answer.IDEAL,
-                reason="the catalogue's bound")  # fmt: skip
+    yield DATA.check("isotropic: tan a' I_1 / tan a - 1, largest", worst, Answer.IDEAL)
     p = figure.values
     for name, deviations, sign in zip(PANELS, (p["small"], p["large"]), (1.0, -1.0), strict=True):
         h, turned, _ = changed(p["angle"], p["toward"], deviations)
         more = np.degrees(np.arccos(turned[2]) - np.arccos(h[2]))
-        yield Check(f"a deviation of {name}: a' beyond a, degrees, with the sign that it has", sign * more,
-                    at_least=5.0, on=Answer.IDEAL, reason="the arrows stand apart")  # fmt: skip
+        yield DATA.check(
+            "a deviation of {name}: a' beyond a, degrees, with the sign that it has",
+            sign * more,
+            Answer.IDEAL,
+            name=name,
+        )
     views = [_view(panel) for panel in row_of_panels(2, figure.size // 2)]
     marks = []
     for number, deviations in enumerate((p["small"], p["large"])):
@@ -141,17 +149,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F001-17",
-    title="The angle, changed by roughness",
-    caption=(
-        "The normal n, the halfway vector h with the angle a between them, and d, h seen from above. The "
-        "roughness K is an ellipse of slopes in the surface's plane. The angle's tangent is divided by the "
-        "deviation along d: where that is less than one, 45 degrees of slope, h counts as farther away, "
-        "where it is more as nearer."
-    ),
-    must_see="Left the ellipse is short along d and h' leans beyond h; right it is long, h' is nearer n.",
-    source="Schilling1997",
-    techniques=("S21", "S22"),
+    **DATA.words,
     panels=PANELS,
     parameters={
         "angle": word.of(word.Number(5.0, 80.0), 42.0, "The angle a.", "degrees"),

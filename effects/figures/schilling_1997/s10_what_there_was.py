@@ -2,14 +2,17 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import bump_baselines
 from fixedpipe.effects.environment_maps.rough_mirrors import Antialiasing, Mirror
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.schilling_1997.shared import lake as the
 from fixedpipe.effects.geometry.views import Panel, panel_of, row_of_panels
+
+DATA = figure_data(__file__, "S10")
 
 PANELS = ("a cone by curvature", "bumps, then a BRDF", "roughness", "64 normals of the ellipse")
 
@@ -54,33 +57,16 @@ def checks(figure, renderer):
         image = renderer.window(on, figure, size)
         panels = [panel_of(image, k) for k in range(4)]
         cone, switched, rough, traced = (root_mean_square((p - truth)[water]) for p in panels)
-        yield Check("roughness: RMS from 256 samples over the lake", rough, at_most=0.03, on=on,
-                    reason="the catalogue's bound of F001-10")  # fmt: skip
-        yield Check("cone by curvature: RMS over that of roughness", cone / rough, at_least=1.2, on=on,
-                    reason="what lies beneath a pixel is not in it; Assumed: a fifth is seen")  # fmt: skip
-        yield Check("bumps, then a BRDF: RMS over that of roughness", switched / rough, at_least=1.05, on=on,
-                    reason="one blend for waves of many lengths")  # fmt: skip
-        yield Check("64 normals: RMS over that of roughness", traced / rough, at_most=1.25, on=on,
-                    reason="the same ellipses, sampled")  # fmt: skip
+        yield DATA.check("roughness: RMS from 256 samples over the lake", rough, on)
+        yield DATA.check("cone by curvature: RMS over that of roughness", cone / rough, on)
+        yield DATA.check("bumps, then a BRDF: RMS over that of roughness", switched / rough, on)
+        yield DATA.check("64 normals: RMS over that of roughness", traced / rough, on)
         mean = [abs(float(p[far].mean() / truth[far].mean()) - 1.0) for p in panels]
-        yield Check("64 normals: mean of the far water over the truth's, less one", mean[3], at_most=0.05,
-                    on=on, reason="the catalogue's bound of F001-10")  # fmt: skip
+        yield DATA.check("64 normals: mean of the far water over the truth's, less one", mean[3], on)
 
 
 FIGURE = Figure(
-    id="S10",
-    title="What there was before",
-    caption=(
-        "The lake of F001-10. From the left a cone traced by the curvature that bumps of level 0 show in "
-        "each pixel; bumps near by and a BRDF of the whole map far away, blended between; roughness by "
-        "probes; a ray tracer with 64 normals of the same ellipses."
-    ),
-    must_see=(
-        "First noise in the distance. Second a soft column far away, single sparks near by, and little "
-        "between. Third a column of glitter from end to end, the fourth like it."
-    ),
-    source="Schilling1997",
-    techniques=("S10", "S11", "S20", "S24", "S29"),
+    **DATA.words,
     panels=PANELS,
     parameters={
         "first": word.of(word.Number(0.0, 8.0), 1.0, "The level up to which bumps alone are seen."),

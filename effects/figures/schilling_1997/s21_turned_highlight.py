@@ -6,9 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import principal_axis, root_mean_square
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import BLUE, INK
 from fixedpipe.effects.figures import parameters as word
@@ -20,6 +21,8 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_vie
 from fixedpipe.effects.reflectance import rough_highlight_passes as passes
 from fixedpipe.effects.reflectance import rough_highlights as shine
 from fixedpipe.effects.reflectance.rough_highlights import Form
+
+DATA = figure_data(__file__, "S21")
 
 ALL = "all bumps"
 PANELS = (*(form.value for form in Form), ALL)
@@ -137,38 +140,24 @@ def checks(figure, renderer):
             images[name] = np.where(grey, image[..., 0], 0.0)
             images[name][int(0.88 * size) :] = 0.0
         turned = {n: _between(principal_axis(_bright(image))[0], right) for n, image in images.items()}
-        yield Check(
+        yield DATA.check(
             "the printed highlight's axis, degrees from K's, off the angle of D^T D's",
             abs(turned[Form.PRINTED.value] - expected),
-            at_most=3.0,
-            on=on,
-            reason="E001.6: |D d| is the deviation along d of another matrix",
+            on,
         )
         for name in PANELS[1:]:
-            yield Check(f"{name}: the highlight's axis, degrees from K's", turned[name], at_most=3.0, on=on,
-                        reason="bumps that lean so are there")  # fmt: skip
+            yield DATA.check("{name}: the highlight's axis, degrees from K's", turned[name], on, name=name)
     tables = {name: _values(name, 64, **p) for name in PANELS}
     error = {n: root_mean_square(tables[n] - tables[ALL]) for n in PANELS[:3]}
-    yield Check("inverse: RMS from all bumps over the printed form's", error["inverse"] / error["printed"],
-                at_most=0.5, on=Answer.IDEAL, reason="where light goes")  # fmt: skip
+    yield DATA.check(
+        "inverse: RMS from all bumps over the printed form's",
+        error["inverse"] / error["printed"],
+        Answer.IDEAL,
+    )
 
 
 FIGURE = Figure(
-    id="S21",
-    title="A highlight that is turned",
-    caption=(
-        "A plate, brushed aslant, under a lamp; the dashed ellipse is the covariance K of its bumps' slopes, "
-        "where it is met. The angle between normal and halfway vector is changed by D, D D^T = K. With "
-        "|D d|, as printed, the highlight turns away from the slopes that there are; |D^T d| is the "
-        "deviation along d, and |D^-1 d| has the ellipse itself for contours. The last panel is the mean of "
-        "512 bumps' own highlights."
-    ),
-    must_see=(
-        "The first highlight turned by about 50 degrees from the ellipse; the others along it, the second "
-        "with a waist, the third and the last alike."
-    ),
-    source="Schilling1997",
-    techniques=("S21", "S23"),
+    **DATA.words,
     panels=PANELS,
     parameters={
         "long": word.of(word.Number(0.1, 0.6), 0.4, "The deviation of slopes across the scratches."),

@@ -4,8 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.surfaces import plane
@@ -21,6 +22,8 @@ from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.texture_filtering import highlight_pyramids, sampled_highlights
 from fixedpipe.effects.texture_filtering.highlight_pyramids import Roughness
 from fixedpipe.effects.texture_filtering.sampled_highlights import Ground
+
+DATA = figure_data(__file__, "S22")
 
 PANELS = (*(kind.value for kind in Roughness), "256 samples a pixel")
 _EYE, _FAR, _NEAR, _HALF_WIDTH = 1.0, 40.0, 1.2, 0.6
@@ -114,42 +117,28 @@ def checks(figure, renderer):
         error = {name: root_mean_square((images[name] - right)[full]) for name in PANELS[:3]}
         light = {name: float(images[name][full].mean() / right[full].mean()) for name in PANELS[:3]}
         width = {name: _width(images[name], far) / _width(right, far) for name in PANELS[:3]}
-        yield Check("mip-mapped bumps: light over that of 256 samples", light[none], at_least=1.4, on=on,
-                    reason="measured 1.7: a mirror, far away, that the lamp is in")  # fmt: skip
-        yield Check("mip-mapped bumps: width of the far highlight over the truth's", width[none],
-                    at_most=0.75, on=on, reason="what leans aside is averaged away")  # fmt: skip
+        yield DATA.check("mip-mapped bumps: light over that of 256 samples", light[none], on)
+        yield DATA.check("mip-mapped bumps: width of the far highlight over the truth's", width[none], on)
         for name in (isotropic, anisotropic):
-            yield Check(f"{name}: RMS from 256 samples over that of mip-mapped bumps",
-                        error[name] / error[none], at_most=0.5, on=on,
-                        reason="measured 0.37 to 0.41; what is left is near, where one level blurs both "
-                        "directions")  # fmt: skip
-            yield Check(f"{name}: light over that of 256 samples, off one", abs(light[name] - 1.0),
-                        at_most=0.1, on=on, reason="1 / (pi s_1 s_2) keeps it (E001.12)")  # fmt: skip
-        yield Check("with D: width of the far highlight over the truth's, off one",
-                    abs(width[anisotropic] - 1.0), at_most=0.2, on=on,
-                    reason="D knows that ripples lean less aside than away")  # fmt: skip
-        yield Check("with I_1: width of the far highlight over that with D",
-                    width[isotropic] / width[anisotropic], at_least=1.15, on=on,
-                    reason="I_1 takes the larger deviation for both")  # fmt: skip
+            yield DATA.check(
+                "{name}: RMS from 256 samples over that of mip-mapped bumps",
+                error[name] / error[none],
+                on,
+                name=name,
+            )
+            yield DATA.check(
+                "{name}: light over that of 256 samples, off one", abs(light[name] - 1.0), on, name=name
+            )
+        yield DATA.check(
+            "with D: width of the far highlight over the truth's, off one", abs(width[anisotropic] - 1.0), on
+        )
+        yield DATA.check(
+            "with I_1: width of the far highlight over that with D", width[isotropic] / width[anisotropic], on
+        )
 
 
 FIGURE = Figure(
-    id="S22",
-    title="Bumps too far to be seen",
-    caption=(
-        "A rippled plane under a lamp ahead. On the GeForce 3 each level of two mip-maps holds D^-1 and f, "
-        "and a table over D^-1 d, by two dot products, takes the divide's place; the future board divides "
-        "at every fragment. Far away ripples average to a flat "
-        "plane, and mip-mapped bumps make a mirror of it. The roughness has what was lost: I_1, the larger "
-        "deviation alone, spreads light to all sides alike, D less aside than away, as the ripples do. "
-        "Divided by pi s_1 s_2 the far highlight is as bright in all as the ripples' own."
-    ),
-    must_see=(
-        "First panel: far away a small blaze. Second and third: it is gone into a long dim track of light, "
-        "as in the last; the second's is too wide far away."
-    ),
-    source="Schilling1997",
-    techniques=("S19", "S21", "S22", "S29"),
+    **DATA.words,
     panels=PANELS,
     parameters={
         "bumps": word.of(

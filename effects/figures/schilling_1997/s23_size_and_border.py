@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.surfaces import sphere
@@ -10,6 +11,8 @@ from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.reflectance import rough_highlight_passes as passes
 from fixedpipe.effects.reflectance import rough_highlights as shine
+
+DATA = figure_data(__file__, "S23")
 
 EXPONENTS = (2, 4, 8)
 PANELS = (*(f"m = {exponent}" for exponent in EXPONENTS), "a table")
@@ -85,27 +88,14 @@ def checks(figure, renderer):
                 if name == PANELS[-1]:
                     least = np.degrees(np.arctan(deviation * np.sqrt(1.0 / _RIM[0] - 1.0)))
                     rim = max(rim, float(image[ball & (angle > least + 2.0)].max(initial=0.0)))
-        yield Check("where half of a highlight is left, off tan a = I_1 sqrt(2^(2/m) - 1), degrees", worst,
-                    at_most=0.3, on=on, reason="16 highlights, by their pixels; measured 0.02")  # fmt: skip
-        yield Check("the table: light two degrees beyond its rim", rim, at_most=0.02, on=on,
-                    reason="a table may end, a power cannot")  # fmt: skip
+        yield DATA.check(
+            "where half of a highlight is left, off tan a = I_1 sqrt(2^(2/m) - 1), degrees", worst, on
+        )
+        yield DATA.check("the table: light two degrees beyond its rim", rim, on)
 
 
 FIGURE = Figure(
-    id="S23",
-    title="What sizes a highlight",
-    caption=(
-        "Four balls in each panel, I_1 from 0.06 to 0.6. Where the roughness sizes the highlight, tan a' = "
-        "tan a / I_1, the exponent is one for all and shapes the border alone: drawn out with m = 2, "
-        "Trowbridge and Reitz's with m = 4, short with m = 8. A table of the cosine's square may have any: "
-        "here a disc that ends."
-    ),
-    must_see=(
-        "Highlights grow from ball to ball alike in all panels; from panel to panel their borders become "
-        "steeper, and in the last they have an edge."
-    ),
-    source="Schilling1997",
-    techniques=("S22", "S23"),
+    **DATA.words,
     panels=PANELS,
     parameters={
         "roughness": word.of(

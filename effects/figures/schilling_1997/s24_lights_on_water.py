@@ -4,9 +4,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import rough_mirrors
 from fixedpipe.effects.environment_maps import roughness_board_passes as board
 from fixedpipe.effects.environment_maps.environments import faces
@@ -18,6 +19,8 @@ from fixedpipe.effects.geometry.height_fields import hashed
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Panel, panel_of, perspective_view, row_of_panels
 from fixedpipe.effects.texture_filtering.stretched_writing import strip_of
+
+DATA = figure_data(__file__, "S24")
 
 PANELS = ("bumps averaged alone", "by level", "8 probes", "256 samples a pixel")
 MIRROR = rough_mirrors.Mirror(period=0.3)
@@ -100,31 +103,15 @@ def checks(figure, renderer):
     for on in Answer:
         image = renderer.window(on, figure, size)
         plain, level, probes = (root_mean_square(panel_of(image, k) - found) for k in range(3))
-        yield Check("8 probes: RMS from 256 samples", probes, at_most=0.05, on=on,
-                    reason="one probe of the ripples. Measured: 0.045")  # fmt: skip
-        yield Check("by level: RMS over that of 8 probes", level / probes, at_least=1.5, on=on,
-                    reason="the longer axis all round; Assumed: a half more is seen")  # fmt: skip
-        yield Check("bumps averaged alone: RMS over that of 8 probes", plain / probes, at_least=2.0, on=on,
-                    reason="lamps as in a calm; Assumed: twice is plain")  # fmt: skip
+        yield DATA.check("8 probes: RMS from 256 samples", probes, on)
+        yield DATA.check("by level: RMS over that of 8 probes", level / probes, on)
+        yield DATA.check("bumps averaged alone: RMS over that of 8 probes", plain / probes, on)
         mean = abs(float(panel_of(image, 2).mean() / found.mean()) - 1.0)
-        yield Check("8 probes: mean light over the truth's, less one", mean, at_most=0.05, on=on,
-                    reason="the catalogue's of F001-10's far water")  # fmt: skip
+        yield DATA.check("8 probes: mean light over the truth's, less one", mean, on)
 
 
 FIGURE = Figure(
-    id="S24",
-    title="Lights on rippled water",
-    caption=(
-        "A moon and four lamps over water, on the machine that the paper proposes: one pass, whose last "
-        "lookup goes by the pixel's footprint and by the roughness that an earlier unit has read. From the "
-        "left without roughness, at the level of the longer axis, by up to 8 probes along it, and the truth."
-    ),
-    must_see=(
-        "Left glitter that ends in the distance. Then a wide soft patch there; then a column that goes on, "
-        "as in the last panel."
-    ),
-    source="Schilling1997",
-    techniques=("S24", "S25", "S02", "S16", "S18"),
+    **DATA.words,
     panels=PANELS,
     parameters={
         "slope": word.of(word.Number(0.0, 0.25), 0.07, "The deviation of the ripples' slopes."),
