@@ -4,8 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -15,6 +16,8 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, orthograp
 from fixedpipe.effects.passes import pixel_texture_copies
 from fixedpipe.effects.passes.draws import EDGE
 from fixedpipe.effects.reflectance import dependent_lookups, lookup_framework
+
+DATA = figure_data(__file__, "F004-1")
 
 EYE = np.array([0.0, 0.0, 1.0])
 # The panels: textures, parameters, and these stages.
@@ -126,38 +129,34 @@ def checks(figure, renderer):
         picture, half = colors[..., 0], size // 2
         shown = [colors[j : j + half, i : i + half] for j in (0, half) for i in range(0, 2 * size, half)]
         f, g, result = (picture[:, k * size : (k + 1) * size] for k in range(2, 5))
-        yield Check(
+        yield DATA.check(
             "RMS of the dependent tables' result - direct evaluation in float",
             root_mean_square(result - expected),
+            on,
             at_most=1.0 / 128.0,
-            on=on,
-            reason="the catalogue's acceptance",
         )
-        yield Check(
+        yield DATA.check(
             "largest difference of the result from F(s, t) G(u, v), as drawn",
             float(np.abs(result - f * g).max()),
+            on,
             at_most=1.01 / 255.0,
-            on=on,
-            reason="the product is rounded once or twice" if on is Answer.MACHINE else "nothing is rounded",
         )
-        yield Check(
+        yield DATA.check(
             "smallest standard deviation of a texture's or parameter's small square",
             min(float(q.std(axis=(0, 1)).max()) for q in shown),
-            at_least=0.1,
-            on=on,
-            reason="all are there: t from 0.56 to 1, the others from 0 or nearly so",
+            on,
         )
     for name, function, table, edge in (
         ("F, t >= 1/16", lookup_framework.exponential, lookup_framework.exponential_table, 1.0 / 16.0),
         ("G", lookup_framework.root_of_power, lookup_framework.power_table, 0.0),
     ):
         error = _table_error(function, table(renderer.profile), edge)
-        yield Check(
-            f"RMS over the domain of the table of {name}, 256 x 256 and LINEAR",
+        yield DATA.check(
+            "RMS over the domain of the table of {name}, 256 x 256 and LINEAR",
             root_mean_square(error),
+            Answer.MACHINE,
             at_most=1.0 / 128.0,
-            on=Answer.MACHINE,
-            reason="the catalogue's acceptance",
+            name=name,
         )
 
 
@@ -174,22 +173,7 @@ def _table_error(function, table, edge):
 
 
 FIGURE = Figure(
-    id="F004-1",
-    title="How the method works: material textures, parameters, dependent lookups, combination",
-    caption=(
-        "From left to right: what texture memory holds, two material textures above and the sampled "
-        "functions F(s, t) = exp(s/t), over -s, and G(u, v) = sqrt(u^v) below; the four parameters -s, t, u "
-        "and v/8; F and G looked up at every pixel; their product. Three parameters are dot products of a "
-        "material texture with the light's or the viewer's vector, v is read."
-    ),
-    must_see=(
-        "Every tile has its name. The weave of the first material texture is seen in -s and F, the domes of "
-        "the second in t, u and G and, by t, fainter in F, v's slope from left to right in G; the result "
-        "has all three."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K01", "K15"),
-    panels=("texture memory", "-s, t, u, v/8", "F(s, t)", "G(u, v)", "product"),
+    **DATA.words,
     size=384,
     parameters={
         "map_size": word.TEXELS(256),

@@ -7,12 +7,15 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, IMAGING_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, perspective_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
+
+DATA = figure_data(__file__, "F004-3")
 
 
 def scratched_square(seed, count):
@@ -128,19 +131,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F004-3",
-    title="One square with scratches along both axes, three lights",
-    caption=(
-        "A single square whose material textures hold scratches along both axes, lit from +x (left), "
-        "from +y (middle) and from the top (right)."
-    ),
-    must_see=(
-        "Lit from one side, only the scratches across the light's direction are seen; lit from the top, "
-        "both sets are."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K07", "K08", "K10", "K21"),
-    panels=("light from +x", "from +y", "from the top"),
+    **DATA.words,
     parameters={
         "seed": word.SEED(7, "Which scratches there are."),
         "count": word.COUNT(30, "Scratches along each axis."),

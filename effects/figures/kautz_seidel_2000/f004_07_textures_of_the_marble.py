@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.kautz_seidel_2000.shared.own_marble import OWN, marble
 from fixedpipe.effects.geometry import surfaces
@@ -16,6 +17,8 @@ from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import TextureEnvironmentMode
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 from fixedpipe.pipeline.state import PassState, TextureEnvironment, VertexState
+
+DATA = figure_data(__file__, "F004-7")
 
 # The paper's board, then all others that draw at all.
 MACHINES = ("GEFORCE_256", *(key for key in PROFILES if key not in ("GEFORCE_256", "IDEAL")))
@@ -74,19 +77,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F004-7",
-    title="Material textures of the marble",
-    caption=(
-        "What is stored for the marble of F004-6: tangents divided by alpha_x (left) and binormals divided "
-        "by alpha_y (right), biased to colours."
-    ),
-    must_see=(
-        "Two images of the veins' network: the left one red and even but for the flanks of the veins, the "
-        "right one green and towards grey in the veins, where alpha_y is larger and the vector shorter."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K21",),
-    panels=("T/alpha_x", "B/alpha_y"),
+    **DATA.words,
     parameters=OWN,
     methods=(Method("texture environments", scene, MACHINES),),
     acceptance=checks,

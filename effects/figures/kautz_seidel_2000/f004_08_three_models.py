@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
@@ -25,6 +26,8 @@ from fixedpipe.effects.reflectance import (
     material_textures,
     pixel_textures,
 )
+
+DATA = figure_data(__file__, "F004-8")
 
 # The direction to the viewer, who is far away.
 VIEW = np.array([0.0, 0.0, 1.0])
@@ -368,20 +371,17 @@ def checks(figure, renderer):
         panels = {name: image[:, k * size : (k + 1) * size] for k, name in enumerate(MODELS)}
         for name in ("Blinn-Phong", "Ward"):
             ratio = highlight_ratio(panels[name], material)
-            yield Check(
-                f"{name}: half widths of the highlight over alpha_x / alpha_y, relative deviation",
+            yield DATA.check(
+                "{name}: half widths of the highlight over alpha_x / alpha_y, relative deviation",
                 abs(ratio / expected - 1.0),
-                at_most=0.1,
-                on=on,
-                reason="the catalogue's acceptance",
+                on,
+                name=name,
             )
         if on is Answer.IDEAL:
-            yield Check(
+            yield DATA.check(
                 "Banks: deviation from constant on the cones l.t = -v.t",
                 cone_deviation(panels["Banks"], material),
-                at_most=0.02,
-                on=on,
-                reason="the catalogue's acceptance; a step of the cones is 1/256",
+                on,
             )
         for name in MODELS:
             true = np.clip(radiance(name, material, _MEASURED["light"]), 0.0, 1.0)
@@ -391,26 +391,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F004-8",
-    title="The same bumps in three reflectance models",
-    caption=(
-        "One square with a slightly brushed bump map, lit from the upper right: Banks's model (left), the "
-        "anisotropic Blinn-Phong model (middle), Ward's (right). Thin white lines where bumps meet are "
-        "F004-2's rings, vectors filtered across a crease: on a GeForce 256 in the middle alone, for Banks "
-        "and Ward are a software renderer's, which evaluates first; on a GeForce 3, an NV2A and the future "
-        "board in the middle and on the right; on an Octane nowhere. Softer lines are the creases' own "
-        "highlights, for they are rounded. On a GeForce 256 the alphas are 0.25 and 0.625, for its textures "
-        "hold none below 0.25, and elsewhere 0.2 and 0.5: Ward's highlights, divided by their product, are "
-        "dimmer there, 0.64 as bright."
-    ),
-    must_see=(
-        "The same bumps three times. Banks: broad bands of light across the brushing, as bright far from the "
-        "light's side. Blinn-Phong and Ward: highlights narrow along the brushing and drawn out across it, "
-        "alike in shape, Ward's with soft edges."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K03", "K07", "K09", "K10", "K20"),
-    panels=("Banks", "Blinn-Phong", "Ward"),
+    **DATA.words,
     size=384,
     parameters={
         "map_size": word.TEXELS(256),

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.figures.kautz_seidel_2000.shared.brushed_sphere import BRUSHED_SPHERE
@@ -23,6 +24,8 @@ from fixedpipe.effects.reflectance import (
     material_textures,
 )
 from fixedpipe.effects.reflectance.material_textures import Brushing
+
+DATA = figure_data(__file__, "K04")
 
 
 def _material(columns, rows, spread, depth, k_s):
@@ -109,67 +112,31 @@ def checks(figure, renderer):
     x, y = pixel_grid(size, figure.values["radius"])
     inside = x * x + y * y < 0.9
     in_float = {**white, "model": "R*"}
-    for on, bound, reason in (
-        (
-            Answer.IDEAL,
-            0.0029,
-            "tangents are interpolated before they are used, and vectors over 3.6 degrees of turning frames; "
-            "measured at the first correct picture, with at most a third of slack",
-        ),
-        (
-            Answer.MACHINE,
-            0.0048,
-            "dot products of bytes, and three products, each rounded to a byte in the framebuffer or in a "
-            "register (0.0011 each, P32); measured at the first correct picture, at most a third of slack",
-        ),
-    ):
+    for on in Answer:
         image = renderer.window(on, figure, size, **in_float)[..., 0]
         error = root_mean_square((image[:, size:] - image[:, :size])[inside])
-        yield Check("RMS of the passes - R* in float", error, at_most=bound, on=on, reason=reason)
+        yield DATA.check("RMS of the passes - R* in float", error, on)
 
     # Light at right angles to the viewer: the cone l.t = -v.t is the meridian at 45 degrees, (v.t)^2 = 1/2.
     smooth = {**white, "spread": 0.0, "depth": 0.0, "k_s": (1.0, 1.0), "tilt": 0.0, "light": (1.0, 0.0, 0.0)}
     on_the_cone = (np.abs(y) < 0.5) & (np.abs(x - np.sqrt(0.5 * np.maximum(0.0, 1.0 - y * y))) < 0.01)
-    for on, darkest, peak, reason in (
-        (
-            Answer.IDEAL,
-            0.002,
-            0.002,
-            "R R - R* R* is x - x^2 with x = sqrt(1 - a^2) sqrt(1 - b^2): 1/4 at most",
-        ),
-        (Answer.MACHINE, 0.02, 0.01, "the same, and two bytes of either picture; a mean over a meridian"),
-    ):
+    for on, darkest, peak in ((Answer.IDEAL, 0.002, 0.002), (Answer.MACHINE, 0.02, 0.01)):
         image = renderer.window(on, figure, size, **smooth)[..., 0]
         exact, approximate = image[:, :size], image[:, size:]
         darker = (exact - approximate)[inside]
         ratio = float((approximate[on_the_cone] / exact[on_the_cone]).mean())
-        yield Check(
-            "R* - exact, largest", -float(darker.min()), at_most=darkest, on=on, reason="R* is never brighter"
-        )
-        yield Check("exact - R*, largest", float(darker.max()), at_most=0.25 + darkest, on=on, reason=reason)
-        yield Check(
+        yield DATA.check("R* - exact, largest", -float(darker.min()), on, at_most=darkest)
+        yield DATA.check("exact - R*, largest", float(darker.max()), on, at_most=0.25 + darkest)
+        yield DATA.check(
             "R* / exact on the cone l.t = -v.t where (v.t)^2 = 1/2, off 0.75",
             abs(ratio - 0.75),
+            on,
             at_most=peak,
-            on=on,
-            reason="the catalogue's computed peak; the exact model's is one",
         )
 
 
 FIGURE = Figure(
-    id="K04",
-    title="The Banks model without a dependent lookup",
-    caption=(
-        "A sphere brushed along its parallels in the Banks model. Left: the exact model, in software. Right: "
-        "R*(s) = 1 - s in the place of the square roots, by register combiners."
-    ),
-    must_see=(
-        "The same band of light along the meridian half way between light and viewer, drawn out across the "
-        "strokes; narrower and darker on the right."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K04", "K10", "K16"),
-    panels=("exact", "R* = 1 - s"),
+    **DATA.words,
     parameters={
         "single_pass": word.FLAG(
             False, "Whether the highlight is drawn in one pass, for which GeForce 256 has too few units."

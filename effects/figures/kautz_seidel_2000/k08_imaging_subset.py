@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry import surfaces
@@ -17,6 +18,8 @@ from fixedpipe.effects.reflectance.material_textures import Brushing
 from fixedpipe.pipeline.commands import DrawPixels
 from fixedpipe.pipeline.pixel_transfer import PixelImage
 from fixedpipe.pipeline.state import RasterPosition
+
+DATA = figure_data(__file__, "K08")
 
 
 def _sphere_at(size, radius):
@@ -101,59 +104,33 @@ def checks(figure, renderer):
     images = {on: renderer.window(on, figure, size, **changes)[..., 0] for on in Answer}
     for on, image in images.items():
         smooth, flat, lost = (image[:, k * size : (k + 1) * size] for k in range(3))
-        yield Check(
+        yield DATA.check(
             "largest step between pixels side by side, flat triangles over smooth",
             _largest_step(flat, inside) / _largest_step(smooth, inside),
-            at_least=4.0,
-            on=on,
-            reason="one halfway vector for each triangle: facets; a smooth highlight changes by a "
-            "seventh of a facet's step from pixel to pixel",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "light of the highlight, flat triangles over smooth: deviation from one",
             abs(float(flat[inside].sum() / smooth[inside].sum()) - 1.0),
-            at_most=0.1,
-            on=on,
-            reason="a facet has the value of its middle; as much as F004-4 allows the highlight's shape",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "least of the highlight without the bias where both products are negative",
             float(lost[negative].min()),
-            at_least=0.98,
-            on=on,
-            reason="P15: both squares are zero, and one is left; the smooth highlight is dark there",
+            on,
         )
-        yield Check(
-            "mean of the smooth highlight at the same pixels",
-            float(smooth[negative].mean()),
-            at_most=0.5,
-            on=on,
-            reason="Eq. 1, of which the highlight without the bias is another",
+        yield DATA.check(
+            "mean of the smooth highlight at the same pixels", float(smooth[negative].mean()), on
         )
-    yield Check(
+    yield DATA.check(
         "RMS of machine - ideal, the highlight alone",
         root_mean_square(images[Answer.MACHINE] - np.clip(images[Answer.IDEAL], 0.0, 1.0)),
-        at_most=0.004,
-        on=Answer.MACHINE,
-        reason="the catalogue's acceptance of Eq. 1 by the imaging subset (P16), whatever alpha is",
+        Answer.MACHINE,
     )
 
 
 FIGURE = Figure(
-    id="K08",
-    title="Eq. 1 by the imaging subset",
-    caption=(
-        "A sphere of few triangles, brushed along its parallels. Left: a halfway vector for every pixel, in "
-        "float. Middle: the imaging subset, with one for every triangle. Right: the same, its colour matrix "
-        "without the bias that keeps negative dot products."
-    ),
-    must_see=(
-        "In the middle the highlight of the left in facets. On the right it fills the quadrant in which both "
-        "dot products are negative and falls off on the other side alone."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K08", "K10", "K21"),
-    panels=("per pixel", "per triangle", "without bias"),
+    **DATA.words,
     parameters={
         "slices": word.SLICES(24),
         "stacks": word.STACKS(13),

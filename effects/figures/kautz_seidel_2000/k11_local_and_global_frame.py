@@ -2,15 +2,18 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, material_textures
 from fixedpipe.effects.reflectance.material_textures import Brushing
+
+DATA = figure_data(__file__, "K11")
 
 
 def scene(
@@ -48,41 +51,14 @@ def scene(
 def checks(figure, renderer):
     """Both frames give the same picture."""
     size = 256
-    for on, bound, reason in (
-        (
-            Answer.IDEAL,
-            0.0008,
-            "interpolating a halfway vector over 7 degrees of turning frames; zero for infinitely many "
-            "triangles",
-        ),
-        (
-            Answer.MACHINE,
-            0.0085,
-            "the two frames round different components to bytes: twice the pass's own error",
-        ),
-    ):
+    for on in Answer:
         image = renderer.window(on, figure, size)
         difference_of_frames = np.clip(image[:, :size], 0.0, 1.0) - np.clip(image[:, size:], 0.0, 1.0)
-        yield Check(
-            "RMS of local - global frame",
-            root_mean_square(difference_of_frames),
-            at_most=bound,
-            on=on,
-            reason=reason,
-        )
+        yield DATA.check("RMS of local - global frame", root_mean_square(difference_of_frames), on)
 
 
 FIGURE = Figure(
-    id="K11",
-    title="Local and global frame",
-    caption=(
-        "A sphere brushed along its parallels, its material textures in the local frame (left) and baked "
-        "in world coordinates (right)."
-    ),
-    must_see="The same picture twice.",
-    source="KautzSeidel2000",
-    techniques=("K11", "K07", "K10"),
-    panels=("local frame", "world frame"),
+    **DATA.words,
     parameters={
         "spread": word.SPREAD(8.0),
         "alpha_x": word.ALPHA_X(0.3),

@@ -9,6 +9,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -23,6 +24,8 @@ from fixedpipe.effects.reflectance import blinn_phong_by_host, brdfs, material_t
 from fixedpipe.effects.reflectance.pixel_textures import UpTo
 from fixedpipe.pipeline.commands import Clear, CopyPixels, HostStep
 from fixedpipe.pipeline.profiles import OCTANE
+
+DATA = figure_data(__file__, "K15")
 
 EYE = np.array([0.0, 0.0, 1.0])
 
@@ -167,20 +170,7 @@ def _last_clear(commands):
 
 
 FIGURE = Figure(
-    id="K15",
-    title="A dependent lookup by pixel textures, and by the host",
-    caption=(
-        "The anisotropic Blinn-Phong model on pebbles, whose exponent N is 2, 4, 8, 16 and 32 from left to "
-        "right. Left: what is copied, the texture coordinates s = log2(N)/7 in red and t = e in green and "
-        "blue. Middle: F(N, e) looked up. Right: times k_s, with the diffuse pass added."
-    ),
-    must_see=(
-        "The highlights are drawn out from left to right and wide in the left strip, and smaller and sharper "
-        "from strip to strip."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K05", "K15"),
-    panels=("s, e, e", "F(N, e)", "lit"),
+    **DATA.words,
     size=512,
     parameters={
         "map_size": word.TEXELS(256),
