@@ -5,7 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
@@ -22,6 +23,8 @@ from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType
 from fixedpipe.pipeline.state import AlphaTest, PassState, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "F002-2")
 
 RED, WHITE = (0.75, 0.14, 0.10), (0.8, 0.8, 0.8)
 # Towards the light of the field's picture.
@@ -150,54 +153,31 @@ def checks(figure, renderer):
         codes = np.floor(picture * one / 2.0 + 0.5).astype(np.int64)
         drawn = picture.max(axis=-1) > 0.0
         back = np.where(drawn, texels_seen(codes, texels, texels, values["bits"]), -1)
-        yield Check(
+        yield DATA.check(
             "texels whose picture does not lead to what is seen",
             int((back != np.maximum(seen, -1)).sum()),
-            at_most=0,
-            on=on,
-            reason="codes are read back without error, and where none is seen nothing is drawn",
+            on,
         )
     agree, apart, turned = _agreement(field, np.where(seen == BACK, -1, seen), direction)
-    yield Check(
-        "share of texels that see something, or nothing, as rays in small steps say",
-        agree,
-        at_least=1.0,
-        on=Answer.IDEAL,
-        reason="every texel",
+    yield DATA.check(
+        "share of texels that see something, or nothing, as rays in small steps say", agree, Answer.IDEAL
     )
-    yield Check(
-        "distance from where a ray ends to the texel that is stored, along an axis, in texels, at most",
+    yield DATA.check(
+        ("distance from where a ray ends to the texel that is stored, along an axis, in texels, at most"),
         apart,
+        Answer.IDEAL,
         at_most=0.5 + 1.0 / 32.0,
-        on=Answer.IDEAL,
-        reason="the nearest texel is half a texel away; the ray's steps are a 64th",
     )
-    yield Check(
-        "angle between d_i and the way to that texel, in angles of a texel at its distance, at most",
+    yield DATA.check(
+        ("angle between d_i and the way to that texel, in angles of a texel at its distance, at most"),
         turned,
-        at_most=1.5,
-        on=Answer.IDEAL,
-        reason="the catalogue's bound",
+        Answer.IDEAL,
     )
-    yield Check(
-        "share of texels that see another",
-        float((seen >= 0).mean()),
-        at_least=0.2,
-        on=Answer.IDEAL,
-        reason="one flank of two sees the other where it is low enough",
-    )
+    yield DATA.check("share of texels that see another", float((seen >= 0).mean()), Answer.IDEAL)
 
 
 FIGURE = Figure(
-    id="F002-2",
-    title="Which texel is seen: a visibility texture",
-    caption="S_i of the triangular height field: for every texel the coordinates of the texel that it sees "
-    "along d_i, s in red and t in green, twice as bright; black where it sees none. Beside it the field.",
-    must_see="Stripes along the ridges: black where a flank looks away or sees over the next ridge, else "
-    "red that steps from ridge to ridge and green that grows upwards.",
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G01", "G02"),
-    panels=("S_i", "the height field"),
+    **DATA.words,
     parameters={
         "texels": word.TEXELS(32, "The edge of the height field.", low=8, high=128),
         "ridges": word.of(word.Whole(1, 4), 4, "How many ridges there are."),

@@ -4,7 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, YELLOW
@@ -12,6 +13,8 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+
+DATA = figure_data(__file__, "F002-3")
 
 _GROUND = (0.23, 0.25, 0.29)
 # How long the pieces are that come from the light and go to the eye.
@@ -143,37 +146,24 @@ def checks(figure, renderer):
             apart = max(apart, float(np.abs(p + length * d - q).max()))
             shut += _first_below(q, to_light) is not None
         shut += _first_below(p, to_eye) is not None
-    yield Check(
+    yield DATA.check(
         "points q from where short steps on the ground's equation meet it, largest distance",
         apart,
-        at_most=0.01,
-        on=Answer.IDEAL,
-        reason="the drawn ground has corners, the equation none",
+        Answer.IDEAL,
     )
-    yield Check(
-        "paths that meet something in one way and nothing in the other, and pieces l and v that are not free",
+    yield DATA.check(
+        (
+            "paths that meet something in one way and nothing in the other, and pieces l and v "
+            "that are not free"
+        ),
         missed + shut,
-        at_most=0,
-        on=Answer.IDEAL,
-        reason="what is drawn is what is the case",
+        Answer.IDEAL,
     )
     own, same = both(values)
     angles = [{round(float(np.degrees(np.arctan2(*(q - p)[::-1]))), 6) for p, _, q in drawn if q is not None}
               for drawn in (own, same)]  # fmt: skip
-    yield Check(
-        "different directions from p to q by dependent tests",
-        len(angles[1]),
-        at_most=1,
-        on=Answer.IDEAL,
-        reason="the figure's: pieces of paths are the same for every point",
-    )
-    yield Check(
-        "different directions from p to q of random paths",
-        len(angles[0]),
-        at_least=4,
-        on=Answer.IDEAL,
-        reason="every point has its own",
-    )
+    yield DATA.check("different directions from p to q by dependent tests", len(angles[1]), Answer.IDEAL)
+    yield DATA.check("different directions from p to q of random paths", len(angles[0]), Answer.IDEAL)
     marks, size = [], figure.size // 2
     for number, drawn in enumerate((own, same)):
         view = _view(row_of_panels(2, size)[number])
@@ -185,20 +175,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F002-3",
-    title="The pieces of paths",
-    caption=(
-        "A cut through a height field: light arrives along l at q, goes on along -d_i to p, and along v to "
-        "the eye. By random paths every point p has a d_i of its own; by dependent tests "
-        "all points have the same, so that each piece is one operation for the whole field."
-    ),
-    must_see=(
-        "Right all red arrows are parallel, as yellow and blue ones are on both sides; left the red ones "
-        "are not."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G03", "G06"),
-    panels=("random paths", "dependent tests"),
+    **DATA.words,
     parameters={
         "points": word.of(
             word.Several((word.Number(-0.95, 0.95),) * 4),

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures import scattering_ways
@@ -18,6 +19,8 @@ from fixedpipe.effects.scattering.height_field import check_light
 from fixedpipe.effects.scattering.light_transport import bump
 from fixedpipe.effects.scattering.visibility import free_view
 from fixedpipe.pipeline.commands import DrawPixels, HostStep
+
+DATA = figure_data(__file__, "F002-4")
 
 # Lookups along the path; a panel for the first step, and one for each lookup.
 LOOKUPS = 3
@@ -149,13 +152,7 @@ def checks(figure, renderer):
         ("bump-mapping steps with l, from K + 1", steps, LOOKUPS + 1),
         ("dependent lookups, from K", lookups_of(commands), LOOKUPS),
     ):
-        yield Check(
-            f"difference of the {name}",
-            abs(found - wanted),
-            at_most=0,
-            on=Answer.MACHINE,
-            reason="the catalogue's: a step for each reflection, a lookup between two",
-        )
+        yield DATA.check("difference of the {name}", abs(found - wanted), Answer.MACHINE, name=name)
     edge = field.columns
     for on in Answer:
         window, errors, gains = renderer.window(on, figure, size, letters=False), [], []
@@ -166,41 +163,14 @@ def checks(figure, renderer):
             shown = window[low : low + span, k * size + left : k * size + left + span]
             errors.append(root_mean_square(shown - light_sent[np.ix_(texel, texel)]))
             gains.append(shown.mean())
-        yield Check(
-            "largest RMS of an L - the same step in float64",
-            max(errors),
-            at_most=1e-6 if on is Answer.IDEAL else 0.006,
-            on=on,
-            reason="nothing is rounded"
-            if on is Answer.IDEAL
-            else "each step rounds three or four times, and looks up what was rounded before",
-        )
-        yield Check(
-            "least gain of a later L's mean over the first's",
-            float(min(gains[1:]) - gains[0]),
-            at_least=0.01,
-            on=on,
-            reason="every lookup brings light to what sees something along its direction",
+        yield DATA.check("largest RMS of an L - the same step in float64", max(errors), on)
+        yield DATA.check(
+            "least gain of a later L's mean over the first's", float(min(gains[1:]) - gains[0]), on
         )
 
 
 FIGURE = Figure(
-    id="F002-4",
-    title="Several reflections in a chain",
-    caption=(
-        "Texture space, seen from above. The first panel is the light that every texel of the domes sends "
-        "back towards -d3; each next one looks it up where texels see each other along d3, d2 and d1, "
-        "multiplies it by bump mapping with a light along that direction, and adds the direct light again. "
-        "Beside L stand the S_k and the bump mapping that were used. The weight W of a direction is left "
-        "out, as in the paper's drawing."
-    ),
-    must_see=(
-        "Four L of the same domes; the later ones are brighter than the first where S_k has colours and the "
-        "bumps face dk; an arrow from each L to the next."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G06", "G08", "G09", "G10", "G11"),
-    panels=("first reflection", "lookup at S3", "lookup at S2", "lookup at S1"),
+    **DATA.words,
     size=512,
     parameters={
         "texels": texture_space.TEXELS,

@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures import scattering_ways
@@ -18,6 +19,8 @@ from fixedpipe.effects.scattering.height_field import check_light
 from fixedpipe.effects.scattering.light_transport import bump
 from fixedpipe.effects.scattering.visibility import free_view
 from fixedpipe.effects.scattering.visibility_textures import texels_seen
+
+DATA = figure_data(__file__, "F002-5")
 
 # What the panels show: textures' names.
 PICTURES = ("picture of S_i", "picture of L_d", "picture of L_d[S_i]", "picture of the product")
@@ -117,26 +120,20 @@ def checks(figure, renderer):
         # Shown are twice the codes: the field fills half of what is looked up.
         stored = np.floor(coordinates[..., :2] * 255.0 / 2.0 + 0.5).astype(np.int64)
         stored[seen < 0] = 255
-        yield Check(
+        yield DATA.check(
             "texels whose coordinates in S_i lead elsewhere than to what is seen",
             int((texels_seen(stored, size, size) != np.where(seen < 0, -1, seen)).sum()),
-            at_most=0,
-            on=on,
-            reason="a byte names one of 128 texels without error (P12)",
+            on,
         )
         gathered = light_sent.reshape(-1, 3)[np.maximum(seen, 0)] * (seen >= 0)[..., None]
-        yield Check(
+        yield DATA.check(
             "largest difference of L_d[S_i] from the light of the texels that are seen",
             float(np.abs(found - gathered).max()),
-            at_most=0.0,
-            on=on,
-            reason="a lookup is NEAREST and copies a texel",
+            on,
         )
         error = root_mean_square(result - product)
         if on is Answer.IDEAL:
-            yield Check(
-                "RMS of the product - float64", error, at_most=1e-6, on=on, reason="nothing is rounded"
-            )
+            yield DATA.check("RMS of the product - float64", error, on)
         else:
             yield Check(
                 "RMS of the product - float64",
@@ -145,30 +142,11 @@ def checks(figure, renderer):
                 on=on,
                 reason="one step of 255: normals, light and each factor are bytes",
             )
-    yield Check(
-        "share of texels that see another along d_i",
-        float((seen >= 0).mean()),
-        at_least=0.1,
-        on=Answer.IDEAL,
-        reason="else the pictures are black",
-    )
+    yield DATA.check("share of texels that see another along d_i", float((seen >= 0).mean()), Answer.IDEAL)
 
 
 FIGURE = Figure(
-    id="F002-5",
-    title="The dependent lookup: S_i reads L_d",
-    caption=(
-        "Texture space, seen from above. From left to right: S_i, for every texel p of the domes the place "
-        "of the texel q that is seen along d_i, s in red and t in green; L_d, the light that texels send "
-        "back; L_d[S_i], at every p the light of its q; that times the second reflection, whose light comes "
-        "from d_i. Arrows follow one p and its q."
-    ),
-    must_see=(
-        "S_i is black where nothing is seen. In L_d[S_i] the lit sides of the domes stand where other domes "
-        "and the ground see them, black where S_i is; in the product they fade with the bumps."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G01", "G08", "G09", "G10"),
+    **DATA.words,
     panels=NAMES,
     size=512,
     parameters={

@@ -4,7 +4,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, YELLOW
@@ -15,6 +16,8 @@ from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import ellipses, visibility
 from fixedpipe.effects.scattering.height_field import ridges
 from fixedpipe.effects.scattering.visibility import FREE
+
+DATA = figure_data(__file__, "F002-6")
 
 _COLUMNS = 32
 # In UNITs: of a dot, and of the ring that stands for a shadowed direction.
@@ -108,20 +111,19 @@ def checks(figure, renderer):
         along = (found[:, 0] - center[0]) * axis[0] + (found[:, 1] - center[1]) * axis[1]
         aside = (found[:, 0] - center[0]) * across[0] + (found[:, 1] - center[1]) * across[1]
         inside = (along / radii[0]) ** 2 + (aside / radii[1]) ** 2 <= 1.0
-        yield Check(
-            f"directions on their side of the ellipse, column {column} of {_COLUMNS}",
+        yield DATA.check(
+            "directions on their side of the ellipse, column {column} of {columns}",
             float((inside == free[:, column]).mean()),
-            at_least=0.9,
-            on=Answer.IDEAL,
-            reason="the catalogue's, of one texel of a V-groove",
+            Answer.IDEAL,
+            column=column,
+            columns=_COLUMNS,
         )
         cut = _cut_off(figure.values["angle"], column, found)
-        yield Check(
-            f"directions that a groove that goes on for ever hides, or not, as rays say, column {column}",
+        yield DATA.check(
+            ("directions that a groove that goes on for ever hides, or not, as rays say, column {column}"),
             float((cut == ~free[:, column]).mean()),
-            at_least=0.98,
-            on=Answer.IDEAL,
-            reason="by the angle of the two edges above the texel; a direction may graze one",
+            Answer.IDEAL,
+            column=column,
         )
         view = _view(row_of_panels(2, size)[number])
         # Marks that no other lies on: the middle of the centre's dot, a free direction outside of the rest.
@@ -153,20 +155,7 @@ def _cut_off(angle, column, found):
 
 
 FIGURE = Figure(
-    id="F002-6",
-    title="The ellipse of a texel's free directions",
-    caption=(
-        "The hundred directions of the upper hemisphere, seen from above, at two texels of a groove that "
-        "runs upwards in the picture: low in it and high on its left flank. The ellipse has the centre c "
-        "of those that are free, the axis a along which they spread, and the radii r1 and r2."
-    ),
-    must_see=(
-        "Dots fill the ellipse and rings lie outside of it, all but a few; left it is narrow and in the "
-        "middle, right it is wide and has moved away from the flank."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G14",),
-    panels=("low in a groove", "high on its flank"),
+    **DATA.words,
     parameters={
         "angle": word.DEGREES(45.0, "How steep the groove's flanks are.", low=5.0, high=80.0),
         "directions": word.of(

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, DASH, FAINT, GREEN, INK, RED, YELLOW
@@ -13,6 +14,8 @@ from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
 from fixedpipe.effects.scattering.curved_base import Base, moved
+
+DATA = figure_data(__file__, "F002-7")
 
 # Half the width of what is drawn of the ridges and their base, in periods; flanks of 45 degrees, one period.
 _REACH, _STEPS = 0.98, 120
@@ -112,32 +115,27 @@ def checks(figure, renderer):
             at_p, at_q = -math.asin(d[2]), math.asin(float(dot(d, up)))
             apart = max(apart, abs((at_p + at_q) / (sign * angle) - 1.0))
             half = max(half, abs(at_p / (0.5 * sign * angle) - 1.0))
-    yield Check(
-        "turn of d against the horizons of p and q together, beside curvature times distance: largest "
-        "relative error",
+    yield DATA.check(
+        (
+            "turn of d against the horizons of p and q together, beside curvature times "
+            "distance: largest relative error"
+        ),
         apart,
-        at_most=0.05,
-        on=Answer.IDEAL,
-        reason="small angles, at both signs",
+        Answer.IDEAL,
     )
-    yield Check(
-        "turn against the horizon of p alone, beside half of that: largest relative error",
-        half,
-        at_most=0.05,
-        on=Answer.IDEAL,
-        reason="a chord leaves an arc by half the angle that the arc turns by",
+    yield DATA.check(
+        "turn against the horizon of p alone, beside half of that: largest relative error", half, Answer.IDEAL
     )
     for curvature in figure.values["curvatures"]:
         base = Base((curvature, 0.0))
         p, q, _, _ = places(base, at)
         drawn = np.array([*(q - p), 0.0])
         expected = np.array([*in_panel(base, turned(base, at), -at), 0.0])
-        yield Check(
-            f"curvature {curvature:g}: angle between the arrow drawn and the direction that has turned",
+        yield DATA.check(
+            ("curvature {curvature:g}: angle between the arrow drawn and the direction that has turned"),
             _angle(drawn, expected),
-            at_most=1e-6,
-            on=Answer.IDEAL,
-            reason="one from the points, one from the direction and its distance",
+            Answer.IDEAL,
+            curvature=curvature,
         )
     yield from drawn_check(figure, renderer, _marks(figure))
 
@@ -157,21 +155,7 @@ def _marks(figure):
 
 
 FIGURE = Figure(
-    id="F002-7",
-    title="Directions turn on a curved base",
-    caption=(
-        "p sees q across a valley. On a flat base the direction d is the same wherever two points are so "
-        "placed; on a bent one (convex, concave) it turns, the more the farther q is. Blue, dashed: the flat "
-        "base's direction in the frame at p. Green: the base's normals."
-    ),
-    must_see=(
-        "Flat: the normals are parallel and d is level. Convex: the valley is wide, the normals spread, d "
-        "falls below the dashed direction. Concave: the valley is narrow, the normals lean together, d rises "
-        "above it."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G18",),
-    panels=("flat", "convex", "concave"),
+    **DATA.words,
     parameters={
         "curvatures": word.of(
             word.Several((word.Number(-0.9, 0.9),) * 3, what="three numbers from -0.9 to 0.9"),

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import INK, VISIBLE
@@ -17,6 +18,8 @@ from fixedpipe.effects.scattering import curved_base, height_field, visibility
 from fixedpipe.effects.scattering.curved_base import Base
 from fixedpipe.effects.scattering.directions import fan_areas, spiral
 from fixedpipe.pipeline.commands import Mesh
+
+DATA = figure_data(__file__, "F002-8")
 
 _TEXELS = 32
 # Where the eye is, and in which direction; y is up, as of every camera.
@@ -130,19 +133,16 @@ def checks(figure, renderer):
         bent, _, weights, seen = bent_texel(curvature, count, figure.values["texel"])
         areas = fan_areas(spiral(count), bent.triangles)
         if curvature == 0.0:
-            yield Check(
+            yield DATA.check(
                 "flat: largest difference of a direction's area from 4 pi / N",
                 float(np.abs(areas / per - 1.0).max()),
-                at_most=0.1,
-                on=Answer.IDEAL,
-                reason="the directions are even",
+                Answer.IDEAL,
             )
-        yield Check(
-            f"curvature {curvature:g}: the weighted areas beside 4 pi",
+        yield DATA.check(
+            "curvature {curvature:g}: the weighted areas beside 4 pi",
             abs(float((weights * areas).sum()) - 4.0 * math.pi),
-            at_most=0.001,
-            on=Answer.IDEAL,
-            reason="the triangles cover the sphere once",
+            Answer.IDEAL,
+            curvature=curvature,
         )
         if curvature == 0.0:
             continue
@@ -167,21 +167,7 @@ def _neighbours(triangles, of):
 
 
 FIGURE = Figure(
-    id="F002-8",
-    title="Directions on the sphere, bent",
-    caption=(
-        "The hundred directions of one texel near the bottom of a groove, triangulated, on a flat, a convex "
-        "and a concave base. Dots: something is seen there, and moves as the base bends; all others stay. "
-        "The colour says how the area round each direction, by which it counts, has changed."
-    ),
-    must_see=(
-        "Flat: even triangles, one grey. Convex: the dots have sunk; where they leave the sky above them "
-        "areas are larger, orange, and below they crowd, blue. Concave: the dots have risen, blue at the "
-        "sky and orange below."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G18", "G19"),
-    panels=("flat", "convex", "concave"),
+    **DATA.words,
     parameters={
         "curvatures": word.of(
             word.Several((word.Number(-0.9, 0.9),) * 3, what="three numbers from -0.9 to 0.9"),

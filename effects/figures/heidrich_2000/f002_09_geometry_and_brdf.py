@@ -2,10 +2,13 @@
 
 import math
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import ridged_body
 from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, panel_of, row_of_panels
+
+DATA = figure_data(__file__, "F002-9")
 
 PANELS = ("geometry without", "geometry with scattering", "BRDF without", "BRDF with scattering")
 
@@ -44,49 +47,36 @@ def checks(figure, renderer):
         for k, what in enumerate(("without", "with")):
             for part, where in enumerate(("above", "below")):
                 geometry, brdf = (means[panel][part] for panel in (k, k + 2))
-                yield Check(
-                    f"red over green {where} {what} scattering: geometry and BRDF differ by a share of",
+                yield DATA.check(
+                    "red over green {where} {what} scattering: geometry and BRDF differ by a share of",
                     abs((geometry[0] / geometry[1]) / (brdf[0] / brdf[1]) - 1.0),
-                    at_most=0.1,
-                    on=on,
-                    reason="the catalogue's: the mesh is masked by the depth buffer, the BRDF by rays over a "
-                    "flat field",
+                    on,
+                    where=where,
+                    what=what,
                 )
             energies = [ridged_body.luminance(panels[panel][ball].mean(axis=0)) for panel in (k, k + 2)]
-            yield Check(
-                f"mean luminance {what} scattering: geometry and BRDF differ by a share of",
+            yield DATA.check(
+                "mean luminance {what} scattering: geometry and BRDF differ by a share of",
                 abs(energies[0] / energies[1] - 1.0),
-                at_most=0.05,
-                on=on,
-                reason="the catalogue's: levels of detail that agree",
+                on,
+                what=what,
             )
         for first, name in ((0, "geometry"), (2, "the BRDF")):
-            yield Check(
-                f"how much scattering brings the colours of {name} together, a share",
+            yield DATA.check(
+                "how much scattering brings the colours of {name} together, a share",
                 1.0 - separation(*means[first + 1]) / separation(*means[first]),
-                at_least=0.15,
-                on=on,
-                reason="the catalogue's: red flanks that the light does not reach are lit by white ones",
+                on,
+                name=name,
             )
-    yield Check(
+    yield DATA.check(
         "red over green above, of the BRDF without scattering, by that below",
         float((means[2][0][0] / means[2][0][1]) / (means[2][1][0] / means[2][1][1])),
-        at_least=1.5,
-        on=Answer.MACHINE,
-        reason="above, the flanks that look down are seen, red ones; below, light reaches the white ones",
+        Answer.MACHINE,
     )
 
 
 FIGURE = Figure(
-    id="F002-9",
-    title="Geometry and its BRDF",
-    caption="A ball with ridges along its parallels. Flanks that look down are red, those that look up are "
-    "white; the light comes from above. Geometry, and a smooth ball with the BRDF that a virtual goniometer "
-    "measures of the ridges; without and with light that is scattered between the flanks.",
-    must_see="Without scattering reddish above and white below; with it more alike, and the red below. The "
-    "ridges' geometry and the BRDF have the same colours.",
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G01", "G02", "G06", "G22", "G24"),
+    **DATA.words,
     panels=PANELS,
     size=512,
     parameters=ridged_body.PARAMETERS,

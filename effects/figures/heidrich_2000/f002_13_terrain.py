@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -18,6 +19,8 @@ from fixedpipe.effects.scattering import ellipse_passes, visibility
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "F002-13")
 
 _BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 
@@ -189,55 +192,34 @@ def checks(figure, renderer):
                 picture = panel_of(window, 1).max(axis=-1)
                 found[elevation, azimuth] = _against_rays(picture, size, p, sun, colors)
         shares = [share for share, _, _ in found.values()]
-        yield Check(
+        yield DATA.check(
             "pixels that are lit as rays have it, mean of 16 suns from 15 to 60 degrees",
             sum(shares) / len(shares),
-            at_least=0.93,
-            on=on,
-            reason="the catalogue's bound, for suns 15 degrees high and more",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "the same, of the four suns 15 degrees high alone",
             sum(found[15.0, azimuth][0] for azimuth in _AZIMUTHS) / len(_AZIMUTHS),
-            at_least=0.86,
-            on=on,
-            reason="15 degrees are the outermost thirtieth of the disc, four bytes of the forms; measured at "
-            "the first correct picture, with a third of slack",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "pixels in shadow by rays that are found, of all of these",
             sum(dark for _, dark, _ in found.values()) / sum(every for _, _, every in found.values()),
-            at_least=0.6,
-            on=on,
-            reason="agreement of what is lit alone would be had without any shadow",
+            on,
         )
     drawn = [c.label for c in figure.commands(renderer.profile, 32, renderer.method) if isinstance(c, Draw)]
     last = len(drawn) - 1 - drawn[::-1].index("sky")
     imaging = renderer.method.scene is imaging_scene
-    yield Check(
+    yield DATA.check(
         "draws of the terrain after those that ambient light takes",
         len(drawn) - 1 - last - (2 if imaging else 1),
+        Answer.MACHINE,
         at_most=4 if imaging else 2,
-        on=Answer.MACHINE,
-        reason="the mark and the light: two passes, says the paper; the imaging subset has three draws "
-        "for the test, before ambient light, and multiplies by the ground's colours at the end",
     )
 
 
 FIGURE = Figure(
-    id="F002-13",
-    title="A terrain with the shadows of its bumps",
-    caption=(
-        "A lake before mountains: a coarse mesh, whose normals and ellipses are textures, under a low sun. "
-        "Left: bump mapping. Right: the same where the sun lies in the ellipses."
-    ),
-    must_see=(
-        "Right the slopes that mountains hide from the sun are dark, and shadows lie across the valleys "
-        "behind them; left only the slopes are dark that are turned away."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G14", "G15", "G16", "G35"),
-    panels=("bump mapping", "with bump shadows"),
+    **DATA.words,
     parameters={
         "sun": word.of(
             word.DIRECTION_KIND,

@@ -6,8 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -24,6 +25,8 @@ from fixedpipe.effects.scattering.path_tracer import Reconstruction
 from fixedpipe.effects.scattering.visibility import free_view, precompute
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "G03")
 
 NAMES = ("random paths", "several directions", "dependent tests")
 EYE = (0.0, -2.7, 2.7)
@@ -168,66 +171,39 @@ def checks(figure, renderer):
     )
     for name, picture in zip(NAMES[:2], (random, several), strict=True):
         error = (picture - all_of)[..., 1]
-        yield Check(
-            f"mean light by {name} less what all directions give, in standard errors: absolute",
+        yield DATA.check(
+            "mean light by {name} less what all directions give, in standard errors: absolute",
             float(abs(error.mean()) / (error.std() / np.sqrt(error.size))),
-            at_most=5.0,
-            on=Answer.IDEAL,
-            reason="texels have paths of their own, so their errors average out",
+            Answer.IDEAL,
+            name=name,
         )
     rough = [_roughness(picture - all_of) for picture in (random, several, dependent)]
     for name, value in zip(NAMES[:2], rough, strict=False):
-        yield Check(
-            f"errors' differences between neighbours, {name} over dependent tests",
+        yield DATA.check(
+            "errors' differences between neighbours, {name} over dependent tests",
             value / rough[2],
-            at_least=2.0,
-            on=Answer.IDEAL,
-            reason="noise; dependent tests err alike at neighbours, which take the same directions",
+            Answer.IDEAL,
+            name=name,
         )
     errors = [float(np.sqrt(((p - all_of) ** 2).mean())) for p in (random, dependent)]
-    yield Check(
-        "RMS error of dependent tests over that of as many random paths",
-        errors[1] / errors[0],
-        at_most=1.5,
-        on=Answer.IDEAL,
-        reason="as many directions: the errors are as large, they are only not noise",
+    yield DATA.check(
+        "RMS error of dependent tests over that of as many random paths", errors[1] / errors[0], Answer.IDEAL
     )
     size = _PART * _POINTS
     for on in Answer:
         window = renderer.window(on, figure, size)
         blocks, smooth = (_steps(panel_of(window, k)) for k in (3, 4))
-        yield Check(
-            "energy of steps at texels' borders, nearest over bilinear",
-            blocks[0] / smooth[0],
-            at_least=5.0,
-            on=on,
-            reason="the catalogue's (P13): at least five times; squares are seen",
+        yield DATA.check(
+            "energy of steps at texels' borders, nearest over bilinear", blocks[0] / smooth[0], on
         )
-        yield Check(
-            "energy of steps at texels' borders over that of others, bilinear",
-            smooth[0] / smooth[1],
-            at_most=1.5,
-            on=on,
-            reason="borders are as smooth as what is between; the nearest texel has sixty times as much",
+        yield DATA.check(
+            "energy of steps at texels' borders over that of others, bilinear", smooth[0] / smooth[1], on
         )
     yield arithmetic_check(figure, renderer, 0.004, "what the host computed is stored in bytes")
 
 
 FIGURE = Figure(
-    id="G03",
-    title="Random paths and dependent tests",
-    caption=(
-        "Domes by so few lookups that errors are seen: random paths, several random directions at every "
-        "place that they meet, and as many paths of dependent tests, whose directions all texels share. "
-        "Beside them the indirect light alone of 8 x 8 texels of a coarser field, brighter: of the nearest "
-        "texel, and between four."
-    ),
-    must_see=(
-        "Shadows are grainy in the first two panels and without grain in the third, which has edges of its "
-        "own instead; squares in the fourth, none in the fifth."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G03", "G04", "G05", "G06"),
+    **DATA.words,
     panels=(*NAMES, "nearest texel", "between four"),
     size=400,
     parameters={

@@ -6,8 +6,9 @@ from functools import cache
 import numpy as np
 
 from fixedpipe.effects.acceptance.bent_caster import BentCaster
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import pixel_grid
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import bent_ridges
@@ -28,6 +29,8 @@ from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import WrapMode
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "G20")
 
 # What is darker tells no shadow.
 _CLEARLY_LIT = 0.1
@@ -119,64 +122,35 @@ def checks(figure, renderer):
                 (test[k] * vector[0] + test[k + 1] * vector[1] + test[k + 2]) ** 2 for k in (0, 3)
             )
             away = clear & (np.abs(value) > (0.15 if on is Answer.MACHINE else 1e-3))
-            yield Check(
-                f"curvature {curvature:g}: pixels lit where the packed numbers say so, away from the edge",
+            yield DATA.check(
+                ("curvature {curvature:g}: pixels lit where the packed numbers say so, away from the edge"),
                 float((told == (value > 0.0))[away].mean()),
-                at_least=0.995,
-                on=on,
-                reason="Eq. 4 of the filtered numbers in float64; bytes move the edge",
+                on,
+                curvature=curvature,
             )
-            yield Check(
-                f"curvature {curvature:g}: pixels that are lit as rays say",
+            yield DATA.check(
+                "curvature {curvature:g}: pixels that are lit as rays say",
                 float((told == truly)[clear].mean()),
-                at_least=0.8,
-                on=on,
-                reason="an ellipse for a horizon with corners, linear in the curvature",
+                on,
+                curvature=curvature,
             )
             shares.append(float(told[clear].mean()))
             truths.append(float(truly[clear].mean()))
         growth, truth = np.diff(np.array(shares)[order]), np.diff(np.array(truths)[order])
-        yield Check(
-            "lit share: the least growth from one curvature to the next",
-            float(growth.min()),
-            at_least=0.01,
-            on=on,
-            reason="shadows shrink where valleys widen",
+        yield DATA.check(
+            "lit share: the least growth from one curvature to the next", float(growth.min()), on
         )
-        yield Check(
-            "lit share: its growth over that of rays",
-            float(growth.sum() / truth.sum()),
-            at_least=0.5,
-            on=on,
-            reason="what borders on the sky moves with the nearest point that is seen, which is nearer than "
-            "the rim is",
-        )
+        yield DATA.check("lit share: its growth over that of rays", float(growth.sum() / truth.sum()), on)
     flat = ellipses.rooted(five.flat)
-    yield Check(
+    yield DATA.check(
         "no curvature: largest difference of the packed numbers from the flat ellipses'",
         max(float(np.abs(a - b).max()) for a, b in zip(five.packed(0.0, 0.0), flat, strict=True)),
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason="nothing is added",
+        Answer.IDEAL,
     )
 
 
 FIGURE = Figure(
-    id="G20",
-    title="Ellipses by curvature",
-    caption=(
-        "Ridges as seen from above, under a low light from the right, on a concave, a flat and a convex "
-        "base. Their shadows are told by one ellipse a texel, whose numbers are linear in the curvature: "
-        "five were fitted. The line beside the bands is the lowest texel, whose horizon is none that an "
-        "ellipse can have."
-    ),
-    must_see=(
-        "The lit bands on the right flanks are narrowest on the concave base and widest on the convex one, "
-        "where shadows shrink towards the valleys."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G14", "G15", "G20"),
-    panels=("concave", "flat", "convex"),
+    **DATA.words,
     parameters={
         "curvatures": word.of(
             word.Several((word.Number(-0.9, 0.9),) * 3, what="three numbers from -0.9 to 0.9"),

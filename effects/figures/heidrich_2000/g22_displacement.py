@@ -5,8 +5,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
@@ -21,6 +22,8 @@ from fixedpipe.effects.scattering.displacement import relief
 from fixedpipe.effects.scattering.height_field import check_light
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "G22")
 
 EYE = (0.0, -4.3, 2.25)
 # Samples along a pixel's edge of the software renderer.
@@ -131,12 +134,10 @@ def checks(figure, renderer):
     """Both panels beside rays, what geometry hides and where it stands out, and the scattered light."""
     size = 128
     values = {name: value for name, value in figure.values.items() if name not in ("texels", "exposure")}
-    yield Check(
+    yield DATA.check(
         "share of texels where rays among the triangles and S_i disagree of shadow",
         _shadows_apart(values),
-        at_most=0.005,
-        on=Answer.IDEAL,
-        reason="the same triangles, so that rounding at grazing light alone differs",
+        Answer.IDEAL,
     )
     surfaces, light = _made(size, figure.values["texels"], figure.values["exposure"], **values)
     rays = [_seen_by_rays(surface, light, size) for surface in surfaces]
@@ -147,55 +148,35 @@ def checks(figure, renderer):
         covered = [np.abs(panel - background).max(axis=-1) > 1.0 / 255.0 for panel in panels]
         for what, panel, (seen, _) in zip(("geometry", "bump map"), panels, rays, strict=True):
             apart = np.abs(np.clip(panel, 0.0, 1.0) - seen).max(axis=-1)
-            yield Check(
-                f"{what}: share of pixels more than 0.05 from rays",
+            yield DATA.check(
+                "{what}: share of pixels more than 0.05 from rays",
                 float((apart > 0.05).mean()),
-                at_most=0.01,
-                on=on,
-                reason="outlines between pixels' centres, where a snapped vertex decides",
+                on,
+                what=what,
             )
         beyond = float((covered[0] & ~covered[1]).sum() / covered[1].sum())
         truth = float((rays[0][1] & ~rays[1][1]).sum() / rays[1][1].sum())
-        yield Check(
-            "outline: pixels of the geometry outside the plane's, of the plane's",
-            beyond,
-            at_least=0.03,
-            on=on,
-            reason=f"domes stand above the mean plane's far edge; by rays {truth:.3f}",
+        yield DATA.check(
+            "outline: pixels of the geometry outside the plane's, of the plane's", beyond, on, truth=truth
         )
         inner = covered[0] & covered[1]
-        yield Check(
+        yield DATA.check(
             "masking: share of common pixels that differ by more than 0.1",
             float((np.abs(panels[0] - panels[1]).max(axis=-1) > 0.1)[inner].mean()),
-            at_least=0.3,
-            on=on,
-            reason="domes hide the ground behind them and are seen from the side",
+            on,
         )
         without = renderer.window(on, figure, size, bounces=0)
         for number, what in enumerate(("geometry", "bump map")):
-            yield Check(
-                f"{what}: mean with scattering over the mean without",
+            yield DATA.check(
+                "{what}: mean with scattering over the mean without",
                 float(panels[number].mean() / panel_of(without, number).mean()),
-                at_least=1.05,
-                on=on,
-                reason="light is added, none is taken",
+                on,
+                what=what,
             )
 
 
 FIGURE = Figure(
-    id="G22",
-    title="A height field as geometry",
-    caption=(
-        "Domes with shadows and scattered light, from a low eye. Left as geometry, the triangles among which "
-        "the shadows were cast; right the same light as a bump map on the plane of their mean height."
-    ),
-    must_see=(
-        "Domes that hide the ground behind them and a wavy far outline on the left; a straight outline, and "
-        "domes that look pressed flat, on the right; shadows not black on both."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G01", "G02", "G22"),
-    panels=("geometry", "bump map"),
+    **DATA.words,
     parameters={
         "texels": word.of(word.Whole(16, 256, power=True), 256, "The field's edge, at most.", "texels"),
         "domes": word.of(word.Whole(1, 8), 4, "Domes along an edge."),

@@ -2,13 +2,16 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import ridged_body
 from fixedpipe.effects.geometry.views import BACKGROUND, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.scattering import levels
+
+DATA = figure_data(__file__, "G31")
 
 PANELS = ("geometry", "half and half", "bump map", "half and half", "BRDF")
 # Texels a pixel, for which the levels are chosen: well within each, and at the limits.
@@ -40,53 +43,35 @@ def checks(figure, renderer):
         panels = [panel_of(window, k) for k in range(len(PANELS))]
         energy = [ridged_body.luminance(panel[ball].mean(axis=0)) for panel in panels]
         for k, name in ((2, "the bump map"), (4, "the BRDF")):
-            yield Check(
-                f"mean luminance of {name} by that of geometry, from one",
+            yield DATA.check(
+                "mean luminance of {name} by that of geometry, from one",
                 abs(energy[k] / energy[0] - 1.0),
-                at_most=0.05,
-                on=on,
-                reason="the catalogue's. A bump map masks nothing: both flanks are seen alike. In this light "
-                "what it gains above it loses below, and not in any: over the ball it has 0.82 of the BRDF's "
-                "with a light 15 degrees high, 0.91 with 25, 1.08 with 40 (measured)",
+                on,
+                name=name,
             )
         for k, (a, b) in ((1, (0, 2)), (3, (2, 4))):
             low, high = sorted((energy[a], energy[b]))
-            yield Check(
-                f"luminance of panel {k + 1} outside of its neighbours', a share",
+            yield DATA.check(
+                "luminance of panel {n} outside of its neighbours', a share",
                 max(low - energy[k], energy[k] - high, 0.0) / energy[0],
-                at_most=0.03,
-                on=on,
-                reason="it is between two levels; lower ridges mask less, not half as much",
+                on,
+                n=k + 1,
             )
         for part, where in ((above, "above"), (below, "below")):
             red = [float(panel[part][:, 0].sum() / panel[part][:, 1].sum()) for panel in panels]
-            yield Check(
-                f"red over green {where}: geometry and BRDF differ by a share of",
+            yield DATA.check(
+                "red over green {where}: geometry and BRDF differ by a share of",
                 abs(red[4] / red[0] - 1.0),
-                at_most=0.1,
-                on=on,
-                reason="as F002-9's",
+                on,
+                where=where,
             )
         rough = [float(np.diff(panel.mean(axis=-1), axis=0)[ball[1:]].std()) for panel in panels]
-        yield Check(
-            "detail of the BRDF by that of the bump map",
-            rough[4] / rough[2],
-            at_most=0.1,
-            on=on,
-            reason="a BRDF has no ridges",
-        )
+        yield DATA.check("detail of the BRDF by that of the bump map", rough[4] / rough[2], on)
     yield arithmetic_check(figure, renderer, 0.02, "bytes of a texture, filtered with weights of 8 bits")
 
 
 FIGURE = Figure(
-    id="G31",
-    title="Levels of detail",
-    caption="A ball with ridges as geometry, with a bump map and by its BRDF, all with scattered light from "
-    "one visibility; between them, two levels in equal parts.",
-    must_see="Ridges that stand out, ridges that are painted on, and none; the colours and the brightness of "
-    "the whole stay, but a bump map does not hide the flanks that look away.",
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G01", "G02", "G06", "G22", "G24", "G31"),
+    **DATA.words,
     panels=PANELS,
     size=384,
     parameters={**ridged_body.PARAMETERS, "light": word.LIGHT((-0.28, 0.53, 0.8))},

@@ -8,8 +8,9 @@ from functools import cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, dot, sine
@@ -21,6 +22,8 @@ from fixedpipe.effects.scattering.curved_base import Base
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import WrapMode
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "G36")
 
 _NEAR, _FAR = np.array((0.90, 0.88, 0.82)), np.array((0.85, 0.13, 0.08))
 _LIGHT = (0.35, 0.0, 0.94)
@@ -126,52 +129,24 @@ def checks(figure, renderer):
             pixels = panel_of(image, number).reshape(-1, 3)
             found.append(redness(pixels[np.abs(pixels - np.array(BACKGROUND)).max(axis=-1) > 0.02]))
         full, small, moved, flat = found
-        yield Check(
-            "displaced texels: share of far sides beside rays'",
-            abs(full - truth),
-            at_most=0.01,
-            on=on,
-            reason="the same triangles",
+        yield DATA.check("displaced texels: share of far sides beside rays'", abs(full - truth), on)
+        yield DATA.check(
+            "bump map alone: share of far sides over that of the displaced texels", flat / full, on
         )
-        yield Check(
-            "bump map alone: share of far sides over that of the displaced texels",
-            flat / full,
-            at_least=1.5,
-            on=on,
-            reason="nothing hides them",
-        )
-        yield Check(
+        yield DATA.check(
             "coarse mesh with the bump map: part of that excess which is left",
             (small - full) / (flat - full),
-            at_most=0.5,
-            on=on,
-            reason="sixteen cells have the bumps' own shape, but for their creases",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "bump map redistributed: difference from the displaced texels, of that excess",
             abs(moved - full) / (flat - full),
-            at_most=0.1,
-            on=on,
-            reason="each texel takes as much of the picture as is seen of it",
+            on,
         )
 
 
 FIGURE = Figure(
-    id="G36",
-    title="Masking",
-    caption=(
-        "Bumps from a low eye, their near sides white, their far sides red. Displaced texels hide what bumps "
-        "hide of each other; a coarse mesh of 16 x 16 cells with a bump map hides most of that, and has the "
-        "outline; a bump map whose texels are redistributed hides as much, on a plane; a bump map alone "
-        "hides nothing."
-    ),
-    must_see=(
-        "Little red on the first panel, and a wavy outline; a little more red on the second, with an outline "
-        "of few corners; as little red on the third, whose outline is straight; red on half of the fourth."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G36",),
-    panels=("displaced", "coarse mesh, bump map", "bump map, redistributed", "bump map"),
+    **DATA.words,
     parameters={
         "texels": word.of(word.Whole(32, 128, power=True), 64, "The edge of the field.", "texels"),
         "height": word.NUMBER(0.14, "The bumps' height, of the field's edge.", low=0.01, high=0.3),
