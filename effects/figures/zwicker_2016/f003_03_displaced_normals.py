@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import normal_maps
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, VIOLET, YELLOW
@@ -16,6 +17,8 @@ from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_o
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.state import PassState
+
+DATA = figure_data(__file__, "F003-3")
 
 # The drawn displacement map: samples along both edges, and the one whose normal is derived (column, row).
 SAMPLES, CHOSEN = 8, (3, 5)
@@ -240,53 +243,22 @@ def checks(figure, renderer):
     marks += [(2, graph, place, YELLOW) for place in _plotted()]
     analytic = np.array([1.0, *(-float(s) for s in slopes(u, v))])
     return (
-        Check(
-            "error ratio when du halves, largest - 4",
-            float(np.abs(ratios - 4.0).max()),
-            at_most=0.4,
-            on=Answer.IDEAL,
-            reason="the catalogue's: O(du^2)",
+        DATA.check(
+            "error ratio when du halves, largest - 4", float(np.abs(ratios - 4.0).max()), Answer.IDEAL
         ),
-        Check(
-            "error ratio on the finest grids - 4",
-            abs(float(ratios[-1]) - 4.0),
-            at_most=0.01,
-            on=Answer.IDEAL,
-            reason="the series' next term is a sixteenth of the first one's each time",
-        ),
-        Check(
+        DATA.check("error ratio on the finest grids - 4", abs(float(ratios[-1]) - 4.0), Answer.IDEAL),
+        DATA.check(
             "the drawn normal's cosine to the analytic one",
             float((n * normalize(analytic)).sum()),
-            at_least=0.99,
-            on=Answer.IDEAL,
-            reason="eight samples of two waves",
+            Answer.IDEAL,
         ),
-        Check(
-            "the drawn normal times the drawn differences, largest",
-            lean,
-            at_most=1e-12,
-            on=Answer.IDEAL,
-            reason="it is their cross product",
-        ),
+        DATA.check("the drawn normal times the drawn differences, largest", lean, Answer.IDEAL),
         *drawn_check(figure, renderer, marks),
     )
 
 
 FIGURE = Figure(
-    id="F003-3",
-    title="Normals of a displacement map",
-    caption=(
-        "A displacement map over (u, v) with the differences at one sample and their cross product; the cut "
-        "along u; and the largest error of the slopes on ever finer grids."
-    ),
-    must_see=(
-        "The yellow normal stands on the red and the green difference; in the cut the dashed line through "
-        "the sample has the chord's slope and touches the curve; the errors follow the dashed line of slope "
-        "two, a quarter at every halving."
-    ),
-    source="Zwicker2016",
-    techniques=("Z01",),
-    panels=("displacement map", "cut along u", "largest error"),
+    **DATA.words,
     size=512,
     parameters={
         "background": word.BACKDROP(BACKGROUND),

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import normal_maps
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
@@ -12,6 +13,8 @@ from fixedpipe.effects.passes.draws import NEAREST, REPLACE, draw, unit
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "F003-4")
 
 
 def rosette(edge):
@@ -76,46 +79,34 @@ def checks(figure, renderer):
     shown = [np.abs(panel_of(picture, k) - image).max() for k, image in enumerate(images)]
     read = normal_maps.decode(panel_of(picture, 2) + 0.0)
     return (
-        Check(
+        DATA.check(
             "normals - those of the surface's tangents, largest component",
-            float(np.abs(normals - true).max()), at_most=1e-12, on=Answer.IDEAL,
-            reason="float64: the printed cross product, re-ordered, is (-d_u, -d_v, 1)",
+            float(np.abs(normals - true).max()),
+            Answer.IDEAL,
         ),
-        Check("share of flat texels", float(flat.mean()), at_least=0.2, on=Answer.IDEAL,
-              reason="what is between the domes"),
-        Check(
+        DATA.check("share of flat texels", float(flat.mean()), Answer.IDEAL),
+        DATA.check(
             "flat texels - (128, 128, 255), largest, as the machine shows them",
-            float(np.abs(panel_of(picture, 2)[flat] - np.array([128.0, 128.0, 255.0])).max()), at_most=1e-6,
-            on=Answer.MACHINE, reason="half of 255 rounds upwards: the catalogue's",
+            float(np.abs(panel_of(picture, 2)[flat] - np.array([128.0, 128.0, 255.0])).max()),
+            Answer.MACHINE,
         ),
-        Check(
+        DATA.check(
             "the same of the document's order - (255, 128, 128)",
-            float(np.abs(panel_of(picture, 1)[flat] - np.array([255.0, 128.0, 128.0])).max()), at_most=1e-6,
-            on=Answer.MACHINE, reason="the height is the first component (E003.1)",
+            float(np.abs(panel_of(picture, 1)[flat] - np.array([255.0, 128.0, 128.0])).max()),
+            Answer.MACHINE,
         ),
-        Check(
-            "decode error, largest component", float(np.abs(read - true).max()), at_most=1.0 / 255.0 + 1e-9,
-            on=Answer.MACHINE, reason="half a byte of 2/255: the catalogue's",
+        DATA.check(
+            "decode error, largest component",
+            float(np.abs(read - true).max()),
+            Answer.MACHINE,
+            at_most=1.0 / 255.0 + 1e-9,
         ),
-        Check("the picture - what is stored, bytes", float(max(shown)), at_most=1e-6, on=Answer.MACHINE,
-              reason="a texture that replaces: the same bytes"),
-    )  # fmt: skip
+        DATA.check("the picture - what is stored, bytes", float(max(shown)), Answer.MACHINE),
+    )
 
 
 FIGURE = Figure(
-    id="F003-4",
-    title="Normals as colours",
-    caption=(
-        "A displacement map; its normals as RGB in the order in which the document derives them, height "
-        "first; and in the order of tangent space, height last."
-    ),
-    must_see=(
-        "Left a grey medal; in the middle the same in reds, right in the blues of normal maps; what is flat "
-        "is one colour, (255, 128, 128) and (128, 128, 255)."
-    ),
-    source="Zwicker2016",
-    techniques=("Z01", "Z02"),
-    panels=("displacement", "(h, u, v)", "(u, v, h)"),
+    **DATA.words,
     parameters={
         "height_field": own_maps.height_field("the medal", repeats=False),
         "height_scale": own_maps.HEIGHT_SCALE(0.1),

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, VIOLET, YELLOW
@@ -16,6 +17,8 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, sl
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import cosine, dot, from_frame, normalize, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
+
+DATA = figure_data(__file__, "F003-5")
 
 NORMALS = "normal map of studs"
 # Studs round the half cylinder and along it, and the samples of one row of them that are drawn.
@@ -197,69 +200,32 @@ def checks(figure, renderer):
     x, y = np.floor(drawing.project(lit, points)[:, :2]).astype(int).T
     seen = panel_of(renderer.machine_window(figure, size), 2)[y, x]
     return (
-        Check(
-            "cosine to the surface's normal - that of the map's normal, largest",
-            float(lean),
-            at_most=2e-6,
-            on=Answer.IDEAL,
-            reason="sines and cosines are rounded to 2^-20",
+        DATA.check(
+            "cosine to the surface's normal - that of the map's normal, largest", float(lean), Answer.IDEAL
         ),
-        Check(
-            "turn from one stud to the next - 60 degrees, largest",
-            float(turned),
-            at_most=1e-3,
-            on=Answer.IDEAL,
-            reason="equal in the map, turned with the surface in the world",
-        ),
-        Check(
+        DATA.check("turn from one stud to the next - 60 degrees, largest", float(turned), Answer.IDEAL),
+        DATA.check(
             "tangents from the texture coordinates . the circle's, smallest",
             float(dot(surface.tangents, around).min()),
-            at_least=0.9998,
-            on=Answer.IDEAL,
-            reason="averaged over two flat triangles of 1.9 degrees; at the ends, of one",
+            Answer.IDEAL,
         ),
         *drawn_check(figure, renderer, marks),
-        Check(
-            "t - differences of the row's places, largest",
-            float(np.abs(along - t).max()),
-            at_most=2e-4,
-            on=Answer.IDEAL,
-            reason="places are rounded to 2^-20, and lie 2 pi/512 apart",
+        DATA.check(
+            "t - differences of the row's places, largest", float(np.abs(along - t).max()), Answer.IDEAL
         ),
-        Check(
-            "b - n x t, largest",
-            float(np.abs(np.cross(n, t) - b).max()),
-            at_most=2e-6,
-            on=Answer.IDEAL,
-            reason="right-handed, sines and cosines as above",
-        ),
-        Check(
-            f"{len(wanted)} places of the lit studs - the equations, RMS",
+        DATA.check("b - n x t, largest", float(np.abs(np.cross(n, t) - b).max()), Answer.IDEAL),
+        DATA.check(
+            "{n} places of the lit studs - the equations, RMS",
             root_mean_square(seen - wanted),
-            at_most=0.014,
-            on=Answer.MACHINE,
-            reason="the pixel's middle lies beside the place, and "
-            "vectors are chords, to the eighth power; a third of slack",
+            Answer.MACHINE,
+            n=len(wanted),
         ),
         arithmetic_check(figure, renderer, 0.003, POWER_8),
     )
 
 
 FIGURE = Figure(
-    id="F003-5",
-    title="Normals relative to a curved surface",
-    caption=(
-        "A row of a bump map's normals in tangent space; the same row on a cylinder, where each is relative "
-        "to the local tangent, bi-tangent and normal; and the map lit on the cylinder."
-    ),
-    must_see=(
-        "The same fans of yellow arrows over a straight and over a bent line; the red, green and violet "
-        "frames turn with the surface; right two studs from the front and four from aside, all lit from the "
-        "upper left."
-    ),
-    source="Zwicker2016",
-    techniques=("Z03", "Z04", "Z07"),
-    panels=("row of the map", "on a cylinder", "lit"),
+    **DATA.words,
     parameters={
         "light": word.LIGHT((-0.5, 0.62, 0.6)),
         "diffuse": word.DIFFUSE((0.34, 0.42, 0.55)),

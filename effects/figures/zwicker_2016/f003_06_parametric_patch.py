@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import tangent_space
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, RED, YELLOW
@@ -11,6 +12,8 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared import parametric_triangle as triangle
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+
+DATA = figure_data(__file__, "F003-6")
 
 # A place in the triangle, marked in both spaces.
 PLACE = np.array([0.47, 0.45])
@@ -60,38 +63,14 @@ def checks(figure, renderer):
     for place, color in ((np.array([0.6, 0.36]), RED), (np.array([0.36, 0.3]), GREEN)):
         marks += [(0, flat, place, color), (1, solid, triangle.mapped(place[None])[0], color)]
     return (
-        Check(
-            "x(u_i, v_i) - v_i, largest",
-            float(np.abs(found - triangle.CORNERS).max()),
-            at_most=1e-12,
-            on=Answer.IDEAL,
-            reason="the catalogue's: float64",
-        ),
-        Check(
-            f"the same of {len(points)} random triangles",
-            float(many),
-            at_most=1e-12,
-            on=Answer.IDEAL,
-            reason="none with less than a twentieth of the unit square, twice",
-        ),
+        DATA.check("x(u_i, v_i) - v_i, largest", float(np.abs(found - triangle.CORNERS).max()), Answer.IDEAL),
+        DATA.check("the same of {n} random triangles", float(many), Answer.IDEAL, n=len(points)),
         *drawn_check(figure, renderer, marks),
     )
 
 
 FIGURE = Figure(
-    id="F003-6",
-    title="A triangle as a parametric patch",
-    caption=(
-        "Left the triangle in texture space with lines of constant u (red) and v (green); right where the "
-        "affine map x(u, v) takes triangle, lines and a place in it."
-    ),
-    must_see=(
-        "The same lines cut the same edges in both panels; the yellow dot lies between the same lines; the "
-        "corners are the vertices."
-    ),
-    source="Zwicker2016",
-    techniques=("Z03",),
-    panels=("texture space", "object space"),
+    **DATA.words,
     parameters={
         "background": word.BACKDROP(BACKGROUND),
     },

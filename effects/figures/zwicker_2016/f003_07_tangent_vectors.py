@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import tangent_space
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import FAINT, GREEN, RED, VIOLET
@@ -12,6 +13,8 @@ from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared import parametric_triangle as triangle
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+
+DATA = figure_data(__file__, "F003-7")
 
 PLACE = np.array([0.42, 0.40])
 # How much of a unit step along u and v is drawn.
@@ -89,39 +92,15 @@ def checks(figure, renderer):
         for axis, color in zip(np.eye(2), (RED, GREEN), strict=True)
     ]
     return (
-        Check(
-            "M's columns - finite differences of x(u, v), largest",
-            error,
-            at_most=1e-10,
-            on=Answer.IDEAL,
-            reason="affine: differences are exact but for float64's roundings over a step of 1/256",
-        ),
-        Check("n.t and n.b, largest", lean, at_most=1e-12, on=Answer.IDEAL, reason="n = t x b"),
-        Check(
-            "cosine between t and b",
-            abs(float(dot(normalize(t), normalize(b)))),
-            at_least=0.1,
-            on=Answer.IDEAL,
-            reason="not orthogonal in general: this triangle's are not",
-        ),
+        DATA.check("M's columns - finite differences of x(u, v), largest", error, Answer.IDEAL),
+        DATA.check("n.t and n.b, largest", lean, Answer.IDEAL),
+        DATA.check("cosine between t and b", abs(float(dot(normalize(t), normalize(b)))), Answer.IDEAL),
         *drawn_check(figure, renderer, marks),
     )
 
 
 FIGURE = Figure(
-    id="F003-7",
-    title="Tangent vectors",
-    caption=(
-        "A quarter of a unit step along u and along v, in texture space and on the triangle, where they are "
-        "the columns t and b of the affine map; n is their cross product."
-    ),
-    must_see=(
-        "On the triangle the red arrow runs along the green lines (v constant) and the green one along the "
-        "red lines; they are not at right angles, and the violet one stands on both."
-    ),
-    source="Zwicker2016",
-    techniques=("Z03",),
-    panels=("texture space", "object space"),
+    **DATA.words,
     parameters={
         "background": word.BACKDROP(BACKGROUND),
     },

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster, shadow_reference
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -14,6 +15,8 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
 from fixedpipe.effects.scenes import objects_and_lamps, still_life
 from fixedpipe.effects.shadows import shadow_maps, shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
+
+DATA = figure_data(__file__, "F003-10")
 
 # World units along the light that the polygon offset hides, largest: measured, where a lamp grazes most.
 _BIAS = 0.05
@@ -134,12 +137,12 @@ def checks(figure, renderer):
         agreeing = (*agreement.volume_checks(coarse, 0.996), *agreement.volume_checks(found, 0.998))
     return (
         *agreeing,
-        Check(
+        DATA.check(
             "lamp turned so that its shadows fit best - lamp, largest, degrees",
             max(map(abs, turns)),
-            at_most=0.0,
-            on=Answer.MACHINE,
-            reason=f"shadows tell where the light is; tried from {_TURNS[0]} to {_TURNS[-1]} in steps of 10",
+            Answer.MACHINE,
+            which=_TURNS[0],
+            which_2=_TURNS[-1],
         ),
     )
 
@@ -166,21 +169,7 @@ def reference(size, *, positions, shading, background, plans, **_):
 
 
 FIGURE = Figure(
-    id="F003-10",
-    title="Shadows tell where the light is",
-    caption=(
-        "One scene, one camera, and a lamp that moves from the left over the front to the right. The plan in "
-        "the corner shows from above where the lamp (yellow) and the camera (white) are; the lamp is "
-        "above the picture."
-    ),
-    must_see=(
-        "Only light and shadows change: they fall to the right, then short and back, then to the left, "
-        "always away from the plan's lamp, and none is cut by the picture's edge. Left the vase throws its "
-        "shadow on the box, and shades its own foot."
-    ),
-    source="Zwicker2016",
-    techniques=("Z29", "Z10", "Z23"),
-    panels=("lamp at the left", "in front", "at the right"),
+    **DATA.words,
     parameters={
         "positions": word.of(
             word.Several((word.POSITION_KIND,) * len(still_life.LAMP_POSITIONS)),

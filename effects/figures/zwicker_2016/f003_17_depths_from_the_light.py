@@ -3,7 +3,8 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import ray_caster
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -13,6 +14,8 @@ from fixedpipe.effects.scenes.objects_and_lamps import Scene
 from fixedpipe.effects.scenes.still_life import BETWEEN, LIT_POINT, still_life_and_lamp
 from fixedpipe.effects.shadows.lit_scene import depth_pass
 from fixedpipe.effects.shadows.shadow_maps import show_depths
+
+DATA = figure_data(__file__, "F003-17")
 
 DEPTHS = "depths from the light"
 
@@ -77,74 +80,36 @@ def checks(figure, renderer):
         ("least", depths[hit].min(), shown.depth[shown.something].min()),
         ("greatest", depths[hit].max(), shown.depth[shown.something].max()),
     ):
-        yield Check(
-            f"{name} depth against the scene's, of rays",
+        yield DATA.check(
+            "{name} depth against the scene's, of rays",
             abs(float(machine) - float(rays)),
-            at_most=0.004,
-            on=Answer.MACHINE,
-            reason="a pixel's centre beside the nearest and the farthest point; depths of triangles "
-            "snapped to sixteenths of a pixel",
+            Answer.MACHINE,
+            name=name,
         )
-    yield Check(
-        "vertices seen from the light: greatest distance from the middle",
-        widest,
-        at_most=1.0,
-        on=Answer.IDEAL,
-        reason="the frustum encloses what throws shadows (Z30)",
-    )
-    yield Check(
-        "the same, at least",
-        widest,
-        at_least=0.95,
-        on=Answer.IDEAL,
-        reason="and hardly more, so that no texels are lost",
-    )
+    yield DATA.check("vertices seen from the light: greatest distance from the middle", widest, Answer.IDEAL)
+    yield DATA.check("the same, at least", widest, Answer.IDEAL)
     for name, value, least, most in (
         ("least", min(window), 0.0, 0.1),
         ("greatest", max(window), 0.85, 0.95),
     ):
-        yield Check(
-            f"vertices seen from the light: {name} depth",
-            value,
-            at_least=least,
-            on=Answer.IDEAL,
-            reason="the planes hold what throws shadows (Z30), and leave white to what is not there",
+        yield DATA.check(
+            "vertices seen from the light: {name} depth", value, Answer.IDEAL, at_least=least, name=name
         )
-        yield Check(
-            f"vertices seen from the light: {name} depth, at most",
+        yield DATA.check(
+            "vertices seen from the light: {name} depth, at most",
             value,
+            Answer.IDEAL,
             at_most=most,
-            on=Answer.IDEAL,
-            reason="and are close to it, so that near is dark and far is light",
+            name=name,
         )
     for on in (Answer.MACHINE, Answer.IDEAL):
         grey = renderer.window(on, figure, _SIZE, marks=False)[..., 0]
         alike = np.abs(grey - shown.depth) <= (0.75 * step if on is Answer.MACHINE else 0.001)
-        yield Check(
-            "pixels whose grey is the depth that a ray finds",
-            float(alike.mean()),
-            at_least=0.99,
-            on=on,
-            reason="silhouettes alone may differ; a byte's rounding on the machine",
-        )
+        yield DATA.check("pixels whose grey is the depth that a ray finds", float(alike.mean()), on)
 
 
 FIGURE = Figure(
-    id="F003-17",
-    title="Depth image seen from the light",
-    caption=(
-        "The still life's depths as the light sees it: near is dark, far is light; white: nothing there that "
-        "throws a shadow. Red, where the map is read for the two points of the final image, F003-18: their "
-        "red lines, seen along them."
-    ),
-    must_see=(
-        "The still life from the upper left in shades of grey, without any lighting: the column's top, the "
-        "floor's near corner and the ring darkest, objects darker than the floor behind them, the floor "
-        "lighter away from the light and yet not white. One red point lies on the floor, the other on the "
-        "ball."
-    ),
-    source="Zwicker2016",
-    techniques=("Z10", "Z30"),
+    **DATA.words,
     parameters={
         "marks": word.internal(True, "It marks where the map is read, over the greys that checks measure.")
     },

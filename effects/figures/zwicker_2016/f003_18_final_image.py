@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -18,6 +19,8 @@ from fixedpipe.effects.scenes.still_life import (
 )
 from fixedpipe.effects.shadows.lit_scene import AMBIENT, SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import modulated_passes, store_map
+
+DATA = figure_data(__file__, "F003-18")
 
 # World units that the map is wide at the middle of the scene, rounded up; over its edge, a texel.
 _MAP_WIDTH = 7.5
@@ -118,13 +121,11 @@ def checks(figure, renderer):
         yield Check(
             f"{name}: floor that agrees with rays", on_floor.agreeing, at_least=bound, on=on, reason=reason
         )
-        yield Check(
-            f"{name}: pixels of no understood kind, of all",
+        yield DATA.check(
+            "{name}: pixels of no understood kind, of all",
             everywhere.other / everywhere.compared,
-            at_most=0.001,
-            on=on,
-            reason="measured: none; what differs lies at an edge, at an outline, or where light grazes, "
-            "within a texel of it",
+            on,
+            name=name,
         )
     inner = floor & ~truth.lit & ~agreement.silhouettes(truth)
     for axis in (0, 1):
@@ -134,19 +135,11 @@ def checks(figure, renderer):
         seen = _final(renderer, on, figure)[inner]
         ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
         near = np.abs(seen - ambient).max(axis=-1) <= (1e-9 if on is Answer.IDEAL else 1.5 / 255.0)
-        yield Check(
-            "shadows on the floor that are the ambient light, of all well inside", float(near.mean()),
-            at_least=0.98, on=on, reason="E003.9: what the comparison multiplies is the light alone; a strip "
-            "is lit where things stand, as wide as the offset",
-        )  # fmt: skip
+        yield DATA.check(
+            "shadows on the floor that are the ambient light, of all well inside", float(near.mean()), on
+        )
     shaded = np.float64((~truth.lit[floor]).mean())
-    yield Check(
-        "floor in the shade, of all",
-        float(min(shaded, 1.0 - shaded)),
-        at_least=0.1,
-        on=Answer.IDEAL,
-        reason="rays: there is light and shade to tell apart, so that no picture of one kind passes",
-    )
+    yield DATA.check("floor in the shade, of all", float(min(shaded, 1.0 - shaded)), Answer.IDEAL)
     yield from _distance_checks(figure, renderer, truth)
 
 
@@ -157,11 +150,12 @@ def _distance_checks(figure, renderer, truth):
         way = np.array(point) - position
         share = float(truth.caster.nearest(position[None], way[None]).distance[0])
         off = position + share * way - np.array(end)
-        yield Check(
-            f"{name} point: end of the map's value from what a ray of the light meets first, world units",
-            float(np.sqrt((off * off).sum())), at_most=0.005, on=Answer.IDEAL,
-            reason="the point is rounded to thousandths, and the sphere has corners",
-        )  # fmt: skip
+        yield DATA.check(
+            ("{name} point: end of the map's value from what a ray of the light meets first, world units"),
+            float(np.sqrt((off * off).sum())),
+            Answer.IDEAL,
+            name=name,
+        )
         lines.append((way, share))
     view = lamp_view(Panel(0, 0, 2 * _SIZE, 2 * _SIZE))
     picture = renderer.machine_window(figure, 2 * _SIZE)[:, 2 * _SIZE :]
@@ -171,29 +165,13 @@ def _distance_checks(figure, renderer, truth):
             for color, moved, length in ((drawing.YELLOW, 0.0, 1.0), (drawing.RED, -beside, share)):
                 x, y, _ = drawing.project(view, position + part * length * way + moved)
                 drawn.append(np.abs(picture[int(y), int(x)] - np.array(color)).max() < 2.0 / 255.0)
-    yield Check(
-        "places along the four lines that have their colour", float(np.mean(drawn)), at_least=0.98,
-        on=Answer.MACHINE, reason="no label lies over them",
-    )  # fmt: skip
+    yield DATA.check(
+        "places along the four lines that have their colour", float(np.mean(drawn)), Answer.MACHINE
+    )
 
 
 FIGURE = Figure(
-    id="F003-18",
-    title="Final image with shadows",
-    panels=("final image", "yellow: distance; red: map's value"),
-    caption=(
-        "A still life, its shadows by a shadow map. For every pixel the distance from the light is compared "
-        "with what the light sees in that direction, the map's value. Right, from farther: both for two "
-        "points, the distance yellow, the map's value red."
-    ),
-    must_see=(
-        "Every object throws one shadow away from the light at the upper left, joined to it where they "
-        "touch; the vase's falls on the floor and up the box; the ring shades itself; no speckle "
-        "on lit surfaces; shadows are dark, not black. Right, the lit point's two lines are equally long; "
-        "at the point in shadow the red one is shorter and ends on the ball."
-    ),
-    source="Zwicker2016",
-    techniques=("Z10", "Z12", "Z19", "Z20", "Z30"),
+    **DATA.words,
     parameters={
         "ratio": word.RATIO(2),
         "factor": word.FACTOR(2.2),

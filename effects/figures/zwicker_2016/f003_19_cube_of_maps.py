@@ -6,7 +6,8 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, shadow_reference
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -16,6 +17,8 @@ from fixedpipe.effects.scenes import lit_room
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of
 from fixedpipe.effects.shadows import cube_of_maps, parted_shadow_maps
 from fixedpipe.effects.shadows.lit_scene import SceneShading, draw_object, map_edge
+
+DATA = figure_data(__file__, "F003-19")
 
 CHECKED_SIZE = 256
 # Of the faces +x, -x, +y, -y, +z, -z.
@@ -127,52 +130,34 @@ def checks(figure, renderer):
     ratio = np.array(mixed)[rays.shown.object, face] / colors[rays.shown.object]
     off = (np.abs(tinted - plain * ratio) / (1.0 + ratio)).max(axis=-1)[dull]
     return (
-        Check(
+        DATA.check(
             "tinted: pixels with the second picture's light on their map's tint",
             float((off <= 1.25 / 255.0).mean()),
-            at_least=0.999,
-            on=Answer.MACHINE,
-            reason="the same light and shadows on other colours: a byte and a quarter for the roundings of "
-            "the one, and as much times the colours' ratio for those of the other; a bulb and what the "
-            "lamp's light makes of a neighbour's outline are the rest",
+            Answer.MACHINE,
         ),
         *(
-            Check(
-                f"pixels that agree with rays, map {name}",
-                f.agreeing,
-                at_least=0.993,
-                on=Answer.MACHINE,
-                reason="the catalogue's, of those that face the light; the rest lies along shadows' edges",
-            )
+            DATA.check("pixels that agree with rays, map {name}", f.agreeing, Answer.MACHINE, name=name)
             for name, f in zip(cube_of_maps.FACES, found, strict=True)
         ),
-        Check(
+        DATA.check(
             "pixels that differ from rays without a reason",
             float(sum(f.other for f in found)),
-            at_most=4.0,
-            on=Answer.MACHINE,
-            reason="measured 0 of those that face the light",
+            Answer.MACHINE,
         ),
-        Check(
+        DATA.check(
             "pixels where two maps meet that agree with rays",
             float((kinds[meeting] == agreement.AGREES).mean()),
-            at_least=0.99,
-            on=Answer.MACHINE,
-            reason="no line of light or shadow where the cube's faces meet; measured 0.994 of 2000",
+            Answer.MACHINE,
         ),
-        Check(
+        DATA.check(
             "one map: pixels lit beyond its field of view",
             float((one & ~inside & away).sum()),
-            at_most=0.0,
-            on=Answer.MACHINE,
-            reason="away from outlines and from where two maps meet",
+            Answer.MACHINE,
         ),
-        Check(
+        DATA.check(
             "one map: pixels of its field of view unlike those of six maps",
             float((one != six)[inside & away].sum()),
-            at_most=0.0,
-            on=Answer.MACHINE,
-            reason="it is one of the six",
+            Answer.MACHINE,
         ),
     )
 
@@ -220,21 +205,7 @@ def reference(size, *, shading, ratio, one, background, frusta):
 
 
 FIGURE = Figure(
-    id="F003-19",
-    title="A cube of six shadow maps",
-    caption=(
-        "A lamp in a room, its front wall left out. Left the field of view of one shadow map, 90 degrees "
-        "wide, drawn as lines to the wall; middle six of them, arranged in a cube round the lamp; right the "
-        "parts of the room that each lights are tinted."
-    ),
-    must_see=(
-        "Left only what is inside the four lines has light, a square of the back wall. In the middle every "
-        "wall, the floor and the ceiling have light and shadows, without a seam or a line of light where two "
-        "maps meet: those lines are seen right."
-    ),
-    source="Zwicker2016",
-    techniques=("Z11",),
-    panels=("one map, 90 degrees", "cube of six", "what each lights"),
+    **DATA.words,
     parameters={
         "ratio": word.RATIO(2.0),
         "one": word.of(

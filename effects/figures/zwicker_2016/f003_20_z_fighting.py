@@ -9,13 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, RED, VIOLET, YELLOW
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+
+DATA = figure_data(__file__, "F003-20")
 
 # The map's plane, depth zero, and its ends; so many texels; depth one is at the bottom.
 TOP, LEFT, RIGHT, TEXELS, BOTTOM = 0.72, -0.9, 0.9, 9, -0.92
@@ -194,62 +197,20 @@ def checks(figure, renderer):
     p = figure.values
     none, right, too_much = biases(p["right"], p["too_much"])
     least = polygon_offset(0.5, 0.5)
-    yield Check(
-        "no bias: share of the lit surface in shadow",
-        shares(none)[0],
-        at_least=0.35,
-        on=Answer.IDEAL,
-        reason="half of a texel's width is beyond its middle, more or less by the rounding",
+    yield DATA.check("no bias: share of the lit surface in shadow", shares(none)[0], Answer.IDEAL)
+    yield DATA.check("no bias: share of the plate's shadow that is lit", shares(none)[1], Answer.IDEAL)
+    yield DATA.check("correct bias: share of the lit surface in shadow", shares(right)[0], Answer.IDEAL)
+    yield DATA.check("correct bias: share of the plate's shadow that is lit", shares(right)[1], Answer.IDEAL)
+    yield DATA.check("correct bias over the least that suffices for any surface", right / least, Answer.IDEAL)
+    yield DATA.check(
+        "half of the correct bias: share of the lit surface in shadow", shares(0.5 * right)[0], Answer.IDEAL
     )
-    yield Check(
-        "no bias: share of the plate's shadow that is lit",
-        shares(none)[1],
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason="the plate is far enough",
-    )
-    yield Check(
-        "correct bias: share of the lit surface in shadow",
-        shares(right)[0],
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason="half a texel's slope and half a step of the depth are enough",
-    )
-    yield Check(
-        "correct bias: share of the plate's shadow that is lit",
-        shares(right)[1],
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason="less than the gap",
-    )
-    yield Check(
-        "correct bias over the least that suffices for any surface",
-        right / least,
-        at_least=1.0,
-        on=Answer.IDEAL,
-        reason="half a texel's slope and half a step of the depth",
-    )
-    yield Check(
-        "half of the correct bias: share of the lit surface in shadow",
-        shares(0.5 * right)[0],
-        at_least=0.01,
-        on=Answer.IDEAL,
-        reason="not enough",
-    )
-    yield Check(
-        "too much bias: share of the plate's shadow that is lit",
-        shares(too_much)[1],
-        at_least=1.0,
-        on=Answer.IDEAL,
-        reason="more than the gap: the shadow is lost",
+    yield DATA.check(
+        "too much bias: share of the plate's shadow that is lit", shares(too_much)[1], Answer.IDEAL
     )
     misjudged = sum(_misjudged(bias) for bias in (none, right, too_much))
-    yield Check(
-        "points in a part that is not what the map's texel says of them",
-        float(misjudged),
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason="farther than what is stored is in shadow, at 40 points of each texel",
+    yield DATA.check(
+        "points in a part that is not what the map's texel says of them", float(misjudged), Answer.IDEAL
     )
     size = figure.size // 2
     for on in Answer:
@@ -264,12 +225,8 @@ def checks(figure, renderer):
                 wanted = RED if part.wrong else YELLOW if part.lit else _SHADOW
                 right_pixels += np.abs(image[j, i + k * size] - np.array(wanted)).max() < 0.01
                 count += 1
-        yield Check(
-            "share of the surface's parts drawn in the colour of what the map says",
-            right_pixels / count,
-            at_least=0.9,
-            on=on,
-            reason="steps at the surface's height cover the others",
+        yield DATA.check(
+            "share of the surface's parts drawn in the colour of what the map says", right_pixels / count, on
         )
     yield from drawn_check(figure, renderer, _marks(size, (none, right, too_much)))
 
@@ -280,21 +237,7 @@ _OFFSET_KIND = word.Several(
 )
 
 FIGURE = Figure(
-    id="F003-20",
-    title="Z-fighting and the bias",
-    caption=(
-        "A slanted surface in parallel light from above, under a shadow map of nine texels and five bits of "
-        "depth; light blue: the depths stored. Yellow: lit, dark blue: in the plate's shadow, red: where the "
-        "map is wrong. Without a bias, with PolygonOffset's, and with four times as much."
-    ),
-    must_see=(
-        "Left: the surface is striped, red wherever it lies below a step. Middle: all steps lie below the "
-        "surface, but for the two of the plate, which throws its shadow. Right: those lie below it too, and "
-        "the shadow is lost."
-    ),
-    source="Zwicker2016",
-    techniques=("Z12",),
-    panels=("no bias", "PolygonOffset", "four times as much"),
+    **DATA.words,
     parameters={
         "right": word.of(
             _OFFSET_KIND, (0.5, 1.0), "The polygon offset of the second panel, factor and units."

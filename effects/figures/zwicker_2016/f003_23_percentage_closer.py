@@ -3,7 +3,8 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, shadow_reference
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, perspective_view, row_of_panels
@@ -15,6 +16,8 @@ from fixedpipe.effects.scenes.objects_and_lamps import (
 from fixedpipe.effects.scenes.still_life import LAMP_POSITIONS, still_life
 from fixedpipe.effects.shadows.lit_scene import AMBIENT, SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import accumulated_passes, modulated_passes, store_map
+
+DATA = figure_data(__file__, "F003-23")
 
 HARD, FILTERED, KERNEL = range(3)
 
@@ -115,63 +118,66 @@ def checks(figure, renderer):
         hard, filtered, wide = (picture[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
         levels = [len(np.unique(np.round(part[ground], 6))) for part in (hard, filtered, wide)]
         steps = np.abs(wide[ground] * kernel**2 - np.round(wide[ground] * kernel**2)) / kernel**2
-        said = "the catalogue's acceptance"
-        yield Check("levels of one comparison", levels[HARD], at_most=2, on=on, reason=said)
-        yield Check("levels of one comparison, at least", levels[HARD], at_least=2, on=on, reason=said)
-        yield Check("levels of 2x2 filtered comparisons", levels[FILTERED], at_least=9, on=on, reason=said)
-        yield Check(
-            f"{kernel}x{kernel} comparisons: distance from a multiple of 1/{kernel**2}, largest",
+        yield DATA.check("levels of one comparison", levels[HARD], on)
+        yield DATA.check("levels of one comparison, at least", levels[HARD], on)
+        yield DATA.check("levels of 2x2 filtered comparisons", levels[FILTERED], on)
+        yield DATA.check(
+            "{kernel}x{kernel} comparisons: distance from a multiple of 1/{n}, largest",
             float(steps.max()),
+            on,
             at_most=1e-9 if on is Answer.IDEAL else 2.0 / 255.0,
-            on=on,
-            reason="a count of comparisons, none in between; the machine rounds halves of halves in "
-            "bytes, sixteen of them in the accumulation buffer",
+            kernel=kernel,
+            n=kernel**2,
         )
-        yield Check(
-            f"levels of {kernel}x{kernel} comparisons",
+        yield DATA.check(
+            "levels of {kernel}x{kernel} comparisons",
             len(np.unique(np.round(wide[ground] * kernel**2))),
+            on,
             at_most=kernel**2 + 1,
-            on=on,
-            reason=said,
+            kernel=kernel,
         )
-        yield Check(
-            f"levels of {kernel}x{kernel} comparisons, at least",
+        yield DATA.check(
+            "levels of {kernel}x{kernel} comparisons, at least",
             len(np.unique(np.round(wide[ground] * kernel**2))),
+            on,
             at_least=kernel**2 // 2,
-            on=on,
-            reason="a soft edge goes through most of them",
+            kernel=kernel,
         )
         for name, part in (("1", hard), ("2x2", filtered), (f"{kernel}x{kernel}", wide)):
-            yield Check(
-                f"{name}: light on the floor away from shadows, mean", float(part[light].mean()),
-                at_least=0.999, on=on, reason="no surface shades itself",
-            )  # fmt: skip
+            yield DATA.check(
+                "{name}: light on the floor away from shadows, mean", float(part[light].mean()), on, name=name
+            )
         reach = _reach(wide, truth, edge, map_edge(_SIZE, _RATIO))
-        yield Check(
-            f"{kernel}x{kernel}: how far the soft edge reaches on either side, texels", reach,
-            at_most=0.5 * kernel + 1.5, on=on,
-            reason="half the kernel's width, and a pixel's beside the edge's own pixels",
-        )  # fmt: skip
-        yield Check(
-            f"{kernel}x{kernel}: how far the soft edge reaches, at least", reach, at_least=0.4 * kernel,
-            on=on, reason="half the kernel's width less a texel",
-        )  # fmt: skip
+        yield DATA.check(
+            "{kernel}x{kernel}: how far the soft edge reaches on either side, texels",
+            reach,
+            on,
+            at_most=0.5 * kernel + 1.5,
+            kernel=kernel,
+        )
+        yield DATA.check(
+            "{kernel}x{kernel}: how far the soft edge reaches, at least",
+            reach,
+            on,
+            at_least=0.4 * kernel,
+            kernel=kernel,
+        )
         for name, part in (("2x2", filtered), (f"{kernel}x{kernel}", wide)):
-            yield Check(
-                f"{name} at the true edge: mean's distance from one half",
+            yield DATA.check(
+                "{name} at the true edge: mean's distance from one half",
                 abs(float(part[edge].mean()) - 0.5),
-                at_most=0.05,
-                on=on,
-                reason="the catalogue's acceptance",
+                on,
+                name=name,
             )
     picture = renderer.machine_window(figure, _SIZE, ratio=_RATIO)
     ambient = np.array(AMBIENT[:3]) * np.array(scene.objects[0].color)
     dark = [picture[:, k * _SIZE : (k + 1) * _SIZE][umbra] for k in range(3)]
-    yield Check(
-        "umbra on the floor less the ambient light, largest", float(np.abs(np.array(dark) - ambient).max()),
-        at_most=1.5 / 255.0, on=Answer.MACHINE,
-        reason="E003.9: what comparisons multiply is the light alone; a byte's rounding",
-    )  # fmt: skip
+    yield DATA.check(
+        "umbra on the floor less the ambient light, largest",
+        float(np.abs(np.array(dark) - ambient).max()),
+        Answer.MACHINE,
+        at_most=1.5 / 255.0,
+    )
 
 
 def reference(size, *, shading, **_):
@@ -182,21 +188,7 @@ def reference(size, *, shading, **_):
 
 
 FIGURE = Figure(
-    id="F003-23",
-    title="Percentage closer filtering",
-    caption=(
-        "The edge of one shadow in a coarse map: one comparison (left), the hardware's filter of 2x2 "
-        "comparisons (middle), the mean of 8x8 comparisons by the accumulation buffer (right), "
-        "each at the nearest texel: hence the grid in its edge."
-    ),
-    must_see=(
-        "Left stairs of texels, black or white and nothing between; in the middle the same stairs with soft "
-        "flanks a texel wide; right a broad soft edge in fine steps, a grid of the map's texels, as from a "
-        "large lamp, but equally broad near the foot and far from it. The umbra is as dark in all."
-    ),
-    source="Zwicker2016",
-    techniques=("Z10", "Z12", "Z17", "Z18"),
-    panels=("one comparison", "2x2 filtered", "8x8"),
+    **DATA.words,
     parameters={
         "ratio": word.RATIO(0.7),
         "factors": word.of(

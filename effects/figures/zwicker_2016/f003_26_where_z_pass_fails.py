@@ -3,6 +3,7 @@
 from fixedpipe.effects.acceptance import ray_caster, shadow_reference
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import (
@@ -17,6 +18,8 @@ from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene, detail_of
 from fixedpipe.effects.scenes.still_life import still_life
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.effects.shadows.lit_scene import SceneShading
+
+DATA = figure_data(__file__, "F003-26")
 
 # What the stencil counts from, and how. Clamped counts go below 128 as wrapping ones do below zero.
 CLAMPED = {"operations": shadow_volumes.CLAMPED}
@@ -90,17 +93,20 @@ def checks(figure, renderer):
         to_lamp, longest = ray_caster.to_light(on_plane, lamp)
         hidden = truth.caster.occluded(on_plane, to_lamp, longest=longest).reshape(size, size)
         seen = truth.shown.something
-        yield Check(
-            f"part of the near plane that is in shadow, {case} in shadow", float(hidden.mean()),
-            at_least=1.0 if case == CASES[0] else 0.3, on=Answer.IDEAL,
-            reason="the board's shadow: all of it, or a part",
-        )  # fmt: skip
+        yield DATA.check(
+            "part of the near plane that is in shadow, {case} in shadow",
+            float(hidden.mean()),
+            Answer.IDEAL,
+            at_least=1.0 if case == CASES[0] else 0.3,
+            case=case,
+        )
         volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
-        yield Check(
-            f"pixels that lie in two shadows, of all, {case} in shadow",
-            float((expected_counts(volumes, truth) > 1).mean()), at_most=1e-4, on=Answer.IDEAL,
-            reason="clamped counts would keep a shadow there; measured: none",
-        )  # fmt: skip
+        yield DATA.check(
+            "pixels that lie in two shadows, of all, {case} in shadow",
+            float((expected_counts(volumes, truth) > 1).mean()),
+            Answer.IDEAL,
+            case=case,
+        )
         for number, (name, least, reason) in enumerate(_WRONG):
             way = (CLAMPED, below_zero)[number]
             for on in (Answer.IDEAL, Answer.MACHINE) if case == CASES[0] else (Answer.MACHINE,):
@@ -115,27 +121,31 @@ def checks(figure, renderer):
                     float((wrong != truth.lit)[seen & hidden].mean()), at_least=least, on=on, reason=reason,
                 )  # fmt: skip
                 if not hidden.all():
-                    yield Check(
-                        f"z-pass, {name}: wrong pixels of the others, {case} in shadow",
-                        float((wrong != truth.lit)[seen & ~hidden].mean()), at_most=0.0011, on=on,
-                        reason="there z-pass counts from outside all volumes; edges differ by a pixel; "
-                        "measured at the first correct picture, with at most a third of slack",
-                    )  # fmt: skip
+                    yield DATA.check(
+                        "z-pass, {name}: wrong pixels of the others, {case} in shadow",
+                        float((wrong != truth.lit)[seen & ~hidden].mean()),
+                        on,
+                        name=name,
+                        case=case,
+                    )
         for on in Answer:
             if on is Answer.MACHINE and case == CASES[1]:
                 right = drawn[:, 4 * size :]
             else:
                 _, right = counted(renderer, shadow_volumes.z_fail, view, objects, lamp, on, **below_zero)
-            yield Check(
-                f"z-fail: pixels lit or not as rays say, {case} in shadow",
-                float((right == truth.lit)[seen].mean()), at_least=0.999, on=on, reason="the catalogue's",
-            )  # fmt: skip
+            yield DATA.check(
+                "z-fail: pixels lit or not as rays say, {case} in shadow",
+                float((right == truth.lit)[seen].mean()),
+                on,
+                case=case,
+            )
             if on is Answer.MACHINE:
-                yield Check(
-                    f"z-fail: pixels lit or not unlike the rays', not on an edge, {case} in shadow",
-                    compare(right, truth).other, at_most=0.0, on=on,
-                    reason="shadow volumes are exact in the picture",
-                )  # fmt: skip
+                yield DATA.check(
+                    "z-fail: pixels lit or not unlike the rays', not on an edge, {case} in shadow",
+                    compare(right, truth).other,
+                    on,
+                    case=case,
+                )
 
 
 def reference(size, *, background, shading, **places):
@@ -149,28 +159,7 @@ def reference(size, *, background, shading, **places):
 
 
 FIGURE = Figure(
-    id="F003-26",
-    title="Where z-pass fails",
-    caption=(
-        "A board beside the picture throws its shadow over the eye (left pair), or over the left of the "
-        "near plane, which cuts the board's shadow volume open (right pair). Z-pass counts what the eye "
-        "leaves and never entered below zero. Held at zero, such counts lose shadows; going below, they "
-        "exchange light and shadow. Last, z-fail, which is right in both cases."
-    ),
-    must_see=(
-        "The first picture has no shadows, but for sides that the light's own angle leaves dark; the second "
-        "has light for shadow and shadow for light. The third and the fourth are like them left of a "
-        "slanting line, and true on its right. The last is true everywhere."
-    ),
-    source="Zwicker2016",
-    techniques=("Z22", "Z23", "Z24", "Z25"),
-    panels=(
-        "eye in shadow: held at 0",
-        "eye in shadow: below 0",
-        "near plane cut: held at 0",
-        "near plane cut: below 0",
-        "z-fail: right",
-    ),
+    **DATA.words,
     size=384,
     parameters={
         "light": word.POSITION((-3.8, 5.8, -5.8), "Where the light is."),

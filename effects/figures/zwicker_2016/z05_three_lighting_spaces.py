@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces, normalization_cube_map
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -21,6 +22,8 @@ from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspe
 from fixedpipe.effects.passes.encoding import dot_product_texels
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "Z05")
 
 EYE = (0.3, 1.2, 3.5)
 
@@ -75,45 +78,33 @@ def checks(figure, renderer):
     for (on, other), (most, every) in bounds.items():
         apart = np.abs(images[on][0] - images[on][("camera", "object", "tangent").index(other)])[covered]
         arithmetic = "" if on is Answer.IDEAL else "; 8-bit vectors and normals, to the eighth power"
-        yield Check(
-            f"camera space - {other} space, nine pixels in ten are below",
+        yield DATA.check(
+            "camera space - {other} space, nine pixels in ten are below",
             float(np.percentile(apart, 90.0)),
+            on,
             at_most=most,
-            on=on,
-            reason=f"interpolated vectors are chords, of 7.5 degrees here{arithmetic}; a third of slack",
+            other=other,
+            arithmetic=arithmetic,
         )
-        yield Check(
-            f"camera space - {other} space, RMS",
+        yield DATA.check(
+            "camera space - {other} space, RMS",
             root_mean_square(apart),
+            on,
             at_most=every,
-            on=on,
-            reason="only camera space makes filtered normals of length one again, which matters in the "
-            f"creases between bumps{arithmetic}; a third of slack",
+            other=other,
+            arithmetic=arithmetic,
         )
     smooth = panel_of(renderer.ideal_window(figure, size, relief=0.0, **black), 0)
-    yield Check(
+    yield DATA.check(
         "the bumps' own part of the picture, RMS",
         root_mean_square(np.clip(smooth, 0.0, 1.0)[covered] - images[Answer.IDEAL][0][covered]),
-        at_least=0.1,
-        on=Answer.IDEAL,
-        reason="the three agree on much more than a smooth sphere",
+        Answer.IDEAL,
     )
     yield arithmetic_check(figure, renderer, 0.006, POWER_8)
 
 
 FIGURE = Figure(
-    id="Z05",
-    title="Lighting in camera, object and tangent space",
-    caption=(
-        "A bumpy sphere under one light: the map's normal turned to camera space at every pixel; a map of "
-        "object-space normals; the light turned to tangent space at every vertex. What differs is in the "
-        "pictures of the difference: look in the creases between bumps, where only camera space makes "
-        "filtered normals of length one again, and at highlights, which the eighth power makes coarse."
-    ),
-    must_see="Three times the same picture: bumps lit from the upper left, each with a highlight of its own.",
-    source="Zwicker2016",
-    techniques=("Z05", "Z06", "Z07", "K14", "K12"),
-    panels=("camera space", "object space", "tangent space"),
+    **DATA.words,
     parameters={
         "relief": word.RELIEF(0.45),
         "light": word.LIGHT((-0.55, 0.6, 0.58)),

@@ -2,13 +2,16 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, INK, RED, YELLOW
 from fixedpipe.effects.diagrams.flatland import Shape, crossings, first_hit, is_visible, shadow_volume
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, row_of_panels
+
+DATA = figure_data(__file__, "Z21")
 
 LIGHT, EYE = (-0.35, 0.88), (-0.90, 0.40)
 OBJECTS = (
@@ -126,34 +129,21 @@ def checks(figure, renderer):
         dark.append(not is_visible(hit.point, LIGHT, (*OBJECTS, FLOOR)))
     counts, dark, inside = np.array(counts), np.array(dark), np.array(inside)
     totals = [counter(count(aim)[1]) for aim, _ in _AIMS]
-    yield Check(
+    yield DATA.check(
         "rays whose counter is not the number of volumes that the hit is in",
         float((counts != inside).sum()),
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason=f"{len(counts)} rays; each volume asked whether it contains the point",
+        Answer.IDEAL,
+        n=len(counts),
     )
-    yield Check(
+    yield DATA.check(
         "rays where counter > 0 and a blocked way to the light differ",
         float(((counts > 0) != dark).sum()),
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason="what the counter is for",
+        Answer.IDEAL,
     )
-    yield Check(
-        "volumes that the eye is in",
-        float(sum(volume.contains(EYE) for volume in VOLUMES)),
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason="the counter begins at zero outside of all of them",
+    yield DATA.check(
+        "volumes that the eye is in", float(sum(volume.contains(EYE) for volume in VOLUMES)), Answer.IDEAL
     )
-    yield Check(
-        "different counters among the diagram's rays",
-        float(len(set(totals))),
-        at_least=3.0,
-        on=Answer.IDEAL,
-        reason="0, 1 and 2 are shown",
-    )
+    yield DATA.check("different counters among the diagram's rays", float(len(set(totals))), Answer.IDEAL)
     size = figure.size
     for on in Answer:
         image, wrong = renderer.window(on, figure, size), 0
@@ -162,28 +152,11 @@ def checks(figure, renderer):
                 j, i = (int((v + 1.0) * 0.5 * size) for v in reversed(c.point))
                 red, green = image[j, i, :2]
                 wrong += (red > green) != c.enters
-        yield Check(
-            "drawn marks of the wrong sign",
-            float(wrong),
-            at_most=0.0,
-            on=on,
-            reason="red where a ray enters, green where it leaves, at the computed point",
-        )
+        yield DATA.check("drawn marks of the wrong sign", float(wrong), on)
 
 
 FIGURE = Figure(
-    id="Z21",
-    title="The ray counter of shadow volumes",
-    caption=(
-        "Shadow volumes of three objects, and rays from the eye: plus one where a ray enters a volume, minus "
-        "one where it leaves, and below the floor the counter where the ray ends."
-    ),
-    must_see=(
-        "A red +1 wherever a ray goes into a blue volume and a green -1 wherever it comes out; counters of 0 "
-        "on lit floor, 1 in one shadow, 2 where two volumes overlap."
-    ),
-    source="Zwicker2016",
-    techniques=("Z21",),
+    **DATA.words,
     parameters={
         "background": word.BACKDROP(BACKGROUND),
     },

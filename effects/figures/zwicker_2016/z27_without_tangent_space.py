@@ -5,9 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import INK, RED, VIOLET, YELLOW
 from fixedpipe.effects.figures import parameters as word
@@ -16,6 +17,8 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import load_normals, te
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
+
+DATA = figure_data(__file__, "Z27")
 
 NORMALS = "normal map of studs"
 # Rows of the mesh from the highest down: what is wrong with each one's right half.
@@ -171,78 +174,38 @@ def checks(figure, renderer):
         np.median(_half(shown, row, 1).reshape(-1, 3), axis=0) - np.array(COLORS[kind])
         for row, kind in enumerate(ROWS)
     ]
-    reason = "a bump is bright on the light's side; mirrored, dents where bumps should be"
     return (
-        Check(
-            "triangles found wrongly or not found",
-            float(wrong),
-            at_most=0.0,
-            on=Answer.IDEAL,
-            reason="every class",
+        DATA.check("triangles found wrongly or not found", float(wrong), Answer.IDEAL),
+        DATA.check(
+            "stretch of the stretched ones - 4, largest", float(np.abs(stretch - 4.0).max()), Answer.IDEAL
         ),
-        Check(
-            "stretch of the stretched ones - 4, largest",
-            float(np.abs(stretch - 4.0).max()),
-            at_most=1e-12,
-            on=Answer.IDEAL,
-            reason="as they were made",
-        ),
-        Check(
+        DATA.check(
             "triangles whose binormal turns round",
             float((frame[ends.triangles[:, 0]] < 0.0).sum()),
+            Answer.IDEAL,
             at_least=float(len(report.mirrored)),
-            on=Answer.IDEAL,
-            reason="the sign of the mirrored ones",
         ),
-        Check(
+        DATA.check(
             "light of the good half against the mirrored, one tangent for all",
             _alike(naive, 1),
-            at_most=-0.05,
-            on=Answer.MACHINE,
-            reason=reason,
+            Answer.MACHINE,
         ),
-        Check(
-            "the same with the binormal's sign",
-            _alike(right, 1),
-            at_least=0.05,
-            on=Answer.MACHINE,
-            reason=reason,
+        DATA.check("the same with the binormal's sign", _alike(right, 1), Answer.MACHINE),
+        DATA.check(
+            "what is left of triangles without area", float(hole), Answer.MACHINE, at_most=1.0 / 255.0
         ),
-        Check(
-            "what is left of triangles without area",
-            float(hole),
-            at_most=1.0 / 255.0,
-            on=Answer.MACHINE,
-            reason="dropped",
-        ),
-        Check(
+        DATA.check(
             "colours of the found triangles, largest difference",
             float(np.abs(colors).max()),
+            Answer.MACHINE,
             at_most=1.0 / 255.0,
-            on=Answer.MACHINE,
-            reason="what is found is shown",
         ),
         arithmetic_check(figure, renderer, 0.0125, POWER_8),
     )
 
 
 FIGURE = Figure(
-    id="Z27",
-    title="Caveats: texture coordinates without a tangent space",
-    caption=(
-        "Four rows of studs; in their right halves texture coordinates are good, mirrored, without area and "
-        "stretched (from above). Lit with tangents along x everywhere; the triangles found; lit with the "
-        "coordinates' own tangents, and those without area dropped. The flat part between studs differs "
-        "from the ideal by a constant: one normal, one light, one rounding to bytes."
-    ),
-    must_see=(
-        "Left the mirrored half's studs are lit from the wrong side; right they are lit as the others, and "
-        "the half without area is a hole. Stretched studs are ovals. In the middle every bad triangle has "
-        "its class's colour and no good one has."
-    ),
-    source="Zwicker2016",
-    techniques=("Z27", "Z03", "Z04"),
-    panels=("tangents along x", "triangles found", "coordinates' own"),
+    **DATA.words,
     parameters={
         "light": word.LIGHT((-0.72, 0.48, 0.5)),
         "diffuse": word.DIFFUSE((0.50, 0.42, 0.32)),
