@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, RED, VIOLET, YELLOW
@@ -13,6 +14,8 @@ from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cross, dot, normalize, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.reflectance.brdfs import half_vector
+
+DATA = figure_data(__file__, "F000-1")
 
 EYE, CENTER, FIELD = (0.9, 1.7, 4.4), (0.0, 0.38, 0.0), 25.0
 NORMAL = np.array([0.0, 1.0, 0.0])
@@ -93,19 +96,22 @@ def checks(figure, renderer):
     total = named["l"] + named["v"]
     length = math.sqrt(float(dot(total, total)))
     off = float(np.abs(named["h"] - total / length).max())
-    yield Check("h - (l + v)/|l + v|, largest", off, at_most=1e-12, on=Answer.IDEAL,
-                reason="the catalogue's bound")  # fmt: skip
+    yield DATA.check("h - (l + v)/|l + v|, largest", off, Answer.IDEAL)
     apart = math.radians(abs(angle(named["l"], named["h"]) - angle(named["v"], named["h"])))
-    yield Check("angle (l, h) - angle (v, h)", apart, at_most=1e-12, on=Answer.IDEAL,
-                reason="the catalogue's bound")  # fmt: skip
+    yield DATA.check("angle (l, h) - angle (v, h)", apart, Answer.IDEAL)
     marks, view = [], _view(row_of_panels(1, figure.size // 2)[0])
     for first, second, radius in ANGLES.values():
         # An arc's middle is along the sum of its two vectors; its ends lie on them.
         a, b = named[first], named[second]
         points = arc(a, b, radius)
         ends = max(float(np.abs(points[0] - radius * a).max()), float(np.abs(points[-1] - radius * b).max()))
-        yield Check(f"the arc from {first} to {second}: its ends off both", ends, at_most=1e-5,
-                    on=Answer.IDEAL, reason="sines of 20 bits")  # fmt: skip
+        yield DATA.check(
+            "the arc from {first} to {second}: its ends off both",
+            ends,
+            Answer.IDEAL,
+            first=first,
+            second=second,
+        )
         # Three quarters of the way, where no name and no other arrow is.
         quarter = normalize(b + normalize(a + b))
         marks.append((0, view, radius * quarter, RED))
@@ -114,17 +120,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F000-1",
-    title="Reflection at a rough surface",
-    caption=(
-        "Light from l leaves a rough surface towards v. Facets whose normal is h, half way between them, "
-        "mirror it. Eq. 1 takes four angles: alpha from n to l, beta from n to v, theta from l to h, and "
-        "delta from n to h."
-    ),
-    must_see="Four arrows from one point, four red arcs, each between its two; h half way from l to v.",
-    source="Heidrich2001",
-    techniques=("H02", "H07"),
-    panels=("vectors and angles",),
+    **DATA.words,
     parameters={
         "light": word.LIGHT((-0.88, 0.40, 0.25)),
         "view": word.of(word.DIRECTION_KIND, (0.55, 0.80, -0.25), "The direction to the viewer."),

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared.torus_by_rays import torus_at_pixels
@@ -20,6 +21,8 @@ from fixedpipe.effects.reflectance.brdfs import BRDFS, Frame
 from fixedpipe.effects.reflectance.fresnel import fresnel
 from fixedpipe.effects.reflectance.microfacets import smith, torrance_sparrow
 from fixedpipe.effects.reflectance.torrance_sparrow_passes import Coordinates, Factors
+
+DATA = figure_data(__file__, "F000-2")
 
 RADIUS, TUBE = 0.62, 0.3
 _VIEWER = np.array([0.0, 0.0, 1.0])
@@ -128,28 +131,25 @@ def checks(figure, renderer):
         for k, name in enumerate(figure.panels):
             columns = slice(k * _SIZE, (k + 1) * _SIZE)
             error = root_mean_square((image[:, columns] - expected[:, columns])[inner])
-            yield Check(f"{name}: RMS from Eq. 1 at every pixel", error, at_most=0.012, on=on,
-                        reason="the catalogue's bound")  # fmt: skip
+            yield DATA.check("{name}: RMS from Eq. 1 at every pixel", error, on, name=name)
             widths.append(_width(bright[:, columns][covered][inside], normals[inside], lit[inside],
                                  values["light"], values["index"], roughnesses[k]))  # fmt: skip
         ratio = widths[1] / widths[0] / (roughnesses[1] / roughnesses[0])
-        yield Check("widths at half of D's maximum: their ratio over the roughnesses', less one",
-                    abs(ratio - 1.0), at_most=0.08, on=on, reason="the catalogue's bound")  # fmt: skip
+        yield DATA.check(
+            "widths at half of D's maximum: their ratio over the roughnesses', less one", abs(ratio - 1.0), on
+        )
     if renderer.method is figure.methods[0]:
         # The same machine with one unit at a time; the highlight alone, whose bytes are not added to.
         both = (replace(renderer, method=m).machine_window(figure, _SIZE, **_BRIGHT) for m in figure.methods)
         apart = 255.0 * float(np.abs(np.subtract(*both)).max())
-        yield Check("one pass beside two: most, in 1/255", apart, at_most=2.0, on=Answer.MACHINE,
-                    reason="the catalogue's bound: a product is rounded once more")  # fmt: skip
+        yield DATA.check("one pass beside two: most, in 1/255", apart, Answer.MACHINE)
     wanted = expected[inner_of_both(inner)]
     fine = root_mean_square(
         renderer.window(Answer.IDEAL, figure, _SIZE)[..., :3][inner_of_both(inner)] - wanted
     )
     coarse = renderer.window(Answer.IDEAL, figure, _SIZE, quads=20)[..., :3][inner_of_both(inner)] - wanted
-    yield Check("fast Phong: RMS from Phong", fine, at_most=0.003, on=Answer.IDEAL,
-                reason="the catalogue's bound, for 200 x 200 polygons")  # fmt: skip
-    yield Check("20 x 20 polygons: RMS over that", root_mean_square(coarse) / fine, at_least=5.0,
-                on=Answer.IDEAL, reason="the catalogue's bound")  # fmt: skip
+    yield DATA.check("fast Phong: RMS from Phong", fine, Answer.IDEAL)
+    yield DATA.check("20 x 20 polygons: RMS over that", root_mean_square(coarse) / fine, Answer.IDEAL)
     schlick = renderer.window(Answer.IDEAL, figure, _SIZE, **_BRIGHT, factors=Factors.SCHLICK)[:, :_SIZE, 0]
     r, toward_light = roughnesses[0] ** 2, unit_vector(values["light"], "The light's direction")
     # The model's row with k_s as F at the normal; tables keep Z over its largest value, 1/r, and pi for 4 pi.
@@ -159,13 +159,12 @@ def checks(figure, renderer):
         roughness=r, isotropy=1.0, specular=float(fresnel(1.0, values["index"])),
     )  # fmt: skip
     error = root_mean_square(schlick[covered][inside] - model[inside])
-    yield Check("Schlick's factors: RMS from his model at every pixel", error, at_most=0.003, on=Answer.IDEAL,
-                reason="as Torrance and Sparrow's: cosines are interpolated")  # fmt: skip
+    yield DATA.check("Schlick's factors: RMS from his model at every pixel", error, Answer.IDEAL)
     by_matrix = renderer.window(Answer.IDEAL, figure, _SIZE, coordinates=Coordinates.TEXTURE_MATRIX)[..., :3]
     by_vertex = renderer.window(Answer.IDEAL, figure, _SIZE)[..., :3]
-    yield Check("texture matrix beside vertices: most", float(np.abs(by_matrix - by_vertex).max()),
-                at_most=1e-4, on=Answer.IDEAL,
-                reason="the same cosines; normals of 20 bits are not quite of length one")  # fmt: skip
+    yield DATA.check(
+        "texture matrix beside vertices: most", float(np.abs(by_matrix - by_vertex).max()), Answer.IDEAL
+    )
 
 
 def inner_of_both(inner):
@@ -174,17 +173,7 @@ def inner_of_both(inner):
 
 
 FIGURE = Figure(
-    id="F000-2",
-    title="Two roughnesses of one metal",
-    caption=(
-        "A torus of 200 x 200 polygons by Torrance and Sparrow's model with Gaussian heights and Smith's "
-        "shadowing, as two tables multiplied, roughness 0.15 on the left and 0.35 on the right, and diffuse "
-        "light added."
-    ),
-    must_see="Left: a narrow, sharp highlight that runs along the ring. Right: a broad one.",
-    source="Heidrich2001",
-    techniques=("H02", "H03", "H04", "H05", "H06", "H07", "H08", "H09"),
-    panels=("roughness 0.15", "roughness 0.35"),
+    **DATA.words,
     size=512,
     parameters={
         "light": word.LIGHT((-0.45, 0.6, 0.75)),

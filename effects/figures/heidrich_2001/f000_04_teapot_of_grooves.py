@@ -5,8 +5,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import rotation
@@ -25,6 +26,8 @@ from fixedpipe.effects.scattering import goniometer, height_field, visibility
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.effects.scenes.teapot import framed_along, teapot
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+
+DATA = figure_data(__file__, "F000-4")
 
 # Texels across the grooves, and rows, which are all alike: two stand for the 32.
 TEXELS, ROWS = 32, 2
@@ -136,72 +139,41 @@ def checks(figure, renderer):
     for on in Answer:
         window = renderer.window(on, figure, size)
         panels = np.split(window, 3, axis=1)
-        yield Check(
-            "blue over red seen from 0 degrees, mean of what is lit",
-            mean_ratio(panels[0]),
-            at_least=1.5,
-            on=on,
-            reason="the catalogue's: there the blue flanks face the viewer",
-        )
-        yield Check(
-            "red over blue seen from 180 degrees",
-            1.0 / mean_ratio(panels[2]),
-            at_least=1.5,
-            on=on,
-            reason="the catalogue's: there the red ones do",
-        )
-        yield Check(
-            "degrees from 90 where both are equal, by how the ratio's logarithm goes from side to side",
+        yield DATA.check("blue over red seen from 0 degrees, mean of what is lit", mean_ratio(panels[0]), on)
+        yield DATA.check("red over blue seen from 180 degrees", 1.0 / mean_ratio(panels[2]), on)
+        yield DATA.check(
+            ("degrees from 90 where both are equal, by how the ratio's logarithm goes from side to side"),
             abs(90.0 * math.log(mean_ratio(panels[1])) / math.log(mean_ratio(panels[0]))),
-            at_most=10.0,
-            on=on,
-            reason="the catalogue's: the teapot and the light are alike to either side",
+            on,
         )
         by_vertices = figure.reference_picture(size, renderer.method)[::-1, :, :3]
         covered = np.abs(by_vertices - np.array(BACKGROUND)).max(axis=-1) > 0.02
-        yield Check(
+        yield DATA.check(
             "RMS of the teapots - the BRDF at their vertices",
             root_mean_square((np.clip(window, 0.0, 1.0) - np.clip(by_vertices, 0.0, 1.0))[covered]),
-            at_most=0.025,
-            on=on,
-            reason="three terms, maps of 32 x 32, and vertices whose colours the reference interpolates; "
-            "measured at the first correct picture, with at most a third of slack",
+            on,
         )
     samples = table(*grooves, values["map_size"])
     for terms, bound in ((1, 0.15), (3, 0.05)):
-        yield Check(
-            f"error of {terms} separable term{'s' * (terms > 1)}, RMS over the table's",
+        yield DATA.check(
+            "error of {terms} separable term{n}, RMS over the table's",
             samples.error(factors(*grooves, values["map_size"], terms).values()),
+            Answer.IDEAL,
             at_most=bound,
-            on=Answer.IDEAL,
-            reason="the catalogue's",
+            terms=terms,
+            n="s" * (terms > 1),
         )
     one, three = (renderer.window(Answer.IDEAL, figure, size, terms=terms) for terms in (1, 3))
-    yield Check(
+    yield DATA.check(
         "RMS of one term - the BRDF at the vertices, over that of three",
         root_mean_square((one - by_vertices)[covered]) / root_mean_square((three - by_vertices)[covered]),
-        at_least=1.5,
-        on=Answer.IDEAL,
-        reason="the terms that have signs count, and with the right one",
+        Answer.IDEAL,
     )
 
 
 FIGURE = Figure(
-    id="F000-4",
-    title="A teapot of simulated grooves",
-    caption=(
-        "A teapot into which fine grooves were cut, one flank of each blue and the other red, seen from "
-        "three sides. A virtual goniometer simulates the BRDF of the grooves; it is drawn as three products "
-        "of maps of the light's and of the viewer's direction."
-    ),
-    must_see=(
-        "Blue from one side and red from the other, though it is one material and one white light; from the "
-        "spout's end half and half."
-    ),
-    source="Heidrich2001",
-    techniques=("H17", "H19", "G23"),
+    **DATA.words,
     aspect=ASPECT,
-    panels=("seen from 0 degrees", "from 90", "from 180"),
     parameters={
         "blue": word.COLOR((0.1, 0.1, 0.8), "The albedo of the flanks that look to one side."),
         "red": word.COLOR((0.8, 0.1, 0.1), "The albedo of the others."),

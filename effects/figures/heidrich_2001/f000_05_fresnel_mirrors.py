@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import (
     environments,
     fresnel_passes,
@@ -22,6 +23,8 @@ from fixedpipe.effects.geometry.vertex_vectors import reflected, refracted
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_width, perspective_view
 from fixedpipe.effects.passes.encoding import colors_of, factor_texels
 from fixedpipe.effects.reflectance.fresnel import fresnel
+
+DATA = figure_data(__file__, "F000-5")
 
 ROWS, ASPECT = 4, (1, 3)
 EYE, CENTER, FIELD_OF_VIEW = (0.0, 0.35, 2.9), (0.0, -0.09, 0.0), 31.5
@@ -172,29 +175,24 @@ def checks(figure, renderer):
             ]
         for index, factor, of in zip(indices, factors, pictures["white"], strict=True):
             error = np.abs(of[0] - factor)
-            yield Check(
-                f"index {index:g}: mirror over the map, largest error of F from 0 to 75 degrees",
+            yield DATA.check(
+                "index {index:g}: mirror over the map, largest error of F from 0 to 75 degrees",
                 error[cosine[asked] > 0.25].max(),
+                on,
                 at_most=2.0 * _BYTE,
-                on=on,
-                reason="the catalogue's bound; F by the mean of two polarizations",
+                index=index,
             )
-            yield Check(
-                f"index {index:g}: the same to 81 degrees",
-                error.max(),
-                at_most=7.0 * _BYTE,
-                on=on,
-                reason="vertices lie on sixteenths of a pixel, which near the outline are a degree",
+            yield DATA.check(
+                "index {index:g}: the same to 81 degrees", error.max(), on, at_most=7.0 * _BYTE, index=index
             )
         for index, factor, (alone, added, coat, _) in zip(indices, factors, pictures["room"], strict=True):
             whole = (added < 1.0).all(axis=-1)
-            yield Check(
-                f"index {index:g}: second row less the first against L_d, where nothing is clamped",
+            yield DATA.check(
+                "index {index:g}: second row less the first against L_d, where nothing is clamped",
                 np.abs(added - alone - under)[whole].max(),
+                on,
                 at_most=(1.0 if on is Answer.IDEAL else 1.5) * _BYTE,
-                on=on,
-                reason="the catalogue's bound: the mirror is not touched by what is added"
-                + ("" if on is Answer.IDEAL else "; half a step for an iterated colour's own rounding"),
+                index=index,
             )
             yield Check(
                 f"index {index:g}: third row less the first against (1 - F) L_d, from 0 to 75 degrees",
@@ -203,12 +201,8 @@ def checks(figure, renderer):
                 on=on,
                 reason="the coat lets through what it does not reflect" + rounding,
             )
-            yield Check(
-                f"index {index:g}: third row above the second",
-                (coat - added).max(),
-                at_most=0.0,
-                on=on,
-                reason="a coat only takes away",
+            yield DATA.check(
+                "index {index:g}: third row above the second", (coat - added).max(), on, index=index
             )
         front = cosine[asked] > 0.5
         least = float(under[front, 0].min())
@@ -221,13 +215,11 @@ def checks(figure, renderer):
             reason="the catalogue's: F is 0.98 to 0.975 there" + rounding,
         )
         metal = pictures["room"][2][3]
-        yield Check(
+        yield DATA.check(
             "index 200, lowest row: RMS from the filtered map looked up at every pixel, times F",
             root_mean_square(metal - factors[2] * cube_maps.look_up(glossy, mirrored)),
+            on,
             at_most=0.5 * _BYTE if on is Answer.IDEAL else 0.8 * _BYTE,
-            on=on,
-            reason="the catalogue's bound"
-            + ("" if on is Answer.IDEAL else "; rounding a table, a map and a product is 0.5 by itself"),
         )
         for number, index in enumerate(indices):
             expected = 1.0 if number == 0 else factors[number]
@@ -242,41 +234,20 @@ def checks(figure, renderer):
             )
         peak = pictures["lamp"][2][3][:, 0] / factors[2][:, 0]
         degrees = np.degrees(np.arccos(np.clip(dot(mirrored, LAMP), -1.0, 1.0)))
-        yield Check(
+        yield DATA.check(
             "index 200, lowest row: a lamp's image, degrees to half of its height, off 6.74",
             abs(half_width(degrees, peak / peak.max()) - 6.74),
-            at_most=0.3,
-            on=on,
-            reason="Phong's lobe with an exponent of 100",
+            on,
         )
-    yield Check(
-        "index 1.5: how far the room that is refracted differs from the one that is reflected, RMS",
+    yield DATA.check(
+        ("index 1.5: how far the room that is refracted differs from the one that is reflected, RMS"),
         root_mean_square(pictures["room"][0][3] - factors[0] * cube_maps.look_up(glossy, mirrored)),
-        at_least=0.2,
-        on=Answer.MACHINE,
-        reason="the lowest row's glass shows what is behind it",
+        Answer.MACHINE,
     )
 
 
 FIGURE = Figure(
-    id="F000-5",
-    title="Mirrors by Fresnel's factor, and a filtered map",
-    caption=(
-        "A room, mirrored in a ball and a ring, in each row with an index of refraction of 1.5, as glass "
-        "has, 5, and 200, as if a metal's were real. From the top: the mirror times Fresnel's factor F; "
-        "diffuse light added; diffuse light times 1 - F, as under a transparent coat; the room filtered by "
-        "Phong's lobe of exponent 100 and mirrored, the glass over what it refracts of the filtered room."
-    ),
-    must_see=(
-        "Top: glass is dark but for its outlines, where the room shines; the middle half a mirror, the metal "
-        "a whole one. Second: the red of the diffuse light under each mirror, too bright on the metal. "
-        "Third: the same but darker red beneath the middle one, none on the metal. Lowest: the window's bars "
-        "and the floor's tiles blurred; the glass pale, for what lies behind it shines through. No dots or "
-        "lines."
-    ),
-    source="Heidrich2001",
-    techniques=("H26", "H27", "H28", "H29", "H30"),
-    panels=("index 1.5", "index 5", "index 200"),
+    **DATA.words,
     size=1536,
     aspect=ASPECT,
     parameters={

@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.ray_caster import scene_caster
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, INK, RED, VISIBLE, YELLOW
@@ -19,6 +20,8 @@ from fixedpipe.effects.shadows.alpha_coded_shadows import MAP, Coding, DepthComp
 from fixedpipe.effects.shadows.lit_scene import map_edge
 from fixedpipe.effects.shadows.shadow_volumes import z_pass
 from fixedpipe.pipeline.profiles import IDEAL
+
+DATA = figure_data(__file__, "F000-6")
 
 # The depths themselves, of eight bits, as grey: the map is shown, not compared.
 CODING = Coding(component=DepthComponent.RED, bias=0.0)
@@ -255,14 +258,12 @@ def checks(figure, renderer):
     found = caster.nearest(position, ways)
     met = position + found.distance[:, None] * ways
     wanted = np.array([LIT, HIDING])
-    yield Check(
+    yield DATA.check(
         "what the lamp's rays to P and Q meet first - where the diagram says, world units",
         float(np.abs(met - wanted).max()),
-        at_most=1e-9,
-        on=Answer.IDEAL,
-        reason="P itself, and the point of the box's top, by rays cast at the scene's triangles",
+        Answer.IDEAL,
     )
-    yield Check(
+    yield DATA.check(
         "(s, t) on the image plane - (s, t) of what is behind it",
         max(
             abs(a - b)
@@ -273,28 +274,22 @@ def checks(figure, renderer):
                 strict=True,
             )
         ),
-        at_most=1e-12,
-        on=Answer.IDEAL,
-        reason="one ray, one texel",
+        Answer.IDEAL,
     )
-    yield Check(
+    yield DATA.check(
         "(s, t) of the image plane's corners - 0 and 1",
         max(
             abs(a - b)
             for corner, st in zip(image_plane(lamp), ((0, 0), (1, 0), (1, 1), (0, 1)), strict=True)
             for a, b in zip(map_coordinates(lamp, corner), st, strict=True)
         ),
-        at_most=1e-5,
-        on=Answer.IDEAL,
-        reason="sines and cosines are rounded to 2^-20",
+        Answer.IDEAL,
     )
-    yield Check(
+    yield DATA.check(
         "verdicts that are wrong",
         float(not verdict(lamp, "P", LIT, tuple(met[0])).endswith("\nlit"))
         + float(not verdict(lamp, "Q", hidden, tuple(met[1])).endswith("\nin shadow")),
-        at_most=0.0,
-        on=Answer.IDEAL,
-        reason="what the rays meet first is P, and is not Q",
+        Answer.IDEAL,
     )
     yield from drawn_check(figure, renderer, _marks(size))
     for on in Answer:
@@ -304,18 +299,11 @@ def checks(figure, renderer):
             stored[int(t * edge), int(s * edge)]
             for s, t in (map_coordinates(lamp, point) for point in (LIT, hidden))
         ]
-        step = "a step of the depth, and the slope of what is seen under a texel"
-        yield Check("|P's depth - map|", abs(depth(lamp, LIT) - at[0]), at_most=3 / 255, on=on, reason=step)
-        yield Check(
-            "|depth of what hides Q - map|",
-            abs(depth(lamp, HIDING) - at[1]),
-            at_most=3 / 255,
-            on=on,
-            reason=step,
+        yield DATA.check("|P's depth - map|", abs(depth(lamp, LIT) - at[0]), on, at_most=3 / 255)
+        yield DATA.check(
+            "|depth of what hides Q - map|", abs(depth(lamp, HIDING) - at[1]), on, at_most=3 / 255
         )
-        yield Check(
-            "Q's depth - map", depth(lamp, hidden) - at[1], at_least=0.3, on=on, reason="Q is in shadow"
-        )
+        yield DATA.check("Q's depth - map", depth(lamp, hidden) - at[1], on)
         image = renderer.window(on, figure, size)
         for name, places, coordinates, bound, reason in (
             ("on the right", *_places_of_map(size), 0.95, "edges of things, dots and letters are elsewhere"),
@@ -378,20 +366,7 @@ def _places_of_plane(size):
 
 
 FIGURE = Figure(
-    id="F000-6",
-    title="The principle of shadow maps",
-    caption=(
-        "Left: a lamp, its frustum and its image plane, on which is the depth map that the same frame has "
-        "rendered, near dark. Right: the map. The lamp's ray to P meets nothing before it: P's depth is the "
-        "stored one. That to Q meets the box, whose smaller depth is stored: Q is in shadow."
-    ),
-    must_see=(
-        "Box and ball, dark, on the image plane as on the map, the same way round; the rays to P and Q go "
-        "through it where the map has them; Q lies in the box's shadow on the floor, P in the light."
-    ),
-    source="Heidrich2001",
-    techniques=("H34", "H36"),
-    panels=("principle", "depth map"),
+    **DATA.words,
     parameters={
         "map_ratio": word.RATIO(
             0.5, "Texels of the depth map for each of the panel's pixels, along an edge."

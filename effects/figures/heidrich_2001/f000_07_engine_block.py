@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import volume_caster
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import IMAGING_MACHINES_8, Figure, Method
 from fixedpipe.effects.geometry.vectors import dot, normalize
@@ -15,6 +16,8 @@ from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.volumes.engine_block import HALF_EXTENTS, engine_block
 from fixedpipe.effects.volumes.slices import Volume
 from fixedpipe.effects.volumes.volume_rendering import LEAST, Picture, Shading, combiners, imaging
+
+DATA = figure_data(__file__, "F000-7")
 
 
 @lru_cache(maxsize=4)
@@ -143,87 +146,36 @@ def checks(figure, renderer):
     darker = (shadowed < plain - 0.05).any(axis=-1).sum() / (plain != plain[0, 0]).any(axis=-1).sum()
     rays = "fraction of the iso-surface's pixels"
     return (
-        Check(
-            f"{rays} that differ from rays and are not understood",
-            ideal_other,
-            at_most=0.002,
-            on=Answer.IDEAL,
-            reason="understood: some ray agrees that begins half a slice or a texel aside, or that has its "
-            "only blocker within the bias; measured 0.0006 to 0.0011, one or two pixels",
+        DATA.check(
+            "{rays} that differ from rays and are not understood", ideal_other, Answer.IDEAL, rays=rays
         ),
-        Check(
-            f"pixels where either alone has a surface, {rays}",
-            ideal_missing,
-            at_most=0.02,
-            on=Answer.IDEAL,
-            reason="the outline: rays are cast at points, slices are steps; measured 0.014",
-        ),
-        Check(
-            f"{rays} that are lit or dark as rays say",
-            agreeing,
-            at_least=0.970,
-            on=Answer.MACHINE,
-            reason="256 slices: edges of shadows move by half a slice; at 512 pixels 0.981 agree, with 512 "
-            "slices 0.986, above the catalogue's 0.985; measured 0.975",
-        ),
-        Check(
-            f"{rays} that differ from rays and are not understood",
-            other,
-            at_most=0.0005,
-            on=Answer.MACHINE,
-            reason="as on the ideal; measured 0.00007, two pixels",
-        ),
-        Check(
-            f"pixels where either alone has a surface, {rays}",
-            missing,
-            at_most=0.002,
-            on=Answer.MACHINE,
-            reason="the outline: vertices are snapped; measured 0.0009",
-        ),
-        Check(
+        DATA.check("pixels where either alone has a surface, {rays}", ideal_missing, Answer.IDEAL, rays=rays),
+        DATA.check("{rays} that are lit or dark as rays say", agreeing, Answer.MACHINE, rays=rays),
+        DATA.check("{rays} that differ from rays and are not understood", other, Answer.MACHINE, rays=rays),
+        DATA.check("pixels where either alone has a surface, {rays}", missing, Answer.MACHINE, rays=rays),
+        DATA.check(
             "median of |machine - Phong's model of the rays' surface|",
             float(np.median(apart)),
-            at_most=0.007,
-            on=Answer.MACHINE,
-            reason="two bytes of rounding; creases, where filters shorten normals, and edges, which slices "
-            "step over, are few; measured 0.0047 to 0.0053",
+            Answer.MACHINE,
         ),
-        Check(
+        DATA.check(
             "how much brighter shadows make any pixel",
             float((shadowed - plain).max()),
+            Answer.MACHINE,
             at_most=1.0 / 255.0,
-            on=Answer.MACHINE,
-            reason="Source: catalogue; measured 0",
         ),
-        Check(
+        DATA.check(
             "largest difference of pixels that are not in shadow",
             float(np.abs(shadowed - plain)[lit].max(initial=0.0)),
+            Answer.MACHINE,
             at_most=1.0 / 255.0,
-            on=Answer.MACHINE,
-            reason="Source: catalogue; measured 0",
         ),
-        Check(
-            f"{rays} that shadows darken",
-            float(darker),
-            at_least=0.1,
-            on=Answer.MACHINE,
-            reason="there are shadows; measured 0.14",
-        ),
+        DATA.check("{rays} that shadows darken", float(darker), Answer.MACHINE, rays=rays),
     )
 
 
 FIGURE = Figure(
-    id="F000-7",
-    title="An engine block from a volume, without and with alpha-coded shadows",
-    caption="An iso-surface of a procedural volume of 256x128x128 voxels: slices of a 3D texture, the "
-    "alpha test, and Phong's model of the gradients that it leaves; right with an alpha-coded shadow map, "
-    "whose eight bits of depth leave teeth along the shadows' edges. Highlights have steps where the "
-    "specular table has them, as at the pipe's left end.",
-    must_see="A machined engine block: four bores with pistons, bolt holes, flanged pipes, a crankshaft. "
-    "Right, the manifold's shadows on the wall, dark bores, a dark front; what is lit is as it is left.",
-    source="Heidrich2001",
-    techniques=("H39", "H36", "H37", "H38"),
-    panels=("without shadows", "with shadow map"),
+    **DATA.words,
     parameters={
         "slices": word.of(
             word.Whole(2, 512), 256, "Slices through the volume, as many as the panel has pixels at most."

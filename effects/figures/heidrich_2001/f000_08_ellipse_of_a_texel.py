@@ -4,7 +4,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.checks import drawn_check
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, YELLOW
@@ -15,6 +16,8 @@ from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import ellipses, visibility
 from fixedpipe.effects.scattering.height_field import ridges
 from fixedpipe.effects.scattering.visibility import BACK, FREE
+
+DATA = figure_data(__file__, "F000-8")
 
 COLUMNS = 32
 # How long a ray is that meets nothing, in edges of the groove; and how far the groove is drawn along itself.
@@ -209,24 +212,19 @@ def checks(figure, renderer):
         offset[:, 0] * across[0] + offset[:, 1] * across[1],
     )
     inside = (along / r1) ** 2 + (aside / r2) ** 2 <= 1.0
-    yield Check(
-        "directions on their side of the ellipse",
-        float((inside == (own == FREE)).mean()),
-        at_least=0.9,
-        on=Answer.IDEAL,
-        reason="the catalogue's, of a hundred directions and a texel of a groove",
+    yield DATA.check(
+        "directions on their side of the ellipse", float((inside == (own == FREE)).mean()), Answer.IDEAL
     )
     p, tips = ends(values)
     met = (own != FREE) & (own != BACK)
     slope = np.tan(np.radians(values["angle"]))
     apart = np.abs(tips[met][:, 2] - np.abs(tips[met][:, 0]) * slope)
     inner = np.abs(tips[met][:, 0]) < 0.5 - 1.0 / COLUMNS
-    yield Check(
+    yield DATA.check(
         "distance of the points that rays meet from the flanks' planes, largest",
         float(apart[inner].max()),
+        Answer.IDEAL,
         at_most=1.0 / COLUMNS,
-        on=Answer.IDEAL,
-        reason="the field's triangles are these planes but for the bottom, a texel wide",
     )
     # The mean of the free directions, which the ellipse's centre is.
     views = _space(row_of_panels(2, size)[0]), _plane(row_of_panels(2, size)[1])
@@ -243,20 +241,7 @@ def checks(figure, renderer):
 
 
 FIGURE = Figure(
-    id="F000-8",
-    title="The ellipse of one texel",
-    caption=(
-        "A groove and the rays that leave one of its texels, p, along a hundred directions: yellow where "
-        "they go free, blue as far as the other flank. Beside it the same directions seen from above, in "
-        "the plane of the base, and the ellipse that holds the free ones: centre c, axis a, radii r1 and r2."
-    ),
-    must_see=(
-        "Left a fan of yellow rays out of the groove and blue ones that end on the flank across. Right "
-        "yellow dots fill the ellipse; blue ones and rings lie outside, all but a few."
-    ),
-    source="Heidrich2001",
-    techniques=("H47",),
-    panels=("rays from a texel", "seen from above"),
+    **DATA.words,
     parameters={
         "angle": word.DEGREES(45.0, "How steep the groove's flanks are.", low=5.0, high=70.0),
         "directions": word.of(

@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance import bump_shadows
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -21,6 +22,8 @@ from fixedpipe.effects.scattering import ellipse_passes, ellipses, height_field,
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "F000-9")
 
 _EYE = (3.1, 2.55, 4.3)
 # The sides that are seen: how the square that faces the viewer is turned to each.
@@ -187,13 +190,12 @@ def checks(figure, renderer):
     field, forms = relief_of(size, {**values, "texels": 128})
     shares = list(_agreement(field, forms))
     for what, share, bound in (("mean of", np.mean(shares), 0.93), ("worst of", min(shares), 0.88)):
-        yield Check(
-            f"texels that ellipses leave light or dark as rays do, {what} 50 lights",
+        yield DATA.check(
+            "texels that ellipses leave light or dark as rays do, {what} 50 lights",
             float(share),
+            Answer.IDEAL,
             at_least=bound,
-            on=Answer.IDEAL,
-            reason="the catalogue's, of lights from 25 degrees above the field up; lower ones differ more: "
-            "few of the fitted directions are as low",
+            what=what,
         )
     white = {"color": (1.0, 1.0, 1.0), "ambient": _BLACK, "background": _BLACK, "texels": 128}
     p = {**values, **white}
@@ -209,53 +211,30 @@ def checks(figure, renderer):
         )
         lit = shadowed > 0.5 * plain
         sure = clear & (np.abs(told) > (0.15 if on is Answer.MACHINE else 1e-3))
-        yield Check(
+        yield DATA.check(
             "pixels that are lit where the ellipses in float say so, away from their edges",
             float((lit == (told > 0.0))[sure].mean()),
-            at_least=0.99,
-            on=on,
-            reason="the catalogue's",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "pixels of the box in shadow where rays are",
             float((lit == (free > 0.5 * facing))[clear].mean()),
-            at_least=0.9,
-            on=on,
-            reason="an ellipse is not the horizon; pixels between lit and dark texels take sides",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "of the pixels that rays leave in shadow, those that are",
             float((~lit & (free <= 0.5 * facing))[clear].sum() / (free <= 0.5 * facing)[clear].sum()),
-            at_least=0.75,
-            on=on,
-            reason="agreement would be had without a shadow, where few are",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "share of the panel's pixels that shadows make brighter by more than 2/255",
             float((shadowed > plain + 2.0 / 255.0).mean()),
-            at_most=0.005,
-            on=on,
-            reason="shadows take light and add none; the panels' coordinates differ in their last bits, "
-            "which moves a texel beside a stud's rim",
+            on,
         )
 
 
 FIGURE = Figure(
-    id="F000-9",
-    title="A bump map without and with shadows",
-    caption=(
-        "A leather box with brass studs: squares with a bump map, under a light 25 degrees above the "
-        "front. Left: bump mapping. Right: the same where the light lies in the ellipse that each texel "
-        "keeps of the directions from which it is seen."
-    ),
-    must_see=(
-        "Left every stud has a dark side and throws nothing. Right each throws a shadow, away from the "
-        "light: long ones on the front and on the right side, down to the left and down; what is lit is as "
-        "bright as on the left."
-    ),
-    source="Heidrich2001",
-    techniques=("H45", "H47", "H48", "H49"),
-    panels=("without shadows", "with shadows"),
+    **DATA.words,
     parameters={
         "texels": word.FITTED_TEXELS(None, "The edge of the bump map and of the ellipses' textures."),
         "studs": word.of(word.Whole(1, 8), 3, "Studs along an edge of a side."),

@@ -4,8 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.ray_caster import RayCaster
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.diagrams.drawing import BLUE, INK, RED, VISIBLE, YELLOW
 from fixedpipe.effects.figures import parameters as word
@@ -21,6 +22,8 @@ from fixedpipe.effects.scattering.height_field import check_light
 from fixedpipe.effects.scattering.made_fields import gravel
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "F000-10")
 
 TEXELS, CELLS, DEPTH = 64, 4, 0.85
 # The field's z upwards on the screen.
@@ -151,34 +154,21 @@ def checks(figure, renderer):
                 shut += int(
                     caster.occluded(_stood(point) + 1e-3 * toward + 1e-4 * _stood((0, 0, 1)), toward)[0]
                 )
-    yield Check(
-        "points q from where rays among the bed's triangles meet it, largest distance",
-        apart,
-        at_most=1e-5,
-        on=Answer.IDEAL,
-        reason="the same surface, walked texel by texel and cast as triangles",
+    yield DATA.check(
+        "points q from where rays among the bed's triangles meet it, largest distance", apart, Answer.IDEAL
     )
-    yield Check(
-        "one minus the cosine between a path's piece from p to q and its panel's direction, largest",
+    yield DATA.check(
+        ("one minus the cosine between a path's piece from p to q and its panel's direction, largest"),
         bent,
-        at_most=1e-5,
-        on=Answer.IDEAL,
-        reason="the figure's: at every point the pieces are parallel",
+        Answer.IDEAL,
     )
-    yield Check(
+    yield DATA.check(
         "points that see another along their panel's direction, of ten",
         met,
+        Answer.IDEAL,
         at_least=2 * len(values["points"]),
-        on=Answer.IDEAL,
-        reason="every path is drawn whole",
     )
-    yield Check(
-        "pieces l and v that something is in the way of",
-        shut,
-        at_most=0,
-        on=Answer.IDEAL,
-        reason="what is drawn is what is the case",
-    )
+    yield DATA.check("pieces l and v that something is in the way of", shut, Answer.IDEAL)
     size = figure.size // 2
     marks = []
     for number, direction in enumerate(values["directions"]):
@@ -191,31 +181,17 @@ def checks(figure, renderer):
         for number, view, point, color in marks:
             x, y = (int(c) for c in np.floor(drawing.project(view, point)[:2]))
             missing += bool(np.abs(panel_of(image, number)[y, x] - np.array(color)).max() > 1.0 / 255.0)
-        yield Check(
-            f"of {len(marks)} marks on the pieces those that are not drawn where they are",
+        yield DATA.check(
+            "of {n} marks on the pieces those that are not drawn where they are",
             missing,
+            on,
             at_most=len(marks) // 4,
-            on=on,
-            reason="a stone, or another path, may be in front",
+            n=len(marks),
         )
 
 
 FIGURE = Figure(
-    id="F000-10",
-    title="The pieces of paths are alike",
-    caption=(
-        "A bed of stones and the same five points p with two directions: light comes along l to the point q "
-        "that p sees along d, goes on along -d to p, and along v to the eye. In each panel the direction is "
-        "one for all points."
-    ),
-    must_see=(
-        "In each panel five red arrows that are parallel, as the yellow ones are and the blue ones; from "
-        "the left panel to the right the red ones alone have turned, and with them the places where light "
-        "arrives."
-    ),
-    source="Heidrich2001",
-    techniques=("H50", "H51"),
-    panels=("direction d_1", "direction d_2"),
+    **DATA.words,
     parameters={
         "points": word.of(
             word.Several((word.Several((word.Whole(0, TEXELS - 1),) * 2),) * 5),

@@ -4,8 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing, pass_graph
 from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, YELLOW
 from fixedpipe.effects.figures import parameters as word
@@ -20,6 +21,8 @@ from fixedpipe.effects.scattering.light_transport import bump
 from fixedpipe.effects.scattering.made_fields import honeycomb
 from fixedpipe.effects.scattering.visibility import free_view, precompute
 from fixedpipe.pipeline.commands import Clear
+
+DATA = figure_data(__file__, "F000-11")
 
 ASPECT = (3, 1)
 LOOKUPS = 3
@@ -199,20 +202,18 @@ def checks(figure, renderer):
         ("dependent lookups", lookups, LOOKUPS),
         ("bump-mapping steps", len(steps), LOOKUPS + 1),
     ):
-        yield Check(
-            f"{what} in the commands, from {expected}",
+        yield DATA.check(
+            "{what} in the commands, from {expected}",
             abs(found - expected),
-            at_most=0,
-            on=Answer.MACHINE,
-            reason="the catalogue's: a lookup for each S_k, bump-mapping passes one more",
+            Answer.MACHINE,
+            what=what,
+            expected=expected,
         )
     wanted = {(k, k + 1, "looked up") for k in range(LOOKUPS)} | {(0, k + 1, "added") for k in range(LOOKUPS)}
-    yield Check(
+    yield DATA.check(
         "arrows between steps that are in the commands or in the equation, but not in both",
         len(wanted ^ set(edges(steps))),
-        at_most=0,
-        on=Answer.MACHINE,
-        reason="L_k = bump(l) + bump(d_k) L_k+1[S_k]: each step looks up the last and adds the first",
+        Answer.MACHINE,
     )
     expected = _expected(setup.field, setup.visibility, light)
     view, edge = drawing.sheet(row_of_panels(1, size, ASPECT)[0]), setup.field.columns
@@ -229,39 +230,14 @@ def checks(figure, renderer):
             shown = window[np.ix_(y, x)]
             errors.append(root_mean_square(shown - light_sent[2:-2, 2:-2]))
             brighter.append(float(shown.mean()))
-        yield Check(
-            "largest RMS of a step's box - the same step in float64",
-            max(errors),
-            at_most=1e-6 if on is Answer.IDEAL else 0.006,
-            on=on,
-            reason="nothing is rounded"
-            if on is Answer.IDEAL
-            else "each step rounds three or four times, and looks up what was rounded before",
-        )
-        yield Check(
-            "what the last step leaves, over what the first does, mean",
-            brighter[-1] / brighter[0],
-            at_least=1.02,
-            on=on,
-            reason="lookups bring light",
+        yield DATA.check("largest RMS of a step's box - the same step in float64", max(errors), on)
+        yield DATA.check(
+            "what the last step leaves, over what the first does, mean", brighter[-1] / brighter[0], on
         )
 
 
 FIGURE = Figure(
-    id="F000-11",
-    title="A chain of scatterings",
-    caption=(
-        "The passes of a comb of wax whose light is scattered three times, as a graph that was found in the "
-        "commands of this frame. A box is what a step left in the framebuffer. Yellow: S_k, whose texels "
-        "are coordinates; green: the light of the step before, which is looked up there; blue: the direct "
-        "light, which is added. Below are the step's passes."
-    ),
-    must_see=(
-        "Four boxes of the same comb, an S_k above each but the first, a green arrow from each box to the "
-        "next, blue ones from the first box to all others."
-    ),
-    source="Heidrich2001",
-    techniques=("H50", "H54", "H51", "H52", "H53"),
+    **DATA.words,
     aspect=ASPECT,
     parameters={
         "texels": word.of(word.Whole(4, 128, power=True), 128, "The bump map's edge, at most.", "texels"),

@@ -5,8 +5,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing, pass_graph
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, INK, YELLOW
 from fixedpipe.effects.figures import parameters as word
@@ -22,6 +23,8 @@ from fixedpipe.effects.scattering.made_fields import honeycomb
 from fixedpipe.effects.scattering.visibility import free_view, precompute
 from fixedpipe.pipeline.commands import Draw, DrawPixels, TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "F000-12")
 
 ASPECT = (2, 1)
 # Pictures of what a pass reads and leaves.
@@ -211,20 +214,16 @@ def checks(figure, renderer):
     addressed = [
         (found[box.addressed_by].picture, box.picture) for box in found if box.addressed_by is not None
     ]
-    yield Check(
+    yield DATA.check(
         "lookups whose place is a texel, other than L_d at S_i",
         len(addressed) - addressed.count((SEEN, LIGHT)) + abs(addressed.count((SEEN, LIGHT)) - 1),
-        at_most=0,
-        on=Answer.MACHINE,
-        reason="the figure's: p to S_i, q to L_d",
+        Answer.MACHINE,
     )
     combined = {box.picture for box in found if box.combined}
-    yield Check(
+    yield DATA.check(
         "pictures that are combined, or are not, otherwise than in bump(d_i) L_d[S_i]",
         len(combined ^ {NORMALS, ALBEDO, LIGHT}),
-        at_most=0,
-        on=Answer.MACHINE,
-        reason="S_i gives coordinates and no colour",
+        Answer.MACHINE,
     )
     field, (seen,) = setup.field, setup.visibility.seen
     direct = bump(field, light, UP) * free_view(field, light)[..., None]
@@ -245,41 +244,19 @@ def checks(figure, renderer):
             columns, rows = (
                 np.floor(a + place * (b - a)).astype(int) for a, b in zip(low, high, strict=True)
             )
-            yield Check(
-                f"RMS of {name} in its box - float64",
+            yield DATA.check(
+                "RMS of {name} in its box - float64",
                 root_mean_square(window[np.ix_(rows, columns)] - expected[3:-3, 3:-3]),
-                at_most=1e-6 if on is Answer.IDEAL else 0.005,
-                on=on,
-                reason="nothing is rounded"
-                if on is Answer.IDEAL
-                else "normals, light and each factor are bytes",
+                on,
+                name=name,
             )
-    yield Check(
-        "share of texels that see another along d_i",
-        float((seen >= 0).mean()),
-        at_least=0.1,
-        on=Answer.IDEAL,
-        reason="else the boxes are black",
-    )
+    yield DATA.check("share of texels that see another along d_i", float((seen >= 0).mean()), Answer.IDEAL)
 
 
 _NAMES = ("texture shaders", "color matrix and pixel textures")
 
 FIGURE = Figure(
-    id="F000-12",
-    title="Dependent lookups in a pass",
-    caption=(
-        "The pass in which a comb of wax scatters light once along d_i, as the state of its command has it. "
-        "Yellow arrows are coordinates, green ones colours: the place of p goes to S_i, the texels of S_i "
-        "are the places q, at which L_d is looked up; normals and albedo make the bumps, by which that "
-        "light is multiplied."
-    ),
-    must_see=(
-        "One box whose coordinates come from another box's texels; that box, S_i, alone has no green arrow. "
-        "On the right the cells' shadowed walls, lit by the walls across."
-    ),
-    source="Heidrich2001",
-    techniques=("H50", "H51", "H52"),
+    **DATA.words,
     aspect=ASPECT,
     parameters={
         "texels": word.of(word.Whole(4, 128, power=True), 128, "The bump map's edge, at most.", "texels"),

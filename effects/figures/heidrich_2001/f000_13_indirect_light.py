@@ -4,8 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.scattering_ways import MACHINES, WAYS, largest_power, setup_of
@@ -20,6 +21,8 @@ from fixedpipe.effects.scattering.visibility import free_view, precompute
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "F000-13")
 
 # Offsets are signed bytes, and textures' edges powers of two.
 VALUES = {"offset textures, bumps lit at vertices": {"texels": 64}}
@@ -105,12 +108,10 @@ def checks(figure, renderer):
     field, _ = _field(2 * edge, p)
     expected = [p["exposure"] * light for light in _lights(2 * edge, p, p["directions"])]
     more = _lights(2 * edge, p, _REFERENCE_DIRECTIONS)[1] * p["exposure"]
-    yield Check(
+    yield DATA.check(
         "RMS of the light of a hundred directions from that of four hundred",
         root_mean_square(expected[1] - more),
-        at_most=0.03,
-        on=Answer.IDEAL,
-        reason="the paper sums 40 to 100 paths; what is left is their noise",
+        Answer.IDEAL,
     )
     high = (field.heights - field.heights.min()) / np.ptp(field.heights)
     for on in Answer:
@@ -119,61 +120,34 @@ def checks(figure, renderer):
         plain, scattered = (panel_of(window, k) for k in range(2))
         for name, found, light in zip(("direct", "scattered"), (plain, scattered), expected, strict=True):
             light = np.clip(light, 0.0, 1.0)
-            exact = on is Answer.IDEAL
-            yield Check(
-                f"RMS of the {name} light - the same in float64",
+            yield DATA.check(
+                "RMS of the {name} light - the same in float64",
                 root_mean_square(np.clip(found, 0.0, 1.0) - light),
-                at_most=1e-6 if exact else 0.006,
-                on=on,
-                reason="the same sums, in another order"
-                if exact
-                else "factors and a hundred terms are bytes, their sum is not",
+                on,
+                name=name,
             )
         dark = (high < 0.25) & (plain.max(axis=-1) < 0.02)
         tops = high > 0.9
         gain = scattered - plain
-        yield Check(
-            "what the shadowed floors of the cells gain, mean of red",
-            float(gain[dark][:, 0].mean()),
-            at_least=0.05,
-            on=on,
-            reason="they see the lit walls across; without indirect light they are black",
+        yield DATA.check(
+            "what the shadowed floors of the cells gain, mean of red", float(gain[dark][:, 0].mean()), on
         )
-        yield Check(
+        yield DATA.check(
             "what the walls' tops gain, over that",
             float(gain[tops][:, 0].mean() / gain[dark][:, 0].mean()),
-            at_most=0.5,
-            on=on,
-            reason="tops see little but the sky",
+            on,
         )
         floors = high < 0.25
         warmth = [
             float(light[floors][:, 0].sum() / light[floors][:, 2].sum()) for light in (plain, scattered)
         ]
-        yield Check(
-            "red over blue in the cells with indirect light, over that without",
-            warmth[1] / warmth[0],
-            at_least=1.1,
-            on=on,
-            reason="each reflection multiplies by the wax's colour once more",
+        yield DATA.check(
+            "red over blue in the cells with indirect light, over that without", warmth[1] / warmth[0], on
         )
 
 
 FIGURE = Figure(
-    id="F000-13",
-    title="A bump map without and with indirect light",
-    caption=(
-        "A comb of wax, a flat square with a bump map, lit from the left: direct light with its shadows, "
-        "and with the light that the cells' walls and floors throw at each other, once, along a hundred "
-        "directions."
-    ),
-    must_see=(
-        "Left the shadowed sides of the cells are black. Right walls can be told there, deep orange, and "
-        "the cells' floors glow; the tops of the walls are as they were."
-    ),
-    source="Heidrich2001",
-    techniques=("H50", "H51", "H52", "H53", "H55"),
-    panels=("without indirect light", "with indirect light"),
+    **DATA.words,
     size=512,
     parameters={
         "texels": word.of(word.Whole(4, 128, power=True), 128, "The bump map's edge, at most.", "texels"),

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
@@ -18,6 +19,8 @@ from fixedpipe.effects.reflectance.microfacets import torrance_sparrow
 from fixedpipe.effects.reflectance.torrance_sparrow_passes import Remedy
 from fixedpipe.pipeline.commands import DrawPixels
 from fixedpipe.pipeline.pixel_transfer import PixelImage
+
+DATA = figure_data(__file__, "H10")
 
 # World units: the floor's half edge, the eye and what it looks at.
 HALF, EYE, CENTER, FIELD = 6.0, (0.0, 0.75, 6.6), (0.0, -0.55, 0.0), 34.0
@@ -117,37 +120,19 @@ def checks(figure, renderer):
     image = renderer.window(Answer.MACHINE, figure, _SIZE, **_ALONE)[..., 0]
     clamped, divided, host = (image[:, k * _SIZE : (k + 1) * _SIZE] for k in range(3))
     lost = 1.0 - float(clamped[bright].mean() / expected[bright].mean())
-    yield Check("clamped: of the reflection's light, lost", lost, at_least=0.2, on=Answer.MACHINE,
-                reason="G / (pi cos beta) reaches 2 at this roughness, where the view grazes")  # fmt: skip
+    yield DATA.check("clamped: of the reflection's light, lost", lost, Answer.MACHINE)
     left = abs(1.0 - float(divided[bright].mean() / expected[bright].mean()))
-    yield Check("divided: lost", left, at_most=0.03, on=Answer.MACHINE,
-                reason="c above the table's largest value; tessellation is left, and c/255")  # fmt: skip
+    yield DATA.check("divided: lost", left, Answer.MACHINE)
     error = root_mean_square((divided - expected)[inner])
-    yield Check("divided: RMS from the model at every pixel", error, at_most=0.012, on=Answer.MACHINE,
-                reason="the catalogue's for F000-2; a step of the divided table is c/255")  # fmt: skip
-    yield Check("the host's: RMS from it", root_mean_square((host - expected)[inner]), at_most=0.002,
-                on=Answer.MACHINE, reason="bytes")  # fmt: skip
+    yield DATA.check("divided: RMS from the model at every pixel", error, Answer.MACHINE)
+    yield DATA.check("the host's: RMS from it", root_mean_square((host - expected)[inner]), Answer.MACHINE)
     ideal = renderer.window(Answer.IDEAL, figure, _SIZE, **_ALONE)[:, _SIZE : 2 * _SIZE, 0]
     error = root_mean_square((ideal - expected)[inner])
-    yield Check("ideal: divided, RMS from the model at every pixel", error, at_most=0.012, on=Answer.IDEAL,
-                reason="cosines are interpolated across polygons")  # fmt: skip
+    yield DATA.check("ideal: divided, RMS from the model at every pixel", error, Answer.IDEAL)
 
 
 FIGURE = Figure(
-    id="H10",
-    title="A table divided by four",
-    caption=(
-        "A lamp stands low at the far end of a floor that reflects by Torrance and Sparrow's model. Left: "
-        "the table of G / (pi cos beta) in bytes, clamped at one. Middle: the table divided by four, and the "
-        "picture multiplied by four. Right: the model at every pixel, by the host."
-    ),
-    must_see=(
-        "Left: a reflection that grows no brighter towards the lamp. Middle: it does, as on the right, in "
-        "coarser steps."
-    ),
-    source="Heidrich2001",
-    techniques=("H10",),
-    panels=("clamped", "divided by 4", "every pixel: host"),
+    **DATA.words,
     size=512,
     parameters={
         "light": word.POSITION((0.0, 1.2, -5.2), "Where the lamp is."),

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
@@ -16,6 +17,8 @@ from fixedpipe.effects.reflectance.brdfs import half_vector
 from fixedpipe.effects.reflectance.phong_tables import Cosine
 from fixedpipe.pipeline.commands import DrawPixels
 from fixedpipe.pipeline.pixel_transfer import PixelImage
+
+DATA = figure_data(__file__, "H11")
 
 RADIUS = 0.9
 MACHINES = (
@@ -136,41 +139,28 @@ def checks(figure, renderer):
         wanted = [expected[:, k * _SIZE : (k + 1) * _SIZE] for k in range(4)]
         errors = [root_mean_square((p - w)[inside]) for p, w in zip(panels, wanted, strict=True)]
         rounding = 0.0 if on is Answer.IDEAL else 0.5 / 255.0
-        yield Check("Gouraud: RMS from the model at every pixel", errors[0], at_most=0.013 + rounding, on=on,
-                    reason="a chord for a bell over 10 degrees; Measured: 0.0113")  # fmt: skip
-        yield Check("one table: RMS from it", errors[1], at_most=0.017 + rounding, on=on,
-                    reason="between vertices 1 - cos(D/2)^N = 0.11 is lost; Measured: 0.0149")  # fmt: skip
-        yield Check("the host's picture: RMS from it", errors[2], at_most=1e-12 if not rounding else 0.002,
-                    on=on, reason="it is it, in bytes on a machine")  # fmt: skip
-        yield Check("the lobe by a table: RMS from the model at every pixel", errors[3],
-                    at_most=0.009 + rounding, on=on, reason="as a table's; Measured: 0.0077")  # fmt: skip
+        yield DATA.check(
+            "Gouraud: RMS from the model at every pixel", errors[0], on, at_most=0.013 + rounding
+        )
+        yield DATA.check("one table: RMS from it", errors[1], on, at_most=0.017 + rounding)
+        yield DATA.check(
+            "the host's picture: RMS from it", errors[2], on, at_most=1e-12 if not rounding else 0.002
+        )
+        yield DATA.check(
+            "the lobe by a table: RMS from the model at every pixel", errors[3], on, at_most=0.009 + rounding
+        )
         middle = [float(p[peak].mean()) for p in panels]
-        yield Check("the highlight's middle: Gouraud's, below the model's", middle[2] - middle[0],
-                    at_least=0.02, on=on, reason="it is missed between vertices")  # fmt: skip
-        yield Check("the table's beside Gouraud's", abs(middle[1] - middle[0]), at_most=0.03, on=on,
-                    reason="where a cosine has its maximum both lose N D^2 / 8")  # fmt: skip
+        yield DATA.check("the highlight's middle: Gouraud's, below the model's", middle[2] - middle[0], on)
+        yield DATA.check("the table's beside Gouraud's", abs(middle[1] - middle[0]), on)
         outlines = [_outline(panel, normals, values) for panel in panels[:3]]
-        yield Check("the outline's spread, Gouraud's over the table's", outlines[0][1] / outlines[1][1],
-                    at_least=1.15, on=on, reason="the paper's order: the table's is rounder")  # fmt: skip
-        yield Check("the table's over that at every pixel", outlines[1][1] / outlines[2][1], at_least=3.0,
-                    on=on, reason="and is not as round as Phong's")  # fmt: skip
+        yield DATA.check(
+            "the outline's spread, Gouraud's over the table's", outlines[0][1] / outlines[1][1], on
+        )
+        yield DATA.check("the table's over that at every pixel", outlines[1][1] / outlines[2][1], on)
 
 
 FIGURE = Figure(
-    id="H11",
-    title="One table, beside its two bounds",
-    caption=(
-        "A sphere of few polygons. From the left: OpenGL's lighting at the vertices; the same model looked "
-        "up at every pixel in one table, whose coordinates the texture matrix makes of the normal; the model "
-        "at every pixel, by the host; one lobe of Lafortune's by a table, off the mirror's direction."
-    ),
-    must_see=(
-        "First: a highlight with corners and streaks, too dim. Second: a rounder one, as dim and a little "
-        "narrower. Third: a round and bright one. Fourth: a broad sheen, drawn out away from the light."
-    ),
-    source="Heidrich2001",
-    techniques=("H11", "H12"),
-    panels=("Gouraud: lighting", "one table", "every pixel: host", "one table: cosine lobe"),
+    **DATA.words,
     size=512,
     parameters={
         "light": word.LIGHT((-0.5, 0.6, 0.9)),

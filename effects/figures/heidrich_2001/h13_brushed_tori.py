@@ -4,6 +4,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared.torus_by_rays import torus_at_pixels
@@ -20,6 +21,8 @@ from fixedpipe.effects.geometry.views import (
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.reflectance import anisotropic_tables as tables
 from fixedpipe.effects.reflectance.brdfs import BRDFS, Frame
+
+DATA = figure_data(__file__, "H13")
 
 RADIUS, TUBE = 0.68, 0.3
 EYE, FIELD = (0.0, 0.0, 4.2), 27.0
@@ -203,34 +206,16 @@ def checks(figure, renderer):
             ("along", "across"),
             strict=True,
         ):
-            yield Check(
-                f"D's half width at half height {name} the brushing over alpha sqrt(ln 2), off one",
+            yield DATA.check(
+                "D's half width at half height {name} the brushing over alpha sqrt(ln 2), off one",
                 abs(width / (alpha * np.sqrt(np.log(2.0))) - 1.0),
-                at_most=0.12,
-                on=on,
-                reason="exp(-tan^2 / alpha^2) is one half there; a pixel of the picture is a tenth of the "
-                "narrower width",
+                on,
+                name=name,
             )
 
 
 FIGURE = Figure(
-    id="H13",
-    title="Anisotropic tables of the halfway vector",
-    caption=(
-        "From the left: Ward's distribution of facets as the table that is looked up, over x and y of the "
-        "halfway vector in the brushed frame, the normal in the middle; a torus brushed round its axis; the "
-        "same brushed round its tube; and brushed round its axis again in Ashikhmin and Shirley's model, by "
-        "other tables. Light and viewer are near. The host computes coordinates at the vertices; two tables "
-        "are multiplied."
-    ),
-    must_see=(
-        "An ellipse that is narrow along the brushing, which is level in it. A torus with highlights drawn "
-        "out across the brushing: bright bars round the tube in the second panel and the fourth, a bright "
-        "ring along it in the third."
-    ),
-    source="Heidrich2001",
-    techniques=("H13", "H14"),
-    panels=("D(x, y)", "Ward, brushed round the axis", "Ward, brushed round the tube", "Ashikhmin, Shirley"),
+    **DATA.words,
     parameters={
         "light": word.POSITION((-1.4, 2.2, 3.2), "Where the light is; the torus's middle is the origin."),
         "alpha_along": word.of(word.ALPHA_KIND, 0.06, "Ward's roughness along the brushing."),

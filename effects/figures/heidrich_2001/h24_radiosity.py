@@ -4,9 +4,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, cross, normalize, sine
@@ -14,6 +15,8 @@ from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_o
 from fixedpipe.effects.passes.draws import EDGE, NEAREST
 from fixedpipe.effects.radiosity import light_maps, small_room
 from fixedpipe.effects.radiosity.progressive_refinement import solve
+
+DATA = figure_data(__file__, "H24")
 
 EYE, CENTER, FIELD_OF_VIEW = (0.0, 0.86, 3.55), (0.0, 0.84, 0.0), 35.6
 THINGS = tuple(small_room.BOXES.values())
@@ -76,12 +79,10 @@ def checks(figure, renderer):
         absorbed += share * ((1.0 - np.array(rectangle.reflectance)) * solution.received[rectangle.name]).sum(
             axis=(0, 1)
         )
-    yield Check(
+    yield DATA.check(
         "power absorbed and unsent over power emitted, largest deviation from one",
         np.abs((absorbed + solution.unsent) / solution.emitted - 1.0).max(),
-        at_most=1.0e-9,
-        on=Answer.IDEAL,
-        reason="a closed room keeps its energy",
+        Answer.IDEAL,
     )
     maps = light_maps.light_maps(room, solution.radiosity, THINGS)
     errors, expected = [], []
@@ -95,32 +96,24 @@ def checks(figure, renderer):
             errors.append(solution.received[rectangle.name][j, i] - by_rays)
             expected.append(by_rays)
     errors, expected = np.array(errors), np.array(expected)
-    yield Check(
+    yield DATA.check(
         "what elements receive against 4096 rays from them, RMS over the mean",
         root_mean_square(errors) / expected.mean(),
-        at_most=0.03,
-        on=Answer.IDEAL,
-        reason="patches are an eighth of a wall wide and are seen in four parts; rays see elements",
+        Answer.IDEAL,
     )
     inner = slice(elements // 4, 3 * elements // 4)
     ceiling, bounced = (found.radiosity["ceiling"][inner, :2].mean() for found in (direct, solution))
-    yield Check(
-        "the ceiling's light that came by way of other walls, share",
-        1.0 - ceiling / bounced,
-        at_least=0.99,
-        on=Answer.IDEAL,
-        reason="the lamp does not see the ceiling that it is in",
+    yield DATA.check(
+        "the ceiling's light that came by way of other walls, share", 1.0 - ceiling / bounced, Answer.IDEAL
     )
     beside = {
         name: solution.received["floor"][inner, column] for name, column in (("left", 0), ("right", -1))
     }
     ratio = {name: float((of[:, 0] / of[:, 2]).mean()) for name, of in beside.items()}
-    yield Check(
-        "red over blue of what the floor receives, beside the left wall over beside the right one",
+    yield DATA.check(
+        ("red over blue of what the floor receives, beside the left wall over beside the right one"),
         ratio["left"] / ratio["right"],
-        at_least=1.3,
-        on=Answer.IDEAL,
-        reason="the left wall is red, the right one blue: colours bleed",
+        Answer.IDEAL,
     )
     view = perspective_view(row_of_panels(1, size)[0], EYE, CENTER, FIELD_OF_VIEW)
     shown = [rectangle for rectangle in room if rectangle.name != small_room.FRONT]
@@ -139,12 +132,10 @@ def checks(figure, renderer):
             texels = texels if on is Answer.IDEAL else np.minimum(texels, 1.0)
             true[of] = light_maps.look_up(texels, s[of], t[of])
         image = renderer.window(on, figure, size)[:, 2 * size :].reshape(-1, 3)
-        yield Check(
+        yield DATA.check(
             "light maps against rays that look the solution up, RMS",
             root_mean_square((np.clip(image, 0.0, 1.0) - np.clip(true, 0.0, 1.0))[known]),
-            at_most=0.004,
-            on=on,
-            reason="vertices lie on sixteenths of a pixel, and texels are bytes",
+            on,
         )
 
 
@@ -154,21 +145,7 @@ _REFLECTANCE = word.Several(
 _WALL = "The reflectance of the wall at the {}."
 
 FIGURE = Figure(
-    id="H24",
-    title="A radiosity solution as light maps",
-    caption=(
-        "A room with a lamp in its ceiling. Left what the lamp sends itself; in the middle all diffuse "
-        "light, each element of the solution a texel; right the same texels filtered: the light maps that a "
-        "mirror's reflection is added to. A wall's edge has 32 elements, boxes' edges half as many."
-    ),
-    must_see=(
-        "Left a black ceiling and black shadows. Middle and right the ceiling and the shadows are lit, red "
-        "beside the left wall, blue beside the right one, and the boxes' sides take the walls' colours. "
-        "Squares in the middle, none at the right. No light or dark seams at the boxes' feet."
-    ),
-    source="Heidrich2001",
-    techniques=("H24",),
-    panels=("direct light", "elements", "light maps"),
+    **DATA.words,
     parameters={
         "elements": word.of(
             word.Maybe(word.Choice({str(n): n for n in (8, 16, 32, 64)}), "as many as fit the panel"),

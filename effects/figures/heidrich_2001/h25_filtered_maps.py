@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import bumped_reflections, environments, prefilter, reflections
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
@@ -13,6 +14,8 @@ from fixedpipe.effects.geometry import cube_maps, parabolic_maps
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.pipeline.enums import TexGenMode
+
+DATA = figure_data(__file__, "H25")
 
 PLAIN_MACHINES = ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY", "G400")
 NAMES = "mirror", "narrow lobe", "wide lobe", "cosine"
@@ -113,32 +116,28 @@ def checks(figure, renderer):
         ):
             true = _sums(faces, exponent, vectors.reshape(-1, 3)[some])
             error = panel_of(image, number).reshape(-1, 3)[some] - true
-            yield Check(
-                f"{NAMES[number]} against sums over all texels where rays meet, RMS",
+            yield DATA.check(
+                "{which} against sums over all texels where rays meet, RMS",
                 root_mean_square(error),
-                at_most=0.012,
-                on=on,
-                reason="vectors iterated over facets, and texels between which the machine is linear",
+                on,
+                which=NAMES[number],
             )
         white = renderer.window(on, figure, size, environment="white", edge=64)
-        yield Check(
+        yield DATA.check(
             "largest change of a constant map by the filters",
             max(
                 float(np.abs(panel_of(white, number)[known] - panel_of(white, 0)[known]).max())
                 for number in (1, 2, 3)
             ),
+            on,
             at_most={Answer.IDEAL: 1e-9, Answer.MACHINE: 1.0 / 255.0}[on],
-            on=on,
-            reason="weights are divided by their sum",
         )
     yield _width(figure, renderer)
     room = renderer.window(Answer.MACHINE, figure, size)
-    yield Check(
+    yield DATA.check(
         "differences of neighbouring pixels in the wide lobe over those in the mirror",
         _roughness(panel_of(room, 2), known) / _roughness(panel_of(room, 0), known),
-        at_most=0.25,
-        on=Answer.MACHINE,
-        reason="what is filtered has lost the windows' bars and the floor's tiles",
+        Answer.MACHINE,
     )
 
 
@@ -157,30 +156,15 @@ def _width(figure, renderer):
     # The slope of log brightness over the log of the cosine is the exponent.
     cosines = np.log(dot(toward[lit], normalize(np.array(_TOWARD_POINT))))
     exponent = np.polyfit(cosines, np.log(point[lit]), 1)[0]
-    return Check(
+    return DATA.check(
         "how far the half width of a point's image is from 6.74 degrees",
         abs(float(np.degrees(np.arccos(0.5 ** (1.0 / exponent)))) - 6.74),
-        at_most=0.3,
-        on=Answer.IDEAL,
-        reason="the catalogue's, for an exponent of 100",
+        Answer.IDEAL,
     )
 
 
 FIGURE = Figure(
-    id="H25",
-    title="Environment maps filtered beforehand",
-    caption=(
-        "A room in a ball and a ring, from a cube map as it is, filtered by Phong's lobe with exponents of "
-        "100 and 10, and by a cosine. The first three are looked up by the reflected vector, the last by the "
-        "normal. Boards without cube maps have parabolic maps of the same."
-    ),
-    must_see=(
-        "From left to right the windows blur into patches and into a glow; the last ball is matt, bright "
-        "above, and warm on the red wall's side."
-    ),
-    source="Heidrich2001",
-    techniques=("H25", "H29"),
-    panels=("mirror", "Phong, exponent 100", "Phong, exponent 10", "cosine, by the normal"),
+    **DATA.words,
     parameters={
         "eye": word.POSITION((0.0, 0.35, 2.9), "The eye."),
         "environment": word.of(

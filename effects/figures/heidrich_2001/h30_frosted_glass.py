@@ -4,8 +4,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import (
     bumped_reflections,
     environments,
@@ -22,6 +23,8 @@ from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.vertex_vectors import reflected
 from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
 from fixedpipe.effects.reflectance.fresnel import fresnel
+
+DATA = figure_data(__file__, "H30")
 
 EYE, FIELD_OF_VIEW = (-0.35, 0.3, -3.1), 46.0
 
@@ -137,49 +140,31 @@ def checks(figure, renderer):
             expected = factor * cube_maps.look_up(cube, reflected(eye, normals)) + (
                 1.0 - factor
             ) * cube_maps.look_up(cube, bent(eye, normals, values["index"]))
-            yield Check(
-                f"panel {number + 1}: RMS from the map looked up at each pixel",
+            yield DATA.check(
+                "panel {n}: RMS from the map looked up at each pixel",
                 root_mean_square(panel[inside] - expected),
+                on,
                 at_most=0.04 if number == 0 else 0.006,
-                on=on,
-                reason="sharp edges lie a fraction of a pixel aside; filtered ones do not matter",
+                n=number + 1,
             )
             shown = np.where(inside[..., None], panel, 0.0)
             both = (inside[:, 1:] & inside[:, :-1])[..., None]
             sharpness.append(root_mean_square((shown[:, 1:] - shown[:, :-1]) * both))
-        yield Check(
+        yield DATA.check(
             "a white room through the glass, largest deviation from one",
             np.abs(np.clip(blank, 0.0, 1.0) - 1.0).max(),
+            on,
             at_most=1.0 / 255.0,
-            on=on,
-            reason="what is not reflected is let through: glass cannot be seen there",
         )
-    yield Check(
-        "steps between neighbouring pixels, first panel over second and second over third, the lesser",
+    yield DATA.check(
+        ("steps between neighbouring pixels, first panel over second and second over third, the lesser"),
         min(sharpness[0] / sharpness[1], sharpness[1] / sharpness[2]),
-        at_least=1.3,
-        on=Answer.IDEAL,
-        reason="a rougher glass blurs more",
+        Answer.IDEAL,
     )
 
 
 FIGURE = Figure(
-    id="H30",
-    title="A room through clear and frosted glass",
-    caption=(
-        "A ball and a ring of glass in a room, of which the light that enters them is looked up along the "
-        "refracted direction: left in the map as it is, then filtered by Phong's lobe with roughnesses of "
-        "0.002 and 0.01. Fresnel's factor takes from it what the surface reflects of the same map. A ray is "
-        "bent once, where it enters."
-    ),
-    must_see=(
-        "The great window behind, upside down in the ball; sharp at the left, its bars blurred in the "
-        "middle, sky and meadow alone at the right. The darker room reflected at the outlines. No dots or "
-        "lines."
-    ),
-    source="Heidrich2001",
-    techniques=("H26", "H28", "H29", "H30"),
-    panels=("clear", "roughness 0.002", "roughness 0.01"),
+    **DATA.words,
     parameters={
         "index": word.NUMBER(1.5, "The index of refraction, inside over outside.", low=1.0, high=1000.0),
         "roughnesses": word.of(

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import bumped_reflections, environments, prefilter, reflections
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
@@ -13,6 +14,8 @@ from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.effects.user_pictures import probes
 from fixedpipe.pipeline.enums import TexGenMode
+
+DATA = figure_data(__file__, "H33")
 
 PANELS = "Phong, of bytes", "Phong, of floats", "cosine, of bytes", "cosine, of floats"
 
@@ -72,59 +75,33 @@ def checks(figure, renderer):
     for on in (Answer.IDEAL, Answer.MACHINE):
         image = renderer.window(on, figure, size, brightness=_DIM, edge=edge)
         of_bytes, of_floats = (panel_of(image, k)[..., 0].reshape(-1)[near] for k in (0, 1))
-        yield Check(
+        yield DATA.check(
             "the sun's image of floats against a sum over all texels, relative error",
             abs(float(of_floats) / true - 1.0),
-            at_most=0.05,
-            on=on,
-            reason="the probe's sun is few texels, which are averaged before they are filtered",
+            on,
         )
-        yield Check(
+        yield DATA.check(
             "the sun's image of bytes against a sum over all clamped texels, error",
             abs(float(of_bytes) - cut),
-            at_most={Answer.IDEAL: 0.002, Answer.MACHINE: 0.005}[on],
-            on=on,
-            reason="a thirty-second of full, and a byte",
+            on,
         )
-        yield Check(
-            "how many times as bright the sun's image is of floats",
-            float(of_floats / of_bytes),
-            at_least=15.0,
-            on=on,
-            reason="what was clamped is what the lobe's peak is made of",
+        yield DATA.check(
+            "how many times as bright the sun's image is of floats", float(of_floats / of_bytes), on
         )
         matt = [panel_of(image, k)[known] for k in (2, 3)]
-        yield Check(
-            "mean of the cosine's panels, of floats over of bytes",
-            float(matt[1].mean() / matt[0].mean()),
-            at_least=1.3,
-            on=on,
-            reason="the sun's share of what a matt surface gets",
+        yield DATA.check(
+            "mean of the cosine's panels, of floats over of bytes", float(matt[1].mean() / matt[0].mean()), on
         )
-        yield Check(
+        yield DATA.check(
             "where a filtered map of bytes is brighter, largest difference",
             float((panel_of(image, 0) - panel_of(image, 1))[known].max()),
+            on,
             at_most={Answer.IDEAL: 1e-6, Answer.MACHINE: 1.0 / 255.0}[on],
-            on=on,
-            reason="clamping takes light away alone; cubics overshoot by what is left",
         )
 
 
 FIGURE = Figure(
-    id="H33",
-    title="Environment maps of high dynamic range",
-    caption=(
-        "A room with the sun in its great window, from a probe of floats in which the sun is two thousand "
-        "times as bright as the wall. First Phong's lobe of exponent 100 of the probe made bytes, then of "
-        "the floats, made bytes afterwards; then the same of the cosine."
-    ),
-    must_see=(
-        "A bright glow with a white middle where the second ball and ring mirror the sun, and no more than "
-        "the window's blur in the first panel. The last ball is lit from one side, with a warm light; the "
-        "third is flat."
-    ),
-    source="Heidrich2001",
-    techniques=("H33", "H29", "H25"),
+    **DATA.words,
     panels=PANELS,
     parameters={
         "eye": word.POSITION((-1.35, 0.35, 2.55), "The eye."),

@@ -3,7 +3,8 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, shadow_reference
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.views import BACKGROUND, Panel, row_of_panels
@@ -11,6 +12,8 @@ from fixedpipe.effects.scenes.still_life import still_life_and_lamp, still_life_
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import ambient_form_pass, scene_passes, stencil_passes, store_map
 from fixedpipe.pipeline.commands import Draw
+
+DATA = figure_data(__file__, "H34")
 
 
 def make(profile, size, *, ratio, factor, share, from_red, shading):
@@ -58,24 +61,16 @@ def checks(figure, renderer):
         for name, mask in zip(("stencil", "one pass"), masks, strict=True):
             told = {"map_edge": edge}
             on_floor = agreement.compare(mask, truth, where=ground, **told)
-            yield Check(
-                f"{name}: floor that agrees with rays", on_floor.agreeing, at_least=0.985, on=on,
-                reason="a map of 256 texels; the catalogue asks for 0.98 of figure F003-18",
-            )  # fmt: skip
-            yield Check(
-                f"{name}: floor of no understood kind", on_floor.other, at_most=0, on=on,
-                reason="what differs lies at an edge or an outline",
-            )  # fmt: skip
+            yield DATA.check("{name}: floor that agrees with rays", on_floor.agreeing, on, name=name)
+            yield DATA.check("{name}: floor of no understood kind", on_floor.other, on, name=name)
         shadowed = right[ground & ~masks[1] & ~outline][:, 0]
-        yield Check(
-            "pixels where both forms find the same", float((masks[0] == masks[1]).mean()), at_least=0.999,
-            on=on, reason="the same comparison",
-        )  # fmt: skip
-        yield Check(
+        yield DATA.check("pixels where both forms find the same", float((masks[0] == masks[1]).mean()), on)
+        yield DATA.check(
             "one pass: what shadows keep, distance from the share asked for",
-            float(np.abs(shadowed - share).max()), at_most=1e-9 if on is Answer.IDEAL else 1.5 / 255.0, on=on,
-            reason="a byte's rounding, twice",
-        )  # fmt: skip
+            float(np.abs(shadowed - share).max()),
+            on,
+            at_most=1e-9 if on is Answer.IDEAL else 1.5 / 255.0,
+        )
     # With a map that the window holds.
     commands = figure.commands(renderer.profile, _SIZE, renderer.method, ratio=1)
     times = [
@@ -84,14 +79,16 @@ def checks(figure, renderer):
         for panel in row_of_panels(2, _SIZE)
     ]
     times.append(scene_passes(commands, scene) - sum(times))
-    said = "E000.8: with the extension three times a frame, and once for the map; all in one pass, once"
     for name, drawn, expected in zip(
         ("with the stencil", "in one pass", "for the map"), times, (3, 1, 1), strict=True
     ):
-        yield Check(
-            f"times the scene is drawn {name}, off {expected}", abs(drawn - expected), at_most=0,
-            on=Answer.MACHINE, reason=said,
-        )  # fmt: skip
+        yield DATA.check(
+            "times the scene is drawn {name}, off {expected}",
+            abs(drawn - expected),
+            Answer.MACHINE,
+            name=name,
+            expected=expected,
+        )
 
 
 BY_ALPHA = "alpha test of the comparison; combiners in the place of SHADOW_AMBIENT"
@@ -110,23 +107,7 @@ def reference(size, *, share, shading, **_):
 
 
 FIGURE = Figure(
-    id="H34",
-    title="The shadow extension",
-    caption=(
-        "Left as Segal and others did: the scene without the light, the comparison into the stencil, the "
-        "light where it is marked. Right all light in one pass, times the comparison, of which shadows keep "
-        "two fifths."
-    ),
-    must_see=(
-        "The same shadows on the floor, edge for edge. Left they have ambient light alone, flat and bluish; "
-        "right they are a darker picture of what the light would give, and the one pass has its price: "
-        "ambient light is multiplied too, so that where a surface turns away from the light the comparison's "
-        "stairs show, on the ring, the vase and the sphere. In the ring's highlights red is held at full: on "
-        "the right at vertices, of the sum of all light, so that between them it is a little less."
-    ),
-    source="Heidrich2001",
-    techniques=("H34",),
-    panels=("light where marked", "light x comparison"),
+    **DATA.words,
     parameters={
         "ratio": word.RATIO(2),
         "factor": word.FACTOR(2.2),

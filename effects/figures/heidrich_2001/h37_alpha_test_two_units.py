@@ -3,12 +3,15 @@
 from dataclasses import replace
 
 from fixedpipe.effects.acceptance import shadow_reference
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import alpha_shadows
 from fixedpipe.effects.geometry.views import row_of_panels
 from fixedpipe.effects.shadows.alpha_coded_shadows import Coding
 from fixedpipe.effects.shadows.lit_scene import SceneShading
+
+DATA = figure_data(__file__, "H37")
 
 
 def make_scene(board):
@@ -47,13 +50,8 @@ def checks(figure, renderer):
         *alpha_shadows.agreement_checks(
             figure, renderer, board, _SIZE, 2, least=0.976, least_facing=0.985, other=9
         ),
-        Check(
-            "pixels with acne where the map has no bias",
-            spotted.other / spotted.compared,
-            at_least=0.012,
-            on=Answer.MACHINE,
-            reason="two rasterizations never give the same depth (erratum E000.9); measured 0.017 of all, "
-            "the ground beyond the map too, which has none",
+        DATA.check(
+            "pixels with acne where the map has no bias", spotted.other / spotted.compared, Answer.MACHINE
         ),
         *alpha_shadows.brightness_checks(figure, renderer, _SIZE, 2, 0),
         *alpha_shadows.pass_checks(figure, renderer, board, Coding(bits), 3, _PASSES),
@@ -67,20 +65,7 @@ def reference(size, *, lamp, shading, background, **_):
 
 
 FIGURE = Figure(
-    id="H37",
-    title="Shadows by an alpha test, with two texture units",
-    caption=(
-        "The still life under a lamp at the left. Without shadows; with an alpha-coded shadow map as the "
-        "scene's depths are; with its depths two steps of alpha farther from the lamp."
-    ),
-    must_see=(
-        "Middle: spots and bands all over what is lit. Right: none of them on what faces the lamp, clean "
-        "shadows, one on the floor from each thing; everything else as left. A few teeth stay where a round "
-        "thing turns away from the lamp: eight bits of depth have no finer steps."
-    ),
-    source="Heidrich2001",
-    techniques=("H36", "H37"),
-    panels=("no shadows", "unbiased", "two steps of bias"),
+    **DATA.words,
     parameters=alpha_shadows.PARAMETERS,
     methods=(
         Method(

@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import blinn, two_pass_bumps, vertex_program_vectors
+from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -21,6 +22,8 @@ from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = figure_data(__file__, "H43")
 
 _EYE = (0.0, 0.0, 5.4)
 _TILT = -52.0
@@ -146,13 +149,10 @@ def checks(figure, renderer):
     for on in Answer:
         panels = _panels(figure, renderer, on, size, **black, **fine)
         shown = panels[2].max(axis=-1) > 0.0
-        yield Check(
+        yield DATA.check(
             "RMS of light with the normaliser - Blinn's in float, on a fine ring",
             root_mean_square((panels[2] - panels[3])[shown]),
-            at_most=0.035,
-            on=on,
-            reason="between texels normals are interpolated and lose length, where heights are interpolated; "
-            "a byte adds a fiftieth to that",
+            on,
         )
         for what, changes in (("the figure's", {}), ("a fine", fine)):
             panels = _panels(figure, renderer, on, size, **highlight, **changes)
@@ -165,12 +165,10 @@ def checks(figure, renderer):
                 "vertices hardly",
             )
         hidden = shown & (panels[3].max(axis=-1) == 0.0)
-        yield Check(
+        yield DATA.check(
             "mean of the highlights where the light is behind the ring's surface",
             float(panels[2][hidden].mean()),
-            at_most=0.0005,
-            on=on,
-            reason="destination alpha, the self-shadow, is zero there",
+            on,
         )
     ring, light = _ring(24, 12), Light(figure.values["light"], point=True)
     view = _view(row_of_panels(1, size)[0])
@@ -180,12 +178,8 @@ def checks(figure, renderer):
         strict=True,
     )
     apart = max(float(np.abs(a - b).max()) for a, b in pairs)
-    yield Check(
-        "a vertex program's l and h - the host's, largest difference",
-        apart,
-        at_most=2.0**-20,
-        on=Answer.IDEAL,
-        reason="some dozen roundings to 24 bits",
+    yield DATA.check(
+        "a vertex program's l and h - the host's, largest difference", apart, Answer.IDEAL, at_most=2.0**-20
     )
 
 
@@ -196,22 +190,7 @@ _BY_MORE = {"exponent": word.of(word.Choice({"2": 2, "4": 4, "8": 8, "16": 16}),
 _HOST, _PROGRAM = scene_by(_by_host), scene_by(vertex_program_vectors.light_and_half_vectors)
 
 FIGURE = Figure(
-    id="H43",
-    title="Kilgard's bump mapping, whole",
-    caption=(
-        "A ring of bronze scales under a near lamp, of few triangles. From left to right: the diffuse pass; "
-        "all passes with l and h as colours of the vertices; all passes with l and h from cube maps that "
-        "give them their length back; Blinn's bump mapping, whose derivatives and vectors are computed at "
-        "every texel of a texture. The highlight's exponent is 8 with two general combiners, 16 with three."
-    ),
-    must_see=(
-        "The third panel has the last one's light. In the second highlights are dull and broken along the "
-        "triangles' edges, brightest at the vertices. The side away from the lamp is dark, and no "
-        "highlight lies on it."
-    ),
-    source="Heidrich2001",
-    techniques=("H41", "H42", "H43", "H44", "K12"),
-    panels=("diffuse pass", "vectors as colors", "normalizer", "in float"),
+    **DATA.words,
     parameters={
         "cube_map_size": word.TEXELS(64, "The edge of the cube maps' faces.", low=4, high=256),
         "around": word.of(word.Whole(3, 256), 16, "Segments of the ring around its axis."),
