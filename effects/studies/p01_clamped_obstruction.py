@@ -11,11 +11,14 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.reflectance import torrance_sparrow_passes as tables
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, PURPLE, RED, Column, Study, Table
 from fixedpipe.pipeline.profiles import OPENGL_1_2
 from fixedpipe.pipeline.textures.images import Texture
+
+DATA = study_data(__file__, "P1")
 
 SIGMAS = (0.05, 0.1, 0.2, 0.4)
 DIVISORS = (1.0, 2.0, 4.0, 8.0)
@@ -89,17 +92,19 @@ def checks(table):
     begins = max(abs(plain[sigma]["clamped from"] - BEGINS) for sigma in (0.05, 0.1))
     enough = [r for r in table.records() if r["c"] >= LARGEST[r["sigma"]]]
     return (
-        Check("the table's largest value, off the catalogue's, relative", largest, at_most=0.01,
-              on=Answer.MACHINE, reason="three digits are given"),
-        Check("lost by the clamp, off the catalogue's, in percent", lost, at_most=2.0, on=Answer.MACHINE,
-              reason="a sum over 256 cosines for an integral"),
-        Check("clamped from, off 71.4 degrees", begins, at_most=0.3, on=Answer.MACHINE,
-              reason="cos beta = 1/pi, to a texel, where G is one: sigma 0.05 and 0.1"),
-        Check("lost with c above the largest, in percent", max(r["lost"] for r in enough), at_most=0.0,
-              on=Answer.MACHINE, reason="nothing is above one"),
-        Check("errors over c/255, most", max(255.0 * r["error elsewhere"] / r["c"] for r in table.records()),
-              at_most=0.5 + 1e-9, on=Answer.MACHINE, reason="rounded to nearest"),
-    )  # fmt: skip
+        DATA.check("the table's largest value, off the catalogue's, relative", largest, Answer.MACHINE),
+        DATA.check("lost by the clamp, off the catalogue's, in percent", lost, Answer.MACHINE),
+        DATA.check("clamped from, off 71.4 degrees", begins, Answer.MACHINE),
+        DATA.check(
+            "lost with c above the largest, in percent", max(r["lost"] for r in enough), Answer.MACHINE
+        ),
+        DATA.check(
+            "errors over c/255, most",
+            max(255.0 * r["error elsewhere"] / r["c"] for r in table.records()),
+            Answer.MACHINE,
+            at_most=0.5 + 1e-9,
+        ),
+    )
 
 
 def plot(axes, table):
@@ -125,15 +130,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P1",
-    title="A table clamped at one",
-    question="What does the clamp of G / (pi cos beta) take, and what does a divisor give back?",
-    method=(
-        "The loaded table of 256 x 256 bytes, its column for light from the front, over the view's cosine: "
-        "as it is, and divided by 2, 4 and 8 and multiplied back."
-    ),
-    source="Heidrich2001",
-    techniques=("H02", "H10"),
+    **DATA.words,
     panels=2,
     measure=measure,
     findings=findings,

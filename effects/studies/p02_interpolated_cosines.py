@@ -14,8 +14,9 @@ Source: Heidrich 2001, section 1.1 (artefact P2 of the catalogue). Inferred: the
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.vertex_vectors import dot_products
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
@@ -37,6 +38,8 @@ from fixedpipe.effects.studies.study import (
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL
+
+DATA = study_data(__file__, "P2")
 
 SLICES = (8, 12, 16, 25, 50, 100, 200)
 EXPONENT = 32.0
@@ -198,43 +201,40 @@ def findings(table):
 def checks(table):
     """The catalogue's law, and what interpolation of one cosine is beside Gouraud's."""
     for r in table.records():
-        yield Check(
-            f"deficit of n.h, {r['slices']} slices, off 1 - cos(angle / 2)",
+        yield DATA.check(
+            "deficit of n.h, {which} slices, off 1 - cos(angle / 2)",
             abs(r["deficit of n.h"] - expected(r)),
+            Answer.IDEAL,
             at_most=0.02 * expected(r) + 2e-6,
-            on=Answer.IDEAL,
-            reason="the middle of a chord is cos(angle / 2) from the centre; vertices lie on pixels' grid",
+            which=r["slices"],
         )
-        yield Check(
-            f"deficit of n.h on the machine, {r['slices']} slices, off 1 - cos(angle / 2)",
+        yield DATA.check(
+            "deficit of n.h on the machine, {which} slices, off 1 - cos(angle / 2)",
             abs(r["deficit, machine"] - expected(r)),
+            Answer.MACHINE,
             at_most=1.0 / 255.0,
-            on=Answer.MACHINE,
-            reason="a byte of the table and one of the framebuffer",
+            which=r["slices"],
         )
     fine = Table(table.columns, tuple(r for r in table.rows if r[0] >= 25))
     for name in ("deficit of n.h", "RMS"):
-        yield Check(
-            f"power of the angle with which the {name} grows from 25 slices on, of 2: deviation",
+        yield DATA.check(
+            "power of the angle with which the {name} grows from 25 slices on, of 2: deviation",
             abs(slope(fine, name) - 2.0),
-            at_most=0.1,
-            on=Answer.IDEAL,
-            reason="the catalogue's: 1 - cos(angle / 2) is the angle squared over 8",
+            Answer.IDEAL,
+            name=name,
         )
     for r in fine.records():
-        yield Check(
-            f"Gouraud's RMS over that of interpolated cosines, {r['slices']} slices, off sqrt(3/4)",
+        yield DATA.check(
+            "Gouraud's RMS over that of interpolated cosines, {which} slices, off sqrt(3/4)",
             abs(r["RMS, Gouraud"] / r["RMS"] - np.sqrt(0.75)),
-            at_most=0.05,
-            on=Answer.IDEAL,
-            reason="both errors' squares integrated over a narrow highlight, as the module says",
+            Answer.IDEAL,
+            which=r["slices"],
         )
-        yield Check(
-            f"RMS of an edge by Gouraud over that by interpolated cosines, {r['slices']} slices",
+        yield DATA.check(
+            "RMS of an edge by Gouraud over that by interpolated cosines, {which} slices",
             r["edge, Gouraud"] / r["edge"],
-            at_least=1.5,
-            on=Answer.IDEAL,
-            reason="the interpolated cosine crosses the edge within a slice, the colour ramps over all of it",
+            Answer.IDEAL,
+            which=r["slices"],
         )
 
 
@@ -272,17 +272,13 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P2",
-    title="Interpolated cosines",
-    question="What does a highlight lose where its cosine is computed at the vertices and interpolated?",
+    **DATA.words,
     method=(
         f"(n.h)^{EXPONENT:g} by a table of {_TEXELS} texels on a cylinder of {SLICES[0]} to {SLICES[-1]} "
         "slices in four turns, 2048 pixels across, beside the same at every pixel and beside colours at the "
         "vertices; and a table that is one where n.h > 0.9, else zero. The deficit is that of n.h half way "
         "between two vertices."
     ),
-    source="Heidrich2001",
-    techniques=("H05",),
     machines=("OPENGL_1_2", "OCTANE", "GEFORCE_256", "GEFORCE_3", "NV2A"),
     panels=2,
     measure=measure,

@@ -10,8 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.reflectance.sampled_functions import sampled
@@ -30,6 +31,8 @@ from fixedpipe.effects.studies.study import (
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL
+
+DATA = study_data(__file__, "P3")
 
 ROUGHNESSES = (0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5)
 # The catalogue's texels within one width.
@@ -150,42 +153,28 @@ def checks(table):
     """The catalogue's numbers, and that sharpness is what costs."""
     rows = {r["m"]: r for r in table.records()}
     for m, expected in _COMPUTED.items():
-        yield Check(
-            f"texels within one width of m = {m}, of {expected}: deviation",
+        yield DATA.check(
+            "texels within one width of m = {m}, of {expected}: deviation",
             abs(rows[m]["texels a width, cosine"] - expected),
+            Answer.IDEAL,
             at_most=0.05 if expected < 10.0 else 0.5,
-            on=Answer.IDEAL,
-            reason="the catalogue's, computed; its last digit",
+            m=m,
+            expected=expected,
         )
     errors = table.column("RMS, cosine")
-    yield Check(
+    yield DATA.check(
         "RMS over the cosine of a roughness over that of the next sharper one, largest",
         max(b / a for a, b in pairwise(errors)),
-        at_most=0.7,
-        on=Answer.IDEAL,
-        reason="the catalogue: the error grows as the roughness shrinks",
+        Answer.IDEAL,
     )
-    yield Check(
-        "RMS over the cosine, m = 0.05",
-        rows[0.05]["RMS, cosine"],
-        at_least=0.1,
-        on=Answer.IDEAL,
-        reason="a third of a texel holds all of the highlight: what is shown is the filter",
-    )
-    yield Check(
-        "RMS over the cosine, m = 0.2",
-        rows[0.2]["RMS, cosine"],
-        at_most=0.03,
-        on=Answer.IDEAL,
-        reason="five texels a width; the last one holds D = 1 half a texel early, where D is 0.91",
-    )
+    yield DATA.check("RMS over the cosine, m = 0.05", rows[0.05]["RMS, cosine"], Answer.IDEAL)
+    yield DATA.check("RMS over the cosine, m = 0.2", rows[0.2]["RMS, cosine"], Answer.IDEAL)
     for r in table.records():
-        yield Check(
-            f"RMS over the half tangent on the machine, m = {r['m']}",
+        yield DATA.check(
+            "RMS over the half tangent on the machine, m = {which}",
             r["RMS, half tangent, machine"],
-            at_most=0.012,
-            on=Answer.MACHINE,
-            reason="three texels a width and more: linear interpolation is off by an eighth of the curvature",
+            Answer.MACHINE,
+            which=r["m"],
         )
 
 
@@ -223,15 +212,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P3",
-    title="Tables over a cosine",
-    question="How sharp a highlight can a table over the cosine of its angle hold?",
+    **DATA.words,
     method=(
         f"exp(-(delta/m)^2) by tables of {_TEXELS} texels over cos delta and over tan(delta/2), at {_COUNT} "
         "angles up to three widths, beside the function."
     ),
-    source="Heidrich2001",
-    techniques=("H02", "H13"),
     machines=("OPENGL_1_2", "OCTANE", "GEFORCE_256", "GEFORCE_3", "NV2A"),
     panels=2,
     measure=measure,

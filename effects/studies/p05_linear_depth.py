@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.draws import FIRST_PASS, REPLACE
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp
@@ -20,6 +21,8 @@ from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.state import PassState
+
+DATA = study_data(__file__, "P5")
 
 NEAR, FAR, BITS = 1.0, 100.0, 8
 # What the catalogue computed: distance, linear step, z-buffer step.
@@ -136,28 +139,34 @@ def checks(table):
     row = {r["distance"]: r for r in table.records()}
     for z, linear, buffered in CATALOGUE:
         r = row[z]
-        yield Check(
-            f"linear step at {z:g}, of {linear:g}: relative deviation",
-            abs(r["linear step, machine"] / linear - 1.0), at_most=0.01, on=Answer.MACHINE,
-            reason="the catalogue's three digits; a change is found to a thousandth of what is looked at",
-        )  # fmt: skip
-        yield Check(
-            f"z-buffer step at {z:g}, of {buffered:g}: relative deviation",
-            abs(r["z-buffer step, machine"] / buffered - 1.0), at_most=0.03, on=Answer.MACHINE,
-            reason="the catalogue's two digits",
-        )  # fmt: skip
+        yield DATA.check(
+            "linear step at {z:g}, of {linear:g}: relative deviation",
+            abs(r["linear step, machine"] / linear - 1.0),
+            Answer.MACHINE,
+            z=z,
+            linear=linear,
+        )
+        yield DATA.check(
+            "z-buffer step at {z:g}, of {buffered:g}: relative deviation",
+            abs(r["z-buffer step, machine"] / buffered - 1.0),
+            Answer.MACHINE,
+            z=z,
+            buffered=buffered,
+        )
     equal = row[10.0]
-    yield Check(
+    yield DATA.check(
         "steps at sqrt(f n), linear over z-buffer: deviation from one",
-        abs(equal["linear step, machine"] / equal["z-buffer step, machine"] - 1.0), at_most=0.01,
-        on=Answer.MACHINE, reason="the catalogue's",
-    )  # fmt: skip
+        abs(equal["linear step, machine"] / equal["z-buffer step, machine"] - 1.0),
+        Answer.MACHINE,
+    )
     for name, wanted in (("linear", 255.0 * 50.0 / 99.0), ("z-buffer", 255.0 * 1.0 / 99.0)):
-        yield Check(
-            f"{name}: alphas beyond 50, of {wanted:.1f} steps and one: deviation",
-            abs(_far_half(table, name) - wanted - 1.0), at_most=1.0, on=Answer.MACHINE,
-            reason="where the first and the last step begin is a matter of rounding",
-        )  # fmt: skip
+        yield DATA.check(
+            "{name}: alphas beyond 50, of {wanted:.1f} steps and one: deviation",
+            abs(_far_half(table, name) - wanted - 1.0),
+            Answer.MACHINE,
+            name=name,
+            wanted=wanted,
+        )
 
 
 def plot(axes, table):
@@ -178,15 +187,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P5",
-    title="Linear depth against a z-buffer's",
-    question="What distance does a step of 8 bits stand for, with a linear ramp and in a z-buffer?",
+    **DATA.words,
     method=(
         f"Rows of {_WIDTH} pixels at distances from {NEAR:g} to {FAR:g} from the light: where alpha by the "
         "ramp changes; and the slope of the machine's depth buffer, divided by 255."
     ),
-    source="Heidrich2001",
-    techniques=("H36",),
     machines=("OCTANE", "GEFORCE_256", "MULTITEXTURE"),
     panels=2,
     measure=measure,

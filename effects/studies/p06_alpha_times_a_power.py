@@ -9,7 +9,8 @@ Source: Heidrich 2001, section 2.1 (artefact P6 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.draws import at_pixel
 from fixedpipe.effects.shadows.alpha_coded_shadows import scale_alpha
@@ -17,6 +18,8 @@ from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, St
 from fixedpipe.pipeline.commands import DrawPixels
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.pixel_transfer import PixelImage
+
+DATA = study_data(__file__, "P6")
 
 _WIDTH = 64
 
@@ -85,18 +88,21 @@ def checks(table):
     """The catalogue's numbers, of every width."""
     for bits in dict.fromkeys(table.column("bits")):
         for scale in ("2^n", "2^(n+1)", "2^n, bias 1 - 2^n"):
-            yield Check(
-                f"{bits} bits, {scale}: alphas that are not decided",
-                2**bits - 1 - _row(table, bits, scale)["decided as they should be"], at_most=0.0,
-                on=Answer.MACHINE,
-                reason="the catalogue's: all of them; the one with the bias is exact likewise",
-            )  # fmt: skip
+            yield DATA.check(
+                "{bits} bits, {scale}: alphas that are not decided",
+                2**bits - 1 - _row(table, bits, scale)["decided as they should be"],
+                Answer.MACHINE,
+                bits=bits,
+                scale=scale,
+            )
         left = _row(table, bits, "2^(n-1)")["nearest alpha becomes"]
-        yield Check(
-            f"{bits} bits, 2^(n-1): the smallest alpha's distance from one half", abs(left - 0.5),
-            at_most=1.0 / 2**bits, on=Answer.MACHINE,
-            reason="the catalogue's .5: 2^(n-1) / (2^n - 1), rounded",
-        )  # fmt: skip
+        yield DATA.check(
+            "{bits} bits, 2^(n-1): the smallest alpha's distance from one half",
+            abs(left - 0.5),
+            Answer.MACHINE,
+            at_most=1.0 / 2**bits,
+            bits=bits,
+        )
 
 
 def plot(axes, table):
@@ -116,12 +122,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P6",
-    title="Alpha times 2^n, clamped",
-    question="Does the copy of the window onto itself, alpha times 2^n, leave zero and one alone?",
-    method="CopyPixels with ALPHA_SCALE, of every alpha that the window's bits have.",
-    source="Heidrich2001",
-    techniques=("H38",),
+    **DATA.words,
     machines=("OCTANE", "INFINITE_REALITY", "OPENGL_1_2_IMAGING", "OPENGL_1_2"),
     measure=measure,
     findings=findings,

@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.passes.draws import REPEATED
@@ -24,6 +25,8 @@ from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL
+
+DATA = study_data(__file__, "P7")
 
 WIDTHS = (16, 32, 64, 128, 256)
 _PIXELS = 1024
@@ -111,25 +114,27 @@ def checks(table):
     step = float(table.curves["step"][0])
     for r in table.records():
         w = r["texels"]
-        yield Check(
-            f"{w} texels, s: largest error over 1 / (2 W), deviation from one",
-            abs(r["plain, ideal"] * 2.0 * w - 1.0), at_most=w / _PIXELS, on=Answer.IDEAL,
-            reason="the catalogue's, to the half pixel that the largest may lie aside",
-        )  # fmt: skip
-        yield Check(
-            f"{w} texels, s: the machine's largest error off the ideal's, in steps",
-            abs(r["plain, machine"] - r["plain, ideal"]) / step, at_most=0.75, on=Answer.MACHINE,
-            reason="rounding to a step, of a filter whose weights have eight bits",
-        )  # fmt: skip
-        yield Check(
-            f"{w} texels, s': largest error", r["corrected, ideal"], at_most=1e-12, on=Answer.IDEAL,
-            reason="the catalogue's: s' removes it",
-        )  # fmt: skip
-        yield Check(
-            f"{w} texels, s': largest error in steps", r["corrected, machine"] / step,
-            at_most=1.0 + 1.0 / 256.0 / (w - 1.0) / step, on=Answer.MACHINE,
-            reason="a texel and the result are rounded, and a weight of eight bits is cut",
-        )  # fmt: skip
+        yield DATA.check(
+            "{w} texels, s: largest error over 1 / (2 W), deviation from one",
+            abs(r["plain, ideal"] * 2.0 * w - 1.0),
+            Answer.IDEAL,
+            at_most=w / _PIXELS,
+            w=w,
+        )
+        yield DATA.check(
+            "{w} texels, s: the machine's largest error off the ideal's, in steps",
+            abs(r["plain, machine"] - r["plain, ideal"]) / step,
+            Answer.MACHINE,
+            w=w,
+        )
+        yield DATA.check("{w} texels, s': largest error", r["corrected, ideal"], Answer.IDEAL, w=w)
+        yield DATA.check(
+            "{w} texels, s': largest error in steps",
+            r["corrected, machine"] / step,
+            Answer.MACHINE,
+            at_most=1.0 + 1.0 / 256.0 / (w - 1.0) / step,
+            w=w,
+        )
 
 
 def plot(axes, table):
@@ -154,15 +159,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P7",
-    title="The ramp's half texel",
-    question="How far is a filtered ramp of W texels from the depth that it is to be?",
+    **DATA.words,
     method=(
         f"A plane that falls from the light's near plane to its far one along {_PIXELS} pixels: alpha, as "
         "H36 draws it, against the depth."
     ),
-    source="Heidrich2001",
-    techniques=("H36",),
     machines=("INFINITE_REALITY", "OCTANE", "GEFORCE_256", "MULTITEXTURE"),
     panels=2,
     measure=measure,

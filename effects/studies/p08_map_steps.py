@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance import agreement, ray_caster
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import Scene, lamp_around
@@ -20,6 +21,8 @@ from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, Colum
 from fixedpipe.pipeline.commands import Clear, CopyTexImage, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.execution.machine import execute
+
+DATA = study_data(__file__, "P8")
 
 EDGES = (64, 128, 256, 512, 1024, 2048)
 # Pixels along the window's edge; segments of round things.
@@ -166,20 +169,24 @@ def checks(table):
     exponent = float(np.log(wrong[3] / wrong[0]) / np.log(edges[3] / edges[0]))
     short, nearer_short = table.rows[len(EDGES)], table.rows[-1]
     return (
-        Check("exponent of wrong pixels at edges by M, 64 to 512 texels, + 1: absolute", abs(exponent + 1.0),
-              at_most=0.2, on=Answer.MACHINE,
-              reason="the catalogue's: error pixels ~ 1/M; below a pixel's width it ends"),
-        Check("wrong pixels at edges over a / M + c, - 1: largest absolute", worst, at_most=0.2,
-              on=Answer.MACHINE, reason="steps of edges that fall on texels differently; measured 0.06"),
-        Check("wrong pixels without a reason, %, largest", max(row[5] for row in table.rows), at_most=0.05,
-              on=Answer.MACHINE, reason="texels at edges of two faces; measured 0.03"),
-        Check("depth error, 16 bits, near plane close to the lamp, steps, - 0.58: absolute",
-              abs(nearer_short[6] - 0.58), at_most=0.2, on=Answer.MACHINE,
-              reason="a depth is cut to an integer (docs/numbers.md, section 5), which has an RMS of "
-              "sqrt(1/3); snapped vertices are the rest"),
-        Check("wrong pixels of 16 bits - those of 24, %", abs(short[3] - table.rows[3][3]), at_most=0.05,
-              on=Answer.MACHINE, reason="a step is far smaller than the offset for a texel's slope"),
-    )  # fmt: skip
+        DATA.check(
+            "exponent of wrong pixels at edges by M, 64 to 512 texels, + 1: absolute",
+            abs(exponent + 1.0),
+            Answer.MACHINE,
+        ),
+        DATA.check("wrong pixels at edges over a / M + c, - 1: largest absolute", worst, Answer.MACHINE),
+        DATA.check(
+            "wrong pixels without a reason, %, largest", max(row[5] for row in table.rows), Answer.MACHINE
+        ),
+        DATA.check(
+            "depth error, 16 bits, near plane close to the lamp, steps, - 0.58: absolute",
+            abs(nearer_short[6] - 0.58),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "wrong pixels of 16 bits - those of 24, %", abs(short[3] - table.rows[3][3]), Answer.MACHINE
+        ),
+    )
 
 
 def plot(axes, table):
@@ -200,15 +207,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P8",
-    title="Shadow-map sampling and depth steps",
-    question="How many pixels of a shadow are wrong, by the map's texels and the bits of its depths?",
+    **DATA.words,
     method=(
         f"The still life in {_SIZE} pixels, its machine's mask against rays at surfaces that face the lamp; "
         "stored depths against rays inside triangles, a world unit being a metre."
     ),
-    source="Heidrich2001",
-    techniques=("H34", "Z13"),
     machines=("GEFORCE_3", "NV2A"),
     panels=2,
     measure=measure,

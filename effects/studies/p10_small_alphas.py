@@ -7,7 +7,8 @@ import warnings
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.passes.encoding import vector_texels, vectors_of_texels
@@ -17,6 +18,8 @@ from fixedpipe.effects.studies.shared.strips import drawn, strip_of_vectors
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, RED, Column, Study, Table
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.state import PassState, TextureUnit
+
+DATA = study_data(__file__, "P10")
 
 ALPHAS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0)
 # Halfway vectors across the highlight, and random tangents.
@@ -105,20 +108,22 @@ def checks(table):
     """The catalogue's numbers."""
     worst = max(abs(r["half width, machine"] / r["alpha held at 1/4"] - 1.0) for r in table.records())
     (narrow,) = [r for r in table.records() if r["alpha"] == 0.1]
-    steps = (
-        "the halfway vectors are 2/255 apart, which is 4 % of the narrowest half width, and the half lies "
-    )
-    printed = "the catalogue's, of its own random tangents, printed to three digits"
     return (
-        Check("half width against max(alpha, 1/4) sqrt(1/2): largest relative deviation", worst, at_most=0.05,
-              on=Answer.MACHINE, reason=steps + "in the middle of a step"),
-        Check("degrees aside in the mean at alpha 0.1, of 14.4: deviation",
-              abs(narrow["direction, mean"] - 14.4), at_most=0.3, on=Answer.MACHINE, reason=printed),
-        Check("degrees aside at most at alpha 0.1, of 21.6: deviation",
-              abs(narrow["direction, largest"] - 21.6), at_most=0.5, on=Answer.MACHINE, reason=printed),
-        Check("vectors cut at alpha 0.1, %", narrow["vectors cut"], at_least=100.0, on=Answer.MACHINE,
-              reason="the catalogue's: every one, as its largest component is at least sqrt(1/3) > 0.4"),
-    )  # fmt: skip
+        DATA.check(
+            "half width against max(alpha, 1/4) sqrt(1/2): largest relative deviation", worst, Answer.MACHINE
+        ),
+        DATA.check(
+            "degrees aside in the mean at alpha 0.1, of 14.4: deviation",
+            abs(narrow["direction, mean"] - 14.4),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "degrees aside at most at alpha 0.1, of 21.6: deviation",
+            abs(narrow["direction, largest"] - 21.6),
+            Answer.MACHINE,
+        ),
+        DATA.check("vectors cut at alpha 0.1, %", narrow["vectors cut"], Answer.MACHINE),
+    )
 
 
 def plot(axes, table):
@@ -144,15 +149,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P10",
-    title="Alphas below 1/4",
-    question="What becomes of highlights narrower than the storage scale of 1/4 allows?",
+    **DATA.words,
     method=(
         f"Eq. 1 on the machine under {_STEPS} halfway vectors across the highlight of a flat material; and "
         f"what is read back of {_TANGENTS} random tangents stored with their own alpha."
     ),
-    source="KautzSeidel2000",
-    techniques=("K07", "K21"),
     machines=("GEFORCE_256", "GEFORCE_3", "NV2A"),
     panels=2,
     measure=measure,

@@ -10,8 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
@@ -24,6 +25,8 @@ from fixedpipe.effects.reflectance import (
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, RED, Column, Study, Table
 from fixedpipe.pipeline.enums import TextureFilter
+
+DATA = study_data(__file__, "P11")
 
 MAP_SIZES = (32, 64, 128)
 ALPHA = 0.25
@@ -129,32 +132,37 @@ def checks(table):
     rows = _rows(table)
     for map_size, (rings, software) in _CATALOGUED.items():
         before, after = rows[map_size, _BEFORE], rows[map_size, _AFTER]
-        yield Check(
-            f"ring energy, {map_size} texels, of {rings:g}: relative deviation",
-            abs(before["ring energy"] / rings - 1.0), at_most=0.05, on=Answer.MACHINE,
-            reason="the catalogue's, to two or three digits; bytes must not change it by more than 5 %",
-        )  # fmt: skip
-        yield Check(
-            f"ring energy evaluated first, {map_size} texels", after["ring energy"], at_most=1.1 * software,
-            on=Answer.IDEAL, reason="the catalogue's, with 10 % for its rounding to one digit",
-        )  # fmt: skip
-        yield Check(
-            f"brightest where the highlight is dark, {map_size} texels", before["brightest where dark"],
-            at_least=0.9, on=Answer.MACHINE,
-            reason="the catalogue's acceptance: the rings are as bright as a highlight",
-        )  # fmt: skip
-    yield Check(
-        "ring energy, machine against float64 in its order: largest relative deviation", _arithmetic(rows),
-        at_most=0.05, on=Answer.MACHINE, reason="the catalogue's: rings come from interpolation",
-    )  # fmt: skip
-    yield Check(
-        "steps at texels' borders with NEAREST, 64 texels, %", rows[64, _BLOCKS]["steps at borders"],
-        at_least=99.9, on=Answer.MACHINE, reason="blocks: between the borders nothing changes",
-    )  # fmt: skip
-    yield Check(
-        "the same, interpolated", rows[64, _BEFORE]["steps at borders"], at_most=30.0, on=Answer.MACHINE,
-        reason="an eighth of the pixels lies at a border",
-    )  # fmt: skip
+        yield DATA.check(
+            "ring energy, {map_size} texels, of {rings:g}: relative deviation",
+            abs(before["ring energy"] / rings - 1.0),
+            Answer.MACHINE,
+            map_size=map_size,
+            rings=rings,
+        )
+        yield DATA.check(
+            "ring energy evaluated first, {map_size} texels",
+            after["ring energy"],
+            Answer.IDEAL,
+            at_most=1.1 * software,
+            map_size=map_size,
+        )
+        yield DATA.check(
+            "brightest where the highlight is dark, {map_size} texels",
+            before["brightest where dark"],
+            Answer.MACHINE,
+            map_size=map_size,
+        )
+    yield DATA.check(
+        "ring energy, machine against float64 in its order: largest relative deviation",
+        _arithmetic(rows),
+        Answer.MACHINE,
+    )
+    yield DATA.check(
+        "steps at texels' borders with NEAREST, 64 texels, %",
+        rows[64, _BLOCKS]["steps at borders"],
+        Answer.MACHINE,
+    )
+    yield DATA.check("the same, interpolated", rows[64, _BEFORE]["steps at borders"], Answer.MACHINE)
 
 
 def plot(axes, table):
@@ -181,15 +189,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P11",
-    title="Rings from interpolating before use",
-    question="Does it matter whether vectors are interpolated and then used, or used and then interpolated?",
+    **DATA.words,
     method=(
         f"F004-2's dome with alphas of 1/4 at {_SIZE} x {_SIZE} pixels: the energy of the error within 1.5 "
         "texels of its rim over the highlight's, and where the picture's steps lie."
     ),
-    source="KautzSeidel2000",
-    techniques=("K07", "K16"),
     machines=("GEFORCE_256", "GEFORCE_3", "NV2A"),
     panels=4,
     measure=measure,

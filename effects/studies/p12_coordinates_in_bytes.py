@@ -9,7 +9,8 @@ Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3 (artefact P12 of the ca
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.passes.draws import NEAREST, REPLACE, at_pixel, unit
 from fixedpipe.effects.passes.software_pixel_texture import look_up
 from fixedpipe.effects.passes.texture_shaders import ALPHA_RED_STAGE, TEXTURE_STAGE
@@ -32,6 +33,8 @@ from fixedpipe.pipeline.state import (
     TextureEnvironment,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = study_data(__file__, "P12")
 
 TEXELS = {8: (32, 64, 128, 256), 12: (256, 512, 1024, 2048)}
 WRAPS = (WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE)
@@ -192,25 +195,35 @@ def checks(table):
     centre, lower = _of(table, "centre"), _of(table, "edge")
     last = centre[-1]
     return (
-        Check("wrong texels of 32 to 128, centres' codes of 8 bits, both wraps",
-              _wrong(r for r in centre if r["W"] <= 128), at_most=0,
-              on=Answer.MACHINE, reason="the catalogue's: a byte's texel is exact up to 128"),
-        Check("wrong texels of 256, centres' codes, REPEAT, - 1: absolute",
-              abs(last["wrong, REPEAT"] - EXPECTED_AT_256), at_most=0,
-              on=Answer.MACHINE, reason="the catalogue's: the last, whose code is the coordinate 1"),
-        Check("wrong texels of 256, centres' codes, CLAMP_TO_EDGE", last["wrong, clamped"],
-              at_most=0, on=Answer.MACHINE, reason="the coordinate 1 is held at the last texel"),
-        Check("least share of texels that are wrong with the code of i / W, %",
-              min(100.0 * r["wrong, clamped"] / r["W"] for r in lower), at_least=40.0,
-              on=Answer.MACHINE,
-              reason="an edge's code is rounded down for half of the texels; measured 46.9 to 49.6"),
-        Check("wrong texels of 256 to 2048, centres' codes of 12 bits, both wraps",
-              _wrong(_of(table, "centre", 12)), at_most=0,
-              on=Answer.MACHINE, reason="exact up to half as many texels as there are codes"),
-        Check("wrong texels of 512, 12 bits in a window of 8, CLAMP_TO_EDGE, - 256: absolute",
-              abs(_of(table, "centre", 12, 8)[0]["wrong, clamped"] - 256), at_most=0,
-              on=Answer.MACHINE, reason="256 codes tell 256 texels of 512 apart"),
-    )  # fmt: skip
+        DATA.check(
+            "wrong texels of 32 to 128, centres' codes of 8 bits, both wraps",
+            _wrong(r for r in centre if r["W"] <= 128),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "wrong texels of 256, centres' codes, REPEAT, - 1: absolute",
+            abs(last["wrong, REPEAT"] - EXPECTED_AT_256),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "wrong texels of 256, centres' codes, CLAMP_TO_EDGE", last["wrong, clamped"], Answer.MACHINE
+        ),
+        DATA.check(
+            "least share of texels that are wrong with the code of i / W, %",
+            min(100.0 * r["wrong, clamped"] / r["W"] for r in lower),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "wrong texels of 256 to 2048, centres' codes of 12 bits, both wraps",
+            _wrong(_of(table, "centre", 12)),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "wrong texels of 512, 12 bits in a window of 8, CLAMP_TO_EDGE, - 256: absolute",
+            abs(_of(table, "centre", 12, 8)[0]["wrong, clamped"] - 256),
+            Answer.MACHINE,
+        ),
+    )
 
 
 def plot(axes, table):
@@ -245,15 +258,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P12",
-    title="Coordinates in bytes",
-    question="Which texel does a coordinate of 8 or of 12 bits lead to, by its code and the texture's wrap?",
-    method=(
-        "The code of every texel of a texture is looked up by the machine, NEAREST: by pixel textures, by "
-        "dependent lookups, or by the host; the texels hold their numbers."
-    ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G01",),
+    **DATA.words,
     machines=("OCTANE", "GEFORCE_3", "NV2A", "GEFORCE_256"),
     panels=2,
     measure=measure,

@@ -9,11 +9,14 @@ Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3 (artefact P13 of the ca
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import height_field, path_tracer, visibility
 from fixedpipe.effects.scattering.path_tracer import Reconstruction
 from fixedpipe.effects.studies.study import BLUE, ORANGE, Column, Study, Table
+
+DATA = study_data(__file__, "P13")
 
 TEXELS, POINTS_A_TEXEL, LINES = 32, 8, 24
 DIRECTIONS, SAMPLES = 100, 400
@@ -96,9 +99,13 @@ def checks(table):
     """The catalogue's ratio."""
     least = min(table.column("ratio"))
     return (
-        Check("energy around the texels' frequency, nearest over bilinear, least", least,
-              at_least=EXPECTED_RATIO, on=Answer.IDEAL, reason="the catalogue's: at least five times"),
-    )  # fmt: skip
+        DATA.check(
+            "energy around the texels' frequency, nearest over bilinear, least",
+            least,
+            Answer.IDEAL,
+            at_least=EXPECTED_RATIO,
+        ),
+    )
 
 
 def plot(axes, table):
@@ -119,16 +126,12 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P13",
-    title="The nearest texel at first hits",
-    question="How much of the texels' squares does indirect light show, from one texel and between four?",
+    **DATA.words,
     method=(
         f"Indirect light of {SAMPLES} random paths at {POINTS_A_TEXEL} points a texel, on {LINES} lines "
         f"across height fields of {TEXELS} texels; energy by frequency from two pictures of other paths, "
         "so that noise does not count."
     ),
-    source="HeidrichDaubertKautzSeidel2000",
-    techniques=("G03", "G04"),
     panels=2,
     measure=measure,
     findings=findings,

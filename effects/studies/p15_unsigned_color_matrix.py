@@ -9,10 +9,13 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P15 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.studies.shared.paraboloid import by_imaging_subset, material, true
 from fixedpipe.effects.studies.study import BLUE, ORANGE, Column, Study, Table
+
+DATA = study_data(__file__, "P15")
 
 ALPHA, _SLOPE = 0.25, 0.3
 
@@ -76,24 +79,21 @@ def checks(table):
     """The catalogue's half, and where it is."""
     rows = {r["where"]: r for r in table.records()}
     right, wrong = rows["h.t > 0, h.b > 0"], rows["h.t < 0, h.b < 0"]
-    half = (
-        "the catalogue's half; it is half of the squares that is missing, not of the highlight: what Eq. 1 "
-        "subtracts becomes zero"
-    )
-    rounding = "rounding two squares and a sum to bytes leaves about .0013"
     return (
-        Check("share of the squares that is missing, of 1/2: deviation", abs(missing_squares(table) - 0.5),
-              at_most=0.02, on=Answer.MACHINE, reason=half),
-        Check("RMS with the bias", rows["all"]["RMS, (1 + d) / 2"], at_most=0.004, on=Answer.MACHINE,
-              reason=rounding),
-        Check("RMS without it where both products are positive", right["RMS, d itself"], at_most=0.004,
-              on=Answer.MACHINE, reason=rounding),
-        Check("least mean without it where both are negative", wrong["mean, d itself"], at_least=0.99,
-              on=Answer.MACHINE, reason="one minus two squares of zero"),
-        Check("pixels lit without it over those that should be, all quadrants",
-              _lit(table, "unsigned") / _lit(table, "true"), at_least=1.3, on=Answer.MACHINE,
-              reason="three quadrants of four lose an edge"),
-    )  # fmt: skip
+        DATA.check(
+            "share of the squares that is missing, of 1/2: deviation",
+            abs(missing_squares(table) - 0.5),
+            Answer.MACHINE,
+        ),
+        DATA.check("RMS with the bias", rows["all"]["RMS, (1 + d) / 2"], Answer.MACHINE),
+        DATA.check("RMS without it where both products are positive", right["RMS, d itself"], Answer.MACHINE),
+        DATA.check("least mean without it where both are negative", wrong["mean, d itself"], Answer.MACHINE),
+        DATA.check(
+            "pixels lit without it over those that should be, all quadrants",
+            _lit(table, "unsigned") / _lit(table, "true"),
+            Answer.MACHINE,
+        ),
+    )
 
 
 def _lit(table, name):
@@ -116,15 +116,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P15",
-    title="A colour matrix without signed results",
-    question="What becomes of Eq. 1 where the colour matrix's negative products are clamped to zero?",
-    method=(
-        "K08 on a bump whose slopes grow evenly, lit from above, with products delivered as (1 + d) / 2 and "
-        "as d, beside float64, by the signs of h.t and h.b."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K08",),
+    **DATA.words,
     machines=("OCTANE", "INFINITE_REALITY"),
     panels=3,
     measure=measure,

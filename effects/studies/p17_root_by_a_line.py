@@ -7,14 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.reflectance import banks_without_lookup, material_textures
 from fixedpipe.effects.reflectance.brdfs import banks_bracket, banks_r_approximate
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, ORANGE, RED, Column, Study, Table
+
+DATA = study_data(__file__, "P17")
 
 # Samples along either axis of the square of v.t and l.t; odd, so that the middle of an edge is one.
 _SAMPLES = 401
@@ -142,28 +145,33 @@ def findings(table):
 def checks(table):
     """The catalogue's numbers."""
     whole, cone, *_, machine = table.records()
-    printed = "the catalogue's, printed to three digits, of another grid of samples"
     return (
-        Check("largest error on the square, of 0.25: deviation", abs(whole["largest"] - 0.25), at_most=1e-4,
-              on=Answer.IDEAL,
-              reason="sqrt(a) - a is largest where a = 1/4; a grid of 401 passes it closely"),
-        Check("largest error on the cone, of 0.25: deviation", abs(cone["largest"] - 0.25), at_most=1e-4,
-              on=Answer.IDEAL, reason="the same, along the cone"),
-        Check("(v.t)^2 of the largest error on the cone, of 0.5: deviation",
-              abs(cone["there |v.t|"] ** 2 - 0.5), at_most=0.01, on=Answer.IDEAL,
-              reason="the grid's step is 0.005"),
-        Check("RMS on the square, of 0.168: relative deviation", abs(whole["RMS"] / 0.168 - 1.0),
-              at_most=0.01, on=Answer.IDEAL, reason=printed),
-        Check("mean on the square, of -0.144: relative deviation", abs(whole["mean"] / -0.144 - 1.0),
-              at_most=0.01, on=Answer.IDEAL, reason=printed),
-        Check("RMS of the machine's passes against R*", machine["RMS to R*"], at_most=0.004,
-              on=Answer.MACHINE,
-              reason="squares and products rounded to bytes, each within half a step; measured .0022"),
-        Check("RMS of the machine's passes against the exact bracket, of 0.168: relative deviation",
-              abs(machine["RMS"] / 0.168 - 1.0), at_most=0.05, on=Answer.MACHINE,
-              reason="the model's error outweighs rounding; the "
-              "middles of cells leave out the square's edges"),
-    )  # fmt: skip
+        DATA.check(
+            "largest error on the square, of 0.25: deviation", abs(whole["largest"] - 0.25), Answer.IDEAL
+        ),
+        DATA.check(
+            "largest error on the cone, of 0.25: deviation", abs(cone["largest"] - 0.25), Answer.IDEAL
+        ),
+        DATA.check(
+            "(v.t)^2 of the largest error on the cone, of 0.5: deviation",
+            abs(cone["there |v.t|"] ** 2 - 0.5),
+            Answer.IDEAL,
+        ),
+        DATA.check(
+            "RMS on the square, of 0.168: relative deviation", abs(whole["RMS"] / 0.168 - 1.0), Answer.IDEAL
+        ),
+        DATA.check(
+            "mean on the square, of -0.144: relative deviation",
+            abs(whole["mean"] / -0.144 - 1.0),
+            Answer.IDEAL,
+        ),
+        DATA.check("RMS of the machine's passes against R*", machine["RMS to R*"], Answer.MACHINE),
+        DATA.check(
+            "RMS of the machine's passes against the exact bracket, of 0.168: relative deviation",
+            abs(machine["RMS"] / 0.168 - 1.0),
+            Answer.MACHINE,
+        ),
+    )
 
 
 def plot(axes, table):
@@ -191,15 +199,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P17",
-    title="R*(s) = 1 - s in the place of sqrt(1 - s)",
-    question="What does Banks' model lose without its square root?",
+    **DATA.words,
     method=(
         f"Both brackets in float64 at {_SAMPLES} x {_SAMPLES} points of the square of v.t and l.t, and what "
         f"the passes of K04 leave of {_CELLS} x {_CELLS}."
     ),
-    source="KautzSeidel2000",
-    techniques=("K03", "K04"),
     machines=("GEFORCE_256", "GEFORCE_3", "NV2A"),
     panels=2,
     measure=measure,

@@ -5,7 +5,8 @@ Source: Kautz, Seidel 2000, section 3.3 (artefact P18, pass sequence A-K09 of th
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.reflectance import brdfs
 from fixedpipe.effects.studies.shared.strips import drawn, strip
@@ -14,6 +15,8 @@ from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import TextureEnvironmentMode
 from fixedpipe.pipeline.pixel_transfer import PixelImage
 from fixedpipe.pipeline.state import PassState, TextureEnvironment, TextureUnit
+
+DATA = study_data(__file__, "P18")
 
 ALPHAS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 1.0)
 # S(p) = 1/sqrt(p) is stored divided by this (A-K09 of the catalogue); its texels are evenly spaced in p.
@@ -94,26 +97,25 @@ def checks(table):
     over = [r["product"] for r in table.records() if r["stored"] >= 1.0]
     under = [r["product"] for r in table.records() if r["stored"] < 1.0]
     largest, count = _clamped_below(table)
-    printed = "the catalogue's, printed to three digits"
-    edge = "the catalogue's edge, alpha_x alpha_y = 1 / (4 pi), lies between these alphas"
     return (
-        Check("factor at 0.25, of 1.27: deviation", abs(row[0.25]["1 / (4 pi ax ay)"] - 1.27), at_most=0.005,
-              on=Answer.IDEAL, reason=printed),
-        Check("factor at 0.1, of 7.96: deviation", abs(row[0.1]["1 / (4 pi ax ay)"] - 7.96), at_most=0.005,
-              on=Answer.IDEAL, reason=printed),
-        Check("largest factor that is stored", max(table.column("stored")), at_most=1.0, on=Answer.MACHINE,
-              reason="colours end at 1"),
-        Check("largest product that is stored as 1", max(over), at_most=0.0796, on=Answer.MACHINE,
-              reason=edge),
-        Check("smallest product that is stored as less", min(under), at_least=0.0796, on=Answer.MACHINE,
-              reason=edge),
-        Check("p up to which S is clamped", largest, at_most=1.0 / 64.0, on=Answer.MACHINE,
-              reason="the catalogue's: S is above 8 where p is below 1/64"),
-        Check("largest S that is stored", float(table.curves["S stored"].max()), at_most=LARGEST_S,
-              on=Answer.MACHINE, reason="the catalogue's: clamped at 8"),
-        Check("texels of S that are clamped", float(count), at_least=_TEXELS / 64.0, on=Answer.MACHINE,
-              reason="all whose centres lie below 1/64"),
-    )  # fmt: skip
+        DATA.check(
+            "factor at 0.25, of 1.27: deviation", abs(row[0.25]["1 / (4 pi ax ay)"] - 1.27), Answer.IDEAL
+        ),
+        DATA.check(
+            "factor at 0.1, of 7.96: deviation", abs(row[0.1]["1 / (4 pi ax ay)"] - 7.96), Answer.IDEAL
+        ),
+        DATA.check("largest factor that is stored", max(table.column("stored")), Answer.MACHINE),
+        DATA.check("largest product that is stored as 1", max(over), Answer.MACHINE),
+        DATA.check("smallest product that is stored as less", min(under), Answer.MACHINE),
+        DATA.check("p up to which S is clamped", largest, Answer.MACHINE, at_most=1.0 / 64.0),
+        DATA.check(
+            "largest S that is stored",
+            float(table.curves["S stored"].max()),
+            Answer.MACHINE,
+            at_most=LARGEST_S,
+        ),
+        DATA.check("texels of S that are clamped", float(count), Answer.MACHINE, at_least=_TEXELS / 64.0),
+    )
 
 
 def plot(axes, table):
@@ -138,15 +140,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P18",
-    title="Ward's factor and square root in colours of [0, 1]",
-    question="From which alphas on does Ward's factor leave the colours, and where does S(p) do?",
+    **DATA.words,
     method=(
         f"Both loaded as textures and drawn texel for pixel: the factor for k_s = 1, and {_TEXELS} values of "
         "S / 8."
     ),
-    source="KautzSeidel2000",
-    techniques=("K09",),
     machines=("OCTANE", "INFINITE_REALITY", "OPENGL_1_2", "GEFORCE_256", "GEFORCE_3"),
     panels=2,
     measure=measure,

@@ -8,8 +8,9 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P19 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
@@ -33,6 +34,8 @@ from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.state import PassState
+
+DATA = study_data(__file__, "P19")
 
 SLICES = (8, 16, 25, 50, 100, 200)
 ALPHA = 0.25
@@ -170,31 +173,30 @@ def checks(table):
     """The catalogue's length, and what its words claim."""
     rows = {r["slices"]: r for r in table.records()}
     jumps, polygons = table.column("slope jump"), table.column("RMS, a vector a polygon")
-    steps = "rounding each of three bytes twice, and 255 stands for 254/255"
-    falls = "interpolation's error falls with the square, its kinks and the facets with the angle itself"
     for r in table.records():
-        yield Check(
-            f"|h| in the middle of an edge, {r['slices']} slices, off cos(angle / 2)",
-            abs(r["shortest |h|"] - r["cos half angle"]), at_most=3.0 / 255.0, on=Answer.MACHINE,
-            reason=steps,
-        )  # fmt: skip
-    yield Check(
+        yield DATA.check(
+            "|h| in the middle of an edge, {which} slices, off cos(angle / 2)",
+            abs(r["shortest |h|"] - r["cos half angle"]),
+            Answer.MACHINE,
+            at_most=3.0 / 255.0,
+            which=r["slices"],
+        )
+    yield DATA.check(
         "power of the angle with which the RMS falls, of 2: deviation",
-        abs(_power(table, "RMS, float64") - 2.0), at_most=0.2, on=Answer.IDEAL, reason=falls,
-    )  # fmt: skip
-    yield Check(
+        abs(_power(table, "RMS, float64") - 2.0),
+        Answer.IDEAL,
+    )
+    yield DATA.check(
         "power of the angle with which the slope's jump falls, of 1: deviation",
-        abs(_power(table, "slope jump") - 1.0), at_most=0.2, on=Answer.IDEAL, reason=falls,
-    )  # fmt: skip
-    yield Check(
-        "slope's jump with 8 slices, %", jumps[0], at_least=10.0, on=Answer.IDEAL,
-        reason="P19: a kink at the vertices; without one it would be 0",
-    )  # fmt: skip
-    yield Check(
+        abs(_power(table, "slope jump") - 1.0),
+        Answer.IDEAL,
+    )
+    yield DATA.check("slope's jump with 8 slices, %", jumps[0], Answer.IDEAL)
+    yield DATA.check(
         "RMS with a vector a polygon over that with vertex colours, 50 slices",
-        polygons[3] / rows[50]["RMS, machine"], at_least=5.0, on=Answer.MACHINE,
-        reason="section 4.2's facets are an error of the first order; measured 12",
-    )  # fmt: skip
+        polygons[3] / rows[50]["RMS, machine"],
+        Answer.MACHINE,
+    )
 
 
 def plot(axes, table):
@@ -235,15 +237,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P19",
-    title="Vectors as vertex colours, and one a polygon",
-    question="What do bytes at the vertices, interpolated linearly, do to a highlight?",
-    method=(
-        "Eq. 1 with alphas of 1/4 on a cylinder of 8 to 200 slices in four turns, 2048 pixels across, beside "
-        "the cylinder without polygons; with vectors at the vertices, and with one for each slice."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K07", "K08"),
+    **DATA.words,
     machines=("GEFORCE_256", "GEFORCE_3", "NV2A", "FUTURE"),
     panels=2,
     measure=measure,

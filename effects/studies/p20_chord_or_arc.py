@@ -5,13 +5,16 @@ Source: Kautz, Seidel 2000, section 5.1 (K17, artefact P20 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.vectors import cosine, sine
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, Column, Study, Table
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.state import PassState
+
+DATA = study_data(__file__, "P20")
 
 # Angles between the vectors of neighbouring vertices, radians; a sphere of n slices has 2 pi / n.
 DELTAS = (0.125, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
@@ -89,20 +92,21 @@ def checks(table):
     """The catalogue's bound for the chord, and nothing left on the arc."""
     for r in table.records():
         at = f"at {r['angle between vertices']:g}"
-        yield Check(
-            f"radians off along the chord {at}", r["off along the chord"], at_most=r["angle squared / 16"],
-            on=Answer.MACHINE, reason="the catalogue's: half of the angle's square / 8",
-        )  # fmt: skip
-    yield Check(
-        "radians off along the arc", max(table.column("off along the arc")), at_most=2.0**-14,
-        on=Answer.MACHINE, reason="two components of 16 bits, each off by half a step of 2 / 65535 where it "
-        "is stored and where it is interpolated",
-    )  # fmt: skip
-    yield Check(
+        yield DATA.check(
+            "radians off along the chord {at}",
+            r["off along the chord"],
+            Answer.MACHINE,
+            at_most=r["angle squared / 16"],
+            at=at,
+        )
+    yield DATA.check(
+        "radians off along the arc", max(table.column("off along the arc")), Answer.MACHINE, at_most=2.0**-14
+    )
+    yield DATA.check(
         "arc / chord at the largest angle",
-        table.column("off along the arc")[-1] / table.column("off along the chord")[-1], at_most=0.01,
-        on=Answer.MACHINE, reason="what is asked for removes the error; without it the ratio would be 1",
-    )  # fmt: skip
+        table.column("off along the arc")[-1] / table.column("off along the chord")[-1],
+        Answer.MACHINE,
+    )
 
 
 def plot(axes, table):
@@ -127,15 +131,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P20",
-    title="Vectors interpolated along the chord or the arc",
-    question="How far does a highlight move because vertex colours are interpolated along a straight line?",
-    method=(
-        "The direction of the primary colour across a strip between two vectors, on the future board with "
-        "and without interpolation along arcs, against one that turns steadily."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K17",),
+    **DATA.words,
     machines=("FUTURE",),
     panels=2,
     measure=measure,

@@ -5,8 +5,9 @@ Source: Kautz, Seidel 2000, section 4.1 (artefact P21 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.passes.combiners import (
     ONE,
     SPARE0,
@@ -24,6 +25,8 @@ from fixedpipe.effects.studies.shared.strips import drawn, strip_of_vectors
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.state import PassState, TextureUnit
+
+DATA = study_data(__file__, "P21")
 
 # What is taken as one half where vectors are stored, and where EXPAND_NORMAL reads them.
 _CONVENTIONS = ((128.0, 128.0), (127.5, 127.5), (127.5, 128.0), (128.0, 127.5))
@@ -99,18 +102,25 @@ def checks(table):
     """The catalogue's numbers."""
     kept, real, mixed, other = table.records()
     return (
-        Check("zero read with the half at 127.5, of 1/255: deviation", abs(real["zero read"] - 1.0 / 255.0),
-              at_most=1e-9, on=Answer.MACHINE, reason="the catalogue's: 2 x 128 - 255 = 1"),
-        Check("h.t of a flat map with the half at 127.5, of .016: deviation",
-              abs(real["h.t that should be 0"] - 0.016), at_most=0.0005, on=Answer.MACHINE,
-              reason="the catalogue's, printed to two digits: 4/255"),
-        Check("h.t of a flat map with the half at 128", abs(kept["h.t that should be 0"]), at_most=0.0,
-              on=Answer.MACHINE, reason="zero is stored exactly"),
-        Check("RMS in the highlight, conventions mixed / the same",
-              min(mixed["RMS in highlight"], other["RMS in highlight"]) / kept["RMS in highlight"],
-              at_least=1.8, on=Answer.MACHINE,
-              reason="half a step in all three components of both vectors; measured 1.9"),
-    )  # fmt: skip
+        DATA.check(
+            "zero read with the half at 127.5, of 1/255: deviation",
+            abs(real["zero read"] - 1.0 / 255.0),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "h.t of a flat map with the half at 127.5, of .016: deviation",
+            abs(real["h.t that should be 0"] - 0.016),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "h.t of a flat map with the half at 128", abs(kept["h.t that should be 0"]), Answer.MACHINE
+        ),
+        DATA.check(
+            "RMS in the highlight, conventions mixed / the same",
+            min(mixed["RMS in highlight"], other["RMS in highlight"]) / kept["RMS in highlight"],
+            Answer.MACHINE,
+        ),
+    )
 
 
 def plot(axes, table):
@@ -131,15 +141,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P21",
-    title="Zero in a byte",
-    question="What does it cost that half of 255 is not a whole number?",
-    method=(
-        "The dot product of a flat map with the vertical, and Eq. 1 on random frames at alphas of 1/4, with "
-        "vectors stored as half + 127.5 v and read as 2 x - 2 half, for halves of 128 and 127.5."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K07", "K21"),
+    **DATA.words,
     machines=("GEFORCE_256", "GEFORCE_3", "NV2A"),
     panels=2,
     measure=measure,

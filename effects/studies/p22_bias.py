@@ -6,14 +6,17 @@ Source: Zwicker 2016 (artefact P22 of the catalogue).
 from itertools import pairwise
 
 from fixedpipe.effects.acceptance import agreement
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.board import board_view, ring_and_board
 from fixedpipe.effects.shadows.lit_scene import SceneShading, map_edge
 from fixedpipe.effects.shadows.shadow_maps import OFFSET_FACTOR, OFFSET_UNITS
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, ORANGE, RED, Column, Study, Table
+
+DATA = study_data(__file__, "P22")
 
 _SIZE, _RATIO = 256, 1
 # (factor, units): slopes with the catalogue's units, and units without any slope.
@@ -83,25 +86,20 @@ def checks(table):
     slopes = _sweep(table, True)
     none = _sweep(table, False)[0]
     (right,) = [r for r in slopes if r["factor"] == OFFSET_FACTOR]
-    said = "the catalogue's (figure F003-21)"
     gaps = [r["gap behind the board"] for r in slopes]
     return (
-        Check("no offset: lit floor that is dark, %", none["lit floor that is dark"], at_least=20.0,
-              on=Answer.MACHINE, reason=said),
-        Check("1.1 and 4: lit floor that is dark, %", right["lit floor that is dark"], at_most=0.1,
-              on=Answer.MACHINE, reason=said),
-        Check("1.1 and 4: gap, texels", right["gap behind the board"], at_most=1.0, on=Answer.MACHINE,
-              reason=said),
-        Check("14 and 4: gap, texels", gaps[-1], at_least=3.0, on=Answer.MACHINE, reason=said),
-        Check("factor that ends speckle", _first_clean(slopes)["factor"], at_least=0.75, on=Answer.MACHINE,
-              reason="a pixel's place and its texel's centre are up to half "
-              "a texel apart along both axes: up to one greatest slope"),
-        Check("factor that ends speckle, at most", _first_clean(slopes)["factor"], at_most=1.1,
-              on=Answer.MACHINE, reason="as before; factor 1 with a unit for each rounding"),
-        Check("the gap's largest fall as the factor grows, texels", max(a - b for a, b in pairwise(gaps)),
-              at_most=0.5, on=Answer.MACHINE, reason="more offset opens the gap; which texels the board's "
-              "edge covers is chance within half of one"),
-    )  # fmt: skip
+        DATA.check("no offset: lit floor that is dark, %", none["lit floor that is dark"], Answer.MACHINE),
+        DATA.check("1.1 and 4: lit floor that is dark, %", right["lit floor that is dark"], Answer.MACHINE),
+        DATA.check("1.1 and 4: gap, texels", right["gap behind the board"], Answer.MACHINE),
+        DATA.check("14 and 4: gap, texels", gaps[-1], Answer.MACHINE),
+        DATA.check("factor that ends speckle", _first_clean(slopes)["factor"], Answer.MACHINE),
+        DATA.check("factor that ends speckle, at most", _first_clean(slopes)["factor"], Answer.MACHINE),
+        DATA.check(
+            "the gap's largest fall as the factor grows, texels",
+            max(a - b for a, b in pairwise(gaps)),
+            Answer.MACHINE,
+        ),
+    )
 
 
 def plot(axes, table):
@@ -125,15 +123,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P22",
-    title="A shadow map's bias",
-    question="How far must a map's depths be moved so that nothing lit shades itself, and what does more do?",
+    **DATA.words,
     method=(
         f"The scene of F003-21 with a map of {map_edge(_SIZE, _RATIO)} texels and 24 bits under "
         f"{len(FACTORS) + len(UNITS)} polygon offsets; the picture's mask beside rays."
     ),
-    source="Zwicker2016",
-    techniques=("Z10", "Z12"),
     machines=("GEFORCE_3", "NV2A", "INFINITE_REALITY"),
     panels=2,
     measure=measure,

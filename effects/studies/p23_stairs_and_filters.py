@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
@@ -19,6 +20,8 @@ from fixedpipe.effects.shadows import shadow_maps
 from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, PURPLE, RED, Column, Study, Table
+
+DATA = study_data(__file__, "P23")
 
 EDGES = (16, 32, 64, 128, 256)
 # One comparison, the texture unit's linear filter of 2x2, and means of k x k.
@@ -182,21 +185,18 @@ def checks(table):
     beside = [middle(*table.curves[f"{row[0]} {row[1]}"][:2]) / row[2] for row in table.rows]
     products = [row[5] * int(row[1]) for row in rest]
     return (
-        Check("how far the edge is off over what texels explain, - 1: largest absolute", worst, at_most=0.08,
-              on=Answer.MACHINE, reason="P23: jaggedness = texel footprint / pixel; measured "
-              "0.04, of the finest and of a map with few stairs in the picture"),
-        Check("edge's middle beside the true edge, texels, largest absolute", max(map(abs, beside)),
-              at_most=0.1, on=Answer.MACHINE,
-              reason="stairs lie on both sides of the edge alike; measured 0.06, of few stairs"),
-        Check("stairs without a filter, of full light, RMS", plain[5], at_least=0.45, on=Answer.MACHINE,
-              reason="at the true edge each pixel is lit or not: one half"),
-        Check("stairs of k x k comparisons times k, largest", max(products), at_most=0.36, on=Answer.MACHINE,
-              reason="steps of 1/k, of which a true edge sees any "
-              "part: sqrt(1/12) = 0.29, and a little of rows"),
-        Check("stairs of the linear filter over those without", linear[5] / plain[5], at_most=0.6,
-              on=Answer.MACHINE,
-              reason="between texels' centres the ramp is linear, and rows of texels still are steps"),
-    )  # fmt: skip
+        DATA.check(
+            "how far the edge is off over what texels explain, - 1: largest absolute", worst, Answer.MACHINE
+        ),
+        DATA.check(
+            "edge's middle beside the true edge, texels, largest absolute",
+            max(map(abs, beside)),
+            Answer.MACHINE,
+        ),
+        DATA.check("stairs without a filter, of full light, RMS", plain[5], Answer.MACHINE),
+        DATA.check("stairs of k x k comparisons times k, largest", max(products), Answer.MACHINE),
+        DATA.check("stairs of the linear filter over those without", linear[5] / plain[5], Answer.MACHINE),
+    )
 
 
 def plot(axes, table):
@@ -218,15 +218,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P23",
-    title="Stairs of a shadow map, and filters",
-    question="How jagged is a shadow's edge by its map's texels, and what do filters of comparisons change?",
+    **DATA.words,
     method=(
         f"A straight edge in {_SIZE} pixels, seen from above; where it is in each row of pixels against the "
         "true line, and how much pixels at the true line differ."
     ),
-    source="Zwicker2016",
-    techniques=("Z13", "Z17", "Z18"),
     machines=("GEFORCE_3", "NV2A"),
     panels=2,
     measure=measure,

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.shadows import shadow_volumes
@@ -17,6 +18,8 @@ from fixedpipe.effects.studies.study import BLACK, BLUE, EXPECTED, GREEN, ORANGE
 from fixedpipe.pipeline.commands import Clear, Draw
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.state import DepthTest, PassState
+
+DATA = study_data(__file__, "P24")
 
 # Numbers of volumes, one in the other.
 _NUMBERS = (1, 64, 128, 255, 256, 257, 300, 384, 512, 640, 768)
@@ -148,43 +151,35 @@ def checks(table):
     """Nothing is wrong up to 255, and beyond it what the arithmetic says."""
     rows = table.records()
     pixel = 3.0 * _REACH / _COLUMNS
-    ends = "a pixel or two at the ends of the part that is lost"
     for heading in ("z-pass INCR, DECR", "z-fail INCR, DECR"):
         few = max(row[heading] for row in rows if row["volumes"] <= _MOST)
-        yield Check(
-            f"{heading}: part of the shadow lost, up to 255 volumes",
-            few,
-            at_most=0.0,
-            on=Answer.MACHINE,
-            reason="eight bits hold 255",
+        yield DATA.check(
+            "{heading}: part of the shadow lost, up to 255 volumes", few, Answer.MACHINE, heading=heading
         )
         off = max(abs(row[heading] - row["(n - 255)/2n"]) for row in rows)
-        yield Check(
-            f"{heading}: part lost - (n - 255)/2n, largest",
+        yield DATA.check(
+            "{heading}: part lost - (n - 255)/2n, largest",
             off,
+            Answer.MACHINE,
             at_most=pixel,
-            on=Answer.MACHINE,
-            reason=ends,
+            heading=heading,
         )
     many = next(row for row in rows if row["volumes"] == _SHOWN)
-    yield Check(
-        f"z-pass INCR, DECR: part of the shadow of {_SHOWN} volumes lost",
+    yield DATA.check(
+        "z-pass INCR, DECR: part of the shadow of {shown} volumes lost",
         many["z-pass INCR, DECR"],
-        at_least=0.05,
-        on=Answer.MACHINE,
-        reason="P24: wrong where the count exceeds 255; (300 - 255) / 600 of the shadow is 0.075",
+        Answer.MACHINE,
+        shown=_SHOWN,
     )
-    yield Check(
+    yield DATA.check(
         "z-pass DECR, INCR: part of what is lit behind the shadow that is dark, least",
         min(row["z-pass DECR, INCR"] for row in rows),
-        at_least=1.0,
-        on=Answer.MACHINE,
-        reason="E003.7: nothing is taken from zero, so the order matters",
+        Answer.MACHINE,
     )
     for heading in ("z-pass wrapping", "z-pass wrapping, DECR first"):
         off = max(abs(row[heading] - row["[n/256]/n"]) for row in rows)
-        yield Check(
-            f"{heading}: part lost - [n/256]/n, largest", off, at_most=pixel, on=Answer.MACHINE, reason=ends
+        yield DATA.check(
+            "{heading}: part lost - [n/256]/n, largest", off, Answer.MACHINE, at_most=pixel, heading=heading
         )
     entered, inside = table.curves["entered"], table.curves["volumes"]
     sums = {
@@ -195,12 +190,12 @@ def checks(table):
     }
     for heading, expected in sums.items():
         off = np.abs(table.curves[heading] - expected).max()
-        yield Check(
-            f"{heading}: stencil of {_SHOWN} volumes - its sum, largest",
+        yield DATA.check(
+            "{heading}: stencil of {shown} volumes - its sum, largest",
             off,
-            at_most=0.0,
-            on=Answer.MACHINE,
-            reason="integers",
+            Answer.MACHINE,
+            heading=heading,
+            shown=_SHOWN,
         )
 
 
@@ -238,15 +233,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P24",
-    title="More shadow volumes than a stencil buffer counts",
-    question="What becomes of shadows where more than 255 volumes lie one in the other?",
+    **DATA.words,
     method=(
         f"1 to {_NUMBERS[-1]} nested volumes and a screen that slants through all of them; the stencil is "
         f"zero or not in {_COLUMNS} columns of pixels, beside how many volumes each is in."
     ),
-    source="Zwicker2016",
-    techniques=("Z23", "Z24"),
     machines=("GEFORCE_256", "GEFORCE_3", "NV2A", "OPENGL_1_2", "OCTANE"),
     panels=2,
     measure=measure,

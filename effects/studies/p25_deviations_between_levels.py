@@ -9,8 +9,9 @@ Source: Schilling 1997, section 8 (S18, artefact P25 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.studies.shared.strips import drawn, strip
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, Column, Study, Table
@@ -18,6 +19,8 @@ from fixedpipe.effects.texture_filtering.mipmapped_materials import texture_of_l
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import TextureEnvironmentMode, TextureFilter, WrapMode
 from fixedpipe.pipeline.state import PassState, Sampler, TextureEnvironment, TextureUnit
+
+DATA = study_data(__file__, "P25")
 
 # Two covariances (a, b, c) of a finer and a coarser level; ridges are along both diagonals.
 PAIRS = {
@@ -134,24 +137,28 @@ def findings(table):
 def checks(table):
     """The catalogue's number, and the formula at every place."""
     row = {r["between"]: r for r in table.records()}
-    yield Check("variance midway between deviations of 0.5 and 1.5, % low, of 20: deviation",
-                abs(row["0.5 and 1.5"]["low"] - 20.0), at_most=1e-9, on=Answer.IDEAL,
-                reason="the catalogue's: 1 in the place of 1.25; 1e-9: rounding")  # fmt: skip
-    yield Check("the same on the machine", abs(row["0.5 and 1.5"]["low on the machine"] - 20.0), at_most=1.0,
-                on=Answer.MACHINE, reason="half a byte of 2/255 in a D of 1 is 0.4 %, twice that in a "
-                "square")  # fmt: skip
+    yield DATA.check(
+        "variance midway between deviations of 0.5 and 1.5, % low, of 20: deviation",
+        abs(row["0.5 and 1.5"]["low"] - 20.0),
+        Answer.IDEAL,
+    )
+    yield DATA.check(
+        "the same on the machine", abs(row["0.5 and 1.5"]["low on the machine"] - 20.0), Answer.MACHINE
+    )
     # A second way: the loss as a formula, the machine's at every place.
     part = table.curves["part"]
     lost = table.curves["0.5 and 1.5, K"] - table.curves["0.5 and 1.5"]
-    yield Check("variance lost - w (1 - w) (1.5 - 0.5)^2, largest", np.abs(lost - part * (1.0 - part)).max(),
-                at_most=0.025, on=Answer.MACHINE,
-                reason="half a byte, 1/255, in a D of up to 1.5 is 3/255 of its square; and as much where "
-                "weights and results of the filter have eight bits")  # fmt: skip
-    yield Check("variance along u between ridges, % low, of 81: deviation",
-                abs(row["ridges / and \\"]["low on the machine"] - 81.0), at_most=1.0, on=Answer.MACHINE,
-                reason="d_2 cancels, and d_1^2 = 1 - 0.9^2 is left")  # fmt: skip
-    yield Check("variance lost between equal levels, %", abs(row["1 and 1"]["low"]), at_most=1e-9,
-                on=Answer.IDEAL, reason="nothing differs")  # fmt: skip
+    yield DATA.check(
+        "variance lost - w (1 - w) (1.5 - 0.5)^2, largest",
+        np.abs(lost - part * (1.0 - part)).max(),
+        Answer.MACHINE,
+    )
+    yield DATA.check(
+        "variance along u between ridges, % low, of 81: deviation",
+        abs(row["ridges / and \\"]["low on the machine"] - 81.0),
+        Answer.MACHINE,
+    )
+    yield DATA.check("variance lost between equal levels, %", abs(row["1 and 1"]["low"]), Answer.IDEAL)
 
 
 def plot(axes, table):
@@ -172,16 +179,12 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P25",
-    title="Deviations filtered linearly",
-    question="How much roughness is lost between two levels where D is filtered, and not K?",
+    **DATA.words,
     method=(
         "D of two levels, in bytes over 2, filtered trilinearly by the machine midway between them; the "
         "variance along u that comes out, beside the mean of both K. And a pyramid of stones, "
         f"{_EDGE} texels wide, midway between its levels, in floats."
     ),
-    source="Schilling1997",
-    techniques=("S18",),
     machines=("GEFORCE_3", "NV2A", "TEXRAM"),
     panels=2,
     measure=measure,

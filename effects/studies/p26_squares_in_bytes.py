@@ -11,8 +11,9 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.passes.draws import NEAREST
 from fixedpipe.effects.studies.shared.strips import drawn, strip
@@ -21,6 +22,8 @@ from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import TextureEnvironmentMode
 from fixedpipe.pipeline.state import PassState, TextureEnvironment, TextureUnit
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = study_data(__file__, "P26")
 
 # Deviations over the largest; 0.05 is the catalogue's.
 SIGMAS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
@@ -145,21 +148,26 @@ def checks(table):
     """The catalogue's numbers, as they are read."""
     row = {r["what"]: r for r in table.records()}
     least = _smallest(table, "K")
-    yield Check("smallest sigma in bytes of K, of 0.0626: deviation", abs(least - 0.0626), at_most=1e-4,
-                on=Answer.MACHINE, reason="the catalogue's, in four digits: 1/sqrt(255)")  # fmt: skip
+    yield DATA.check(
+        "smallest sigma in bytes of K, of 0.0626: deviation", abs(least - 0.0626), Answer.MACHINE
+    )
     held = np.unique(table.curves["D"])
     step = float(np.diff(held).max()) / 0.05
-    yield Check("a step of D over 0.05, of 0.08: deviation", abs(step - 0.08), at_most=0.005,
-                on=Answer.MACHINE, reason="the catalogue's, in one digit: 1/255/0.05")  # fmt: skip
-    yield Check("sigma 0.02 as K in bytes", row["sigma 0.02"]["read of K"], at_most=0.0, on=Answer.MACHINE,
-                reason="0.0004 is a tenth of a byte")  # fmt: skip
+    yield DATA.check("a step of D over 0.05, of 0.08: deviation", abs(step - 0.08), Answer.MACHINE)
+    yield DATA.check("sigma 0.02 as K in bytes", row["sigma 0.02"]["read of K"], Answer.MACHINE)
     worst = max(abs(r["error of D"]) * float(r["what"].split()[1]) for r in table.records()[: len(SIGMAS)])
-    yield Check("sigma read of D - sigma, largest, in steps", worst / 100.0 * 255.0, at_most=0.5 + 1e-9,
-                on=Answer.MACHINE, reason="a byte is rounded to nearest")  # fmt: skip
+    yield DATA.check(
+        "sigma read of D - sigma, largest, in steps",
+        worst / 100.0 * 255.0,
+        Answer.MACHINE,
+        at_most=0.5 + 1e-9,
+    )
     first = row["stones, level 1"]
-    yield Check("error of I_1 of stones, level 1, K's over D's", first["error of K"] / first["error of D"],
-                at_least=4.0, on=Answer.IDEAL,
-                reason="most texels are far below the steepest; Assumed: four times")  # fmt: skip
+    yield DATA.check(
+        "error of I_1 of stones, level 1, K's over D's",
+        first["error of K"] / first["error of D"],
+        Answer.IDEAL,
+    )
 
 
 def plot(axes, table):
@@ -179,16 +187,12 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P26",
-    title="Roughness as squares in bytes",
-    question="Which small roughnesses do bytes of K lose, and which those of D?",
+    **DATA.words,
     method=(
         "Texels of K and of D in bytes, over the largest, read by the machine; and a pyramid of stones, "
         f"{_EDGE} texels wide, as bytes of either and back: how many rough texels become smooth, and how far "
         "I_1 is off, RMS over its mean."
     ),
-    source="Schilling1997",
-    techniques=("S16", "S18"),
     machines=("GEFORCE_3", "NV2A", "TEXRAM"),
     panels=2,
     measure=measure,

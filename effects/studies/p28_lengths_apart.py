@@ -5,14 +5,17 @@ Source: Schilling 1997, section 7.1 (S13, artefact P28 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping.offset_vectors import middle_error
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, RED, SKY, Column, Study, Table
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.state import PassState
+
+DATA = study_data(__file__, "P28")
 
 # Angles between the vectors of two vertices, degrees, and how many times as long the first is.
 ANGLES = (15, 30, 60, 90, 120)
@@ -97,17 +100,18 @@ def findings(table):
 def checks(table):
     """The catalogue's formula, and nothing where lengths are apart."""
     off = max(abs(r["off as they are"] - r["computed"]) for r in table.records())
-    yield Check(
-        "degrees off in the middle - atan((L1 - L2)/(L1 + L2) tan(phi/2)), largest", off,
-        at_most=float(np.degrees(4.0 * _STEP)), on=Answer.MACHINE,
-        reason="two components of 16 bits, each off by half a step where it is stored and where it is "
-        "interpolated, of a sum that is no shorter than a quarter",
-    )  # fmt: skip
-    yield Check(
+    yield DATA.check(
+        "degrees off in the middle - atan((L1 - L2)/(L1 + L2) tan(phi/2)), largest",
+        off,
+        Answer.MACHINE,
+        at_most=float(np.degrees(4.0 * _STEP)),
+    )
+    yield DATA.check(
         "degrees off in the middle, lengths apart, largest",
-        max(abs(a) for a in table.column("off, lengths apart")), at_most=float(np.degrees(4.0 * _STEP)),
-        on=Answer.MACHINE, reason="the sum of two unit vectors halves their angle",
-    )  # fmt: skip
+        max(abs(a) for a in table.column("off, lengths apart")),
+        Answer.MACHINE,
+        at_most=float(np.degrees(4.0 * _STEP)),
+    )
     exact = 0.0
     for angle in ANGLES:
         for ratio in RATIOS:
@@ -115,10 +119,7 @@ def checks(table):
             x, y, _ = normalize(vectors[0] + vectors[1])
             lag = abs(float(np.arctan2(y, x)) - middle_error(ratio, 1.0, np.radians(angle)))
             exact = max(exact, float(np.degrees(lag)))
-    yield Check(
-        "the formula against the vectors' own sum, degrees, largest", exact, at_most=2e-4,
-        on=Answer.IDEAL, reason="sines are rounded to 2**-20",
-    )  # fmt: skip
+    yield DATA.check("the formula against the vectors' own sum, degrees, largest", exact, Answer.IDEAL)
 
 
 def plot(axes, table):
@@ -144,15 +145,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P28",
-    title="Vectors of a frame, interpolated as long as they are",
-    question="How far off is the direction between two vertices whose frames are not as long?",
-    method=(
-        "The direction of the primary colour in the middle of a strip between two vectors, on the future "
-        "board, as long as they are and of length one."
-    ),
-    source="Schilling1997",
-    techniques=("S13",),
+    **DATA.words,
     machines=("FUTURE",),
     panels=2,
     measure=measure,

@@ -9,7 +9,8 @@ Source: Heidrich 2001, section 1.6 (H33; artefact P29 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.environment_maps import prefilter, reflections
 from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.surfaces import plane
@@ -18,6 +19,8 @@ from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.execution.machine import execute
+
+DATA = study_data(__file__, "P29")
 
 EXPONENTS, SUNS = (1.0, 10.0, 100.0, 1000.0), (10.0, 100.0, 1000.0)
 # Texels along a face, the grey, the sun's middle and the cosine of its radius, 4 degrees.
@@ -89,16 +92,18 @@ def checks(table):
     """The formula's numbers."""
     for r in table.records():
         name = f"sun of {r['sun']:g}, exponent {r['exponent']:g}"
-        yield Check(
-            f"{name}: brightest of floats over the formula's, deviation from one",
-            abs(r["brightest, filtered"] / r["brightest, formula"] - 1.0), at_most=0.06, on=Answer.IDEAL,
-            reason="the sun's edge in texels, and a grid between whose places cubics go",
-        )  # fmt: skip
-        yield Check(
-            f"{name}: what is kept, off the formula's, %",
-            abs(r["kept, machine"] - r["kept, formula"]), at_most=2.0, on=Answer.MACHINE,
-            reason="the same twice, and half a byte of 255 in what is kept",
-        )  # fmt: skip
+        yield DATA.check(
+            "{name}: brightest of floats over the formula's, deviation from one",
+            abs(r["brightest, filtered"] / r["brightest, formula"] - 1.0),
+            Answer.IDEAL,
+            name=name,
+        )
+        yield DATA.check(
+            "{name}: what is kept, off the formula's, %",
+            abs(r["kept, machine"] - r["kept, formula"]),
+            Answer.MACHINE,
+            name=name,
+        )
 
 
 def plot(axes, table):
@@ -117,15 +122,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P29",
-    title="Bytes before the filter",
-    question="How much of the sun's glossy image is lost where a probe is clamped before it is filtered?",
-    method=(
-        "A sun of radius 4 degrees in a grey, filtered by Phong's lobe after clamping at one and before; "
-        "both maps scaled alike, looked up by the machine towards the sun."
-    ),
-    source="Heidrich2001",
-    techniques=("H33", "H29"),
+    **DATA.words,
     machines=("GEFORCE_256", "GEFORCE_3", "NV2A"),
     measure=measure,
     findings=findings,

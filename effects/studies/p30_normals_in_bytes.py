@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import normal_maps
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import vectors
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.passes.combiners import (
@@ -41,6 +42,8 @@ from fixedpipe.pipeline.state import (
     TextureUnit,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = study_data(__file__, "P30")
 
 # The document's bytes, and those of a program that cuts off instead of rounding.
 ROUNDINGS = {"rounded": normal_maps.encode, "cut off": lambda v: np.floor((v + 1.0) / 2.0 * 255.0)}
@@ -214,20 +217,30 @@ def checks(table):
     real = row["fragment program", "rounded"]
     place = math.degrees(math.sqrt(2.0) / (_PLACES * _ENLARGED))
     return (
-        Check("lean of a flat area in degrees, of .318: deviation", abs(real["lean"] - 0.318), at_most=0.001,
-              on=Answer.MACHINE, reason="the catalogue's: 1/255 in x and y"),
-        Check("x of a flat texel times 255, of 1: deviation", abs(255.0 * real["x read"] - 1.0), at_most=1e-9,
-              on=Answer.MACHINE, reason="the catalogue's"),
-        Check("lean of a flat area in combiners, degrees", row["combiners", "rounded"]["lean"], at_most=1e-9,
-              on=Answer.MACHINE, reason="their half is 128"),
-        Check("lean of a flat area in dot products, degrees", row["dot products", "rounded"]["lean"],
-              at_most=place, on=Answer.MACHINE, reason="zero is 128 there; one place of the table"),
-        Check("lean in combiners where bytes were cut off, of .640: deviation",
-              abs(row["combiners", "cut off"]["lean"] - 0.640), at_most=0.01, on=Answer.MACHINE,
-              reason="2/255 in x and y, over .996; read with a factor of 4 in combiners of nine bits"),
-        Check("all normals in the fragment program, RMS degrees", real["all normals, RMS"], at_most=0.25,
-              on=Answer.MACHINE, reason="half a byte of 2/255 either way in three components"),
-    )  # fmt: skip
+        DATA.check(
+            "lean of a flat area in degrees, of .318: deviation", abs(real["lean"] - 0.318), Answer.MACHINE
+        ),
+        DATA.check(
+            "x of a flat texel times 255, of 1: deviation", abs(255.0 * real["x read"] - 1.0), Answer.MACHINE
+        ),
+        DATA.check(
+            "lean of a flat area in combiners, degrees", row["combiners", "rounded"]["lean"], Answer.MACHINE
+        ),
+        DATA.check(
+            "lean of a flat area in dot products, degrees",
+            row["dot products", "rounded"]["lean"],
+            Answer.MACHINE,
+            at_most=place,
+        ),
+        DATA.check(
+            "lean in combiners where bytes were cut off, of .640: deviation",
+            abs(row["combiners", "cut off"]["lean"] - 0.640),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "all normals in the fragment program, RMS degrees", real["all normals, RMS"], Answer.MACHINE
+        ),
+    )
 
 
 def plot(axes, table):
@@ -247,16 +260,12 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P30",
-    title="Normals in bytes, and who reads them",
-    question="How far do flat areas lean whose normals are stored as round((x + 1)/2 * 255)?",
+    **DATA.words,
     method=(
         "A flat texel's dot products with the axes, drawn by the ideal (which reads bytes as a fragment "
         "program does) and by the machine's combiners; its place in a table looked up by two dot "
         f"products of a texture shader; and the angle between {_NORMALS} normals and what is read of them."
     ),
-    source="Zwicker2016",
-    techniques=("Z02",),
     machines=("GEFORCE_3", "NV2A"),
     panels=2,
     measure=measure,

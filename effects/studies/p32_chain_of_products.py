@@ -6,8 +6,9 @@ P32 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.studies.shared.strips import strip
 from fixedpipe.effects.studies.study import BLUE, EXPECTED, GREEN, ORANGE, RED, Column, Study, Table
 from fixedpipe.pipeline.commands import Clear, Draw
@@ -15,6 +16,8 @@ from fixedpipe.pipeline.enums import BlendFactor
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.profiles import INFINITE_REALITY
 from fixedpipe.pipeline.state import Blending, PassState
+
+DATA = study_data(__file__, "P32")
 
 PRODUCTS = 8
 # Quads of one colour each, and how many frames of them.
@@ -84,19 +87,17 @@ def findings(table):
 def checks(table):
     """The catalogue's law, a rounding for each product."""
     rows = table.records()
-    law = "the catalogue's .0011 sqrt(n), to two digits; factors of .95 in the mean shrink earlier errors"
     for n in range(1, 5):
-        yield Check(
-            f"RMS after {n} products of bytes near 1, of .0011 sqrt({n}): relative deviation",
-            abs(rows[n]["bytes .9 to 1"] / rows[n][".0011 sqrt(n)"] - 1.0), at_most=0.1, on=Answer.MACHINE,
-            reason=law,
-        )  # fmt: skip
+        yield DATA.check(
+            "RMS after {n} products of bytes near 1, of .0011 sqrt({n}): relative deviation",
+            abs(rows[n]["bytes .9 to 1"] / rows[n][".0011 sqrt(n)"] - 1.0),
+            Answer.MACHINE,
+            n=n,
+        )
     bits = rows[4]["bytes .9 to 1"] / rows[4]["12 bits .9 to 1"]
-    reason = "4095 / 255 = 16.06: the step is that much smaller"
-    yield Check(
-        "RMS in 8 bits over that in 12, of 16: relative deviation", abs(bits / 16.0 - 1.0), at_most=0.05,
-        on=Answer.MACHINE, reason=reason,
-    )  # fmt: skip
+    yield DATA.check(
+        "RMS in 8 bits over that in 12, of 16: relative deviation", abs(bits / 16.0 - 1.0), Answer.MACHINE
+    )
 
 
 def plot(axes, table):
@@ -119,15 +120,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P32",
-    title="A chain of multiplications in the framebuffer",
-    question="How do roundings add up where passes multiply what the framebuffer holds?",
+    **DATA.words,
     method=(
         f"Random factors multiplied into the framebuffer by blending, {_ACROSS * _ROWS} pixels of three "
         "components, beside the exact products; and in the InfiniteReality's 12 bits."
     ),
-    source="Heidrich2001",
-    techniques=("K03", "K04"),
     machines=("GEFORCE_256", "OCTANE", "OPENGL_1_2", "GEFORCE_3", "NV2A"),
     measure=measure,
     findings=findings,

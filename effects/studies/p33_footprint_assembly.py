@@ -12,9 +12,12 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, Column, Study, Table
 from fixedpipe.effects.texture_filtering.footprint_assembly import isotropic, probes
+
+DATA = study_data(__file__, "P33")
 
 SIDES = (2.0, 4.0, 8.0, 16.0)
 STEPS = 361
@@ -131,15 +134,13 @@ def checks(table):
     )
     means = [_row(table, 8.0, way)["contrast across, mean"] for way in ("mip-mapping", "power of two")]
     return (
-        Check("off the long axis, in degrees, beside atan(1/a)", worst, at_most=1e-9, on=Answer.IDEAL,
-              reason="an edge at 45 degrees in the pixel is (a, 1) / sqrt(2); 1e-9: rounding"),
-        Check("contrast across at 45 degrees, most that is left without diagonals", blur, at_most=0.2,
-              on=Answer.IDEAL, reason="one probe as wide as the edges: more than two short sides"),
-        Check("contrast across at 45 degrees, least with them", sharp, at_least=0.7, on=Answer.IDEAL,
-              reason="a probe of sqrt(2) short sides leaves sinc(sqrt(2)/4) = 0.81, less aslant"),
-        Check("contrast across in the mean at 8 : 1, over mip-mapping's", means[1] - means[0], at_least=0.3,
-              on=Answer.IDEAL, reason="what footprint assembly is for; Assumed: most angles keep half"),
-    )  # fmt: skip
+        DATA.check("off the long axis, in degrees, beside atan(1/a)", worst, Answer.IDEAL),
+        DATA.check("contrast across at 45 degrees, most that is left without diagonals", blur, Answer.IDEAL),
+        DATA.check("contrast across at 45 degrees, least with them", sharp, Answer.IDEAL),
+        DATA.check(
+            "contrast across in the mean at 8 : 1, over mip-mapping's", means[1] - means[0], Answer.IDEAL
+        ),
+    )
 
 
 def plot(axes, table):
@@ -160,16 +161,12 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P33",
-    title="Probes along an edge of the pixel",
-    question="What do probes along an edge, by a power of two, cost as a footprint turns?",
+    **DATA.words,
     method=(
         f"Footprints of 2 : 1 to 16 : 1, {SHORT:g} texels wide, turned by 0 to 90 degrees; at most {MOST} "
         f"probes. The contrast that they leave of a wave of {STAYS:g} widths across, and of one as long as "
         "the footprint along it, is the product of a square's and N points' transforms."
     ),
-    source="Schilling1997",
-    techniques=("S02",),
     panels=2,
     measure=measure,
     findings=findings,

@@ -11,7 +11,8 @@ import math
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import parabolic_maps
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.vectors import cosine, sine
@@ -22,6 +23,8 @@ from fixedpipe.effects.studies.study import BLUE, EXPECTED, ORANGE, Column, Stud
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.textures.images import texture_2d
+
+DATA = study_data(__file__, "P34")
 
 TEXELS = 64
 # Degrees of a stripe and its gap: two texels of the middle are 7.6 degrees, of the edge 3.8.
@@ -107,21 +110,22 @@ def checks(table):
     """The paraboloid's widths, and the stripes."""
     rows = table.records()
     for r in rows:
-        yield Check(
-            f"{r['from the axis']} degrees: a texel's width over the formula's, deviation from one",
-            abs(r["texel, machine"] / r["texel, formula"] - 1.0), at_most=0.06, on=Answer.MACHINE,
-            reason="a twelfth of a degree a pixel, at both ends of three to six texels",
-        )  # fmt: skip
-    yield Check(
+        yield DATA.check(
+            "{which} degrees: a texel's width over the formula's, deviation from one",
+            abs(r["texel, machine"] / r["texel, formula"] - 1.0),
+            Answer.MACHINE,
+            which=r["from the axis"],
+        )
+    yield DATA.check(
         "a texel's width, first range over last",
-        rows[0]["texel, machine"] / rows[-1]["texel, machine"], at_least=1.7, on=Answer.MACHINE,
-        reason="1.74 by the formula, two from the axis to the edge itself",
-    )  # fmt: skip
-    yield Check(
+        rows[0]["texel, machine"] / rows[-1]["texel, machine"],
+        Answer.MACHINE,
+    )
+    yield DATA.check(
         "stripes in the middle, RMS error over that at the edge",
-        rows[0]["stripes, RMS error"] / rows[-1]["stripes, RMS error"], at_least=2.0, on=Answer.MACHINE,
-        reason="fewer than two texels a stripe and gap, and more than three",
-    )  # fmt: skip
+        rows[0]["stripes, RMS error"] / rows[-1]["stripes, RMS error"],
+        Answer.MACHINE,
+    )
 
 
 def plot(axes, table):
@@ -143,16 +147,12 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P34",
-    title="Texels of a paraboloid",
-    question="How wide are the texels of a parabolic map, in angle, from the middle of a disc to its edge?",
+    **DATA.words,
     method=(
         f"A disc of {TEXELS} texels read along a great circle from its axis to its edge: where NEAREST goes "
         f"on to the next texel, and stripes of {PERIOD:g} degrees by LINEAR, moved "
         f"{_PHASES} times."
     ),
-    source="Heidrich2001",
-    techniques=("H21",),
     machines=("INFINITE_REALITY", "OCTANE", "GEFORCE_256", "MULTITEXTURE"),
     panels=2,
     measure=measure,

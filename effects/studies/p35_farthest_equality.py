@@ -6,6 +6,7 @@ Source: artefact P35 of the catalogue, of document 003's two-pass algorithm (Z10
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.scenes.objects_and_lamps import Lamp, Object, Scene
@@ -14,6 +15,8 @@ from fixedpipe.effects.shadows.shadow_maps import OFFSET_FACTOR, OFFSET_UNITS, m
 from fixedpipe.effects.studies.shared.strips import drawn
 from fixedpipe.effects.studies.study import BLUE, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.enums import ComparisonFunction
+
+DATA = study_data(__file__, "P35")
 
 _SIZE, _EDGE = 64, 64
 _WHITE = (1.0, 1.0, 1.0)
@@ -136,15 +139,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P35",
-    title="Equality at the farthest depth",
-    question="What becomes of surfaces at a light's far plane and beyond, where the map is empty?",
+    **DATA.words,
     method=(
         f"A square across the light, {_SIZE} by {_SIZE} pixels, within the light's planes, at the far one "
         "and beyond it, compared with a map that is empty and with one that holds it."
     ),
-    source="Zwicker2016",
-    techniques=("Z10", "Z19"),
     machines=("GEFORCE_3", "NV2A"),
     measure=measure,
     findings=findings,

@@ -15,6 +15,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import ray_caster
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry.views import Panel
 from fixedpipe.effects.scenes.objects_and_lamps import lamp_around
 from fixedpipe.effects.scenes.still_life import still_life, still_life_view
@@ -24,6 +25,8 @@ from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, Column, Study, 
 from fixedpipe.pipeline.commands import MakeCurrent
 from fixedpipe.pipeline.enums import ColorFormat
 from fixedpipe.pipeline.execution.machine import execute
+
+DATA = study_data(__file__, "P36")
 
 # Formats, how many bits of alpha each has, and how many bits of red a depth can have instead.
 FORMATS = (
@@ -158,22 +161,24 @@ def checks(table):
     """What must be refused and what must run."""
     for r in table.records():
         name = r["colours"]
-        yield Check(
-            f"{name}: H38 refused where there is no alpha, and nowhere else",
-            float((r["H38 refused"] == "yes") == (r["bits of alpha"] == 0)), at_least=1.0, on=Answer.MACHINE,
-            reason="the catalogue's: it must report what it lacks",
-        )  # fmt: skip
+        yield DATA.check(
+            "{name}: H38 refused where there is no alpha, and nowhere else",
+            float((r["H38 refused"] == "yes") == (r["bits of alpha"] == 0)),
+            Answer.MACHINE,
+            name=name,
+        )
         if r["bits of alpha"]:
-            yield Check(
-                f"{name}: light of H38 over H37's, deviation, %", abs(r["H38 lights"] - 100.0), at_most=0.0,
-                on=Answer.MACHINE, reason="the same depths, compared in another place",
-            )  # fmt: skip
+            yield DATA.check(
+                "{name}: light of H38 over H37's, deviation, %",
+                abs(r["H38 lights"] - 100.0),
+                Answer.MACHINE,
+                name=name,
+            )
         else:
             wrong = min(abs(r[f"{h} lights"] - 100.0) for h in ("H37", "H38"))
-            yield Check(
-                f"{name}: how far H37 and H38 by alpha are off, %", wrong, at_least=10.0, on=Answer.MACHINE,
-                reason="what is refused is no picture of shadows",
-            )  # fmt: skip
+            yield DATA.check(
+                "{name}: how far H37 and H38 by alpha are off, %", wrong, Answer.MACHINE, name=name
+            )
         short = "R5" in name
         yield Check(
             f"{name}: pixels no farther than the map holds that are those of a window with alpha, %",
@@ -182,11 +187,13 @@ def checks(table):
             "first correct table" if short else "the catalogue's: H37 still runs; red has as many bits",
         )  # fmt: skip
         end = 100.0 * 248.0 / 255.0 if short else 100.0
-        yield Check(
-            f"{name}: how far the end of a map in red is from {end:.1f} % of the far plane's depth",
-            abs(r["map ends"] - end), at_most=1e-9, on=Answer.MACHINE,
-            reason="a surface's components stand at the top of their bytes, zeros below",
-        )  # fmt: skip
+        yield DATA.check(
+            "{name}: how far the end of a map in red is from {end:.1f} % of the far plane's depth",
+            abs(r["map ends"] - end),
+            Answer.MACHINE,
+            name=name,
+            end=end,
+        )
         bound = {"at_most": 1.0} if short else {"at_least": 100.0}
         yield Check(
             f"{name}: light beyond the map's end, % of a window's with alpha", r["farther lit"],
@@ -210,16 +217,12 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P36",
-    title="No destination alpha",
-    question="Which alpha-coded shadows need alpha in the window, and what becomes of them without?",
+    **DATA.words,
     method=(
         f"The still life, {_SIZE} x {_SIZE} pixels, on surfaces of formats with and without alpha: H38 and "
         "H37 as they are, and H37 with its depth in red; lit pixels, of those in a window with alpha. "
         "Rays say which are farther from the lamp than the map's largest number."
     ),
-    source="Heidrich2001",
-    techniques=("H36", "H37", "H38"),
     machines=("NV2A", "GEFORCE_3"),
     measure=measure,
     findings=findings,

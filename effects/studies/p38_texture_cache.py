@@ -13,7 +13,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.reflectance import material_textures, pixel_textures
@@ -24,6 +25,8 @@ from fixedpipe.effects.scattering.visibility_textures import looked_up_size
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, RED, Column, Study, Table
 from fixedpipe.pipeline.commands import CopyPixels, TexImage
 from fixedpipe.pipeline.execution.machine import execute
+
+DATA = study_data(__file__, "P38")
 
 # Source: the catalogue's example of a cache. Assumed: it drops the line that was not used for the longest
 # time, and textures are stored in blocks of a line, as caches of textures need; documentation of a chip
@@ -204,23 +207,38 @@ def checks(table):
     light = table.column("L_d")
     seen = [rate for rate in table.column("L_d, seen") if rate is not None]
     return (
-        Check(f"least growth of E's miss rate between depths up to {STEEP:g}, %", grows, at_least=0.0,
-              on=Answer.MACHINE, reason="the catalogue's: it grows with roughness; here until m is clamped"),
-        Check("E's miss rate over the material's, steepest bumps", table.column("E over material")[-1],
-              at_least=1.0, on=Answer.MACHINE,
-              reason="the catalogue's: dependent lookups are irregular; a smooth surface has 0.0"),
-        Check("E's miss rate over the material's, smooth surface", table.column("E over material")[0],
-              at_most=0.1, on=Answer.MACHINE, reason="every pixel reads the same texels"),
-        Check("the material's miss rate, of 100/32 %: relative deviation", abs(material / 3.125 - 1.0),
-              at_most=0.01, on=Answer.MACHINE,
-              reason="every block of 8 texels is loaded once for 32 accesses"),
-        Check("least growth of L_d's miss rate from depth to depth, %",
-              min(b - a for a, b in pairwise(light)), at_least=0.0, on=Answer.MACHINE,
-              reason="the catalogue's: rougher bumps see more of each other"),
-        Check("L_d's miss rate of lookups that see something, over the normal map's, at least",
-              min(seen) / float(table.curves["normal map"][0]), at_least=1.5, on=Answer.MACHINE,
-              reason="the catalogue's: addresses come from S_i, not in the pixels' order"),
-    )  # fmt: skip
+        DATA.check(
+            "least growth of E's miss rate between depths up to {steep:g}, %",
+            grows,
+            Answer.MACHINE,
+            steep=STEEP,
+        ),
+        DATA.check(
+            "E's miss rate over the material's, steepest bumps",
+            table.column("E over material")[-1],
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "E's miss rate over the material's, smooth surface",
+            table.column("E over material")[0],
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "the material's miss rate, of 100/32 %: relative deviation",
+            abs(material / 3.125 - 1.0),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "least growth of L_d's miss rate from depth to depth, %",
+            min(b - a for a, b in pairwise(light)),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "L_d's miss rate of lookups that see something, over the normal map's, at least",
+            min(seen) / float(table.curves["normal map"][0]),
+            Answer.MACHINE,
+        ),
+    )
 
 
 def plot(axes, table):
@@ -251,16 +269,12 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P38",
-    title="A texture cache under dependent lookups",
-    question="How many accesses miss a texture cache where bumps decide where a table is read?",
+    **DATA.words,
     method=(
         f"The lookups of K09's frame on pebbles, {_SIZE} x {_SIZE} pixels, in the order of the pixels, "
         f"through a cache of {CACHE_BYTES // 1024} KB with lines of {LINE_BYTES} bytes; four texels for "
         f"each. L_d at S_i on the same pebbles along {_DIRECTIONS} directions; one texel for each."
     ),
-    source="KautzSeidel2000",
-    techniques=("K09", "K15", "G10"),
     machines=("OCTANE",),
     panels=2,
     measure=measure,

@@ -5,7 +5,8 @@ Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P39 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
 from fixedpipe.effects.reflectance import (
@@ -18,6 +19,8 @@ from fixedpipe.effects.reflectance import (
 from fixedpipe.effects.studies.shared.traffic import counted
 from fixedpipe.effects.studies.study import BLUE, GREEN, ORANGE, Column, Study, Table
 from fixedpipe.pipeline.profiles import GEFORCE_256, OCTANE
+
+DATA = study_data(__file__, "P39")
 
 SIZE = 256
 _LIGHTS = (Light((0.5, 0.4, 0.77)), Light((0.4, 0.5, 0.77)))
@@ -124,17 +127,21 @@ def checks(table):
     rows = {r["effect"]: r for r in table.records()}
     one, matrix, ward = (rows[name]["all"] for name in ("K07 GeForce 256", "K08 Octane", "K09 Octane"))
     return (
-        Check("KB of K07, with those of K08 / 1000 as bound", one, at_most=matrix / 1000.0, on=Answer.MACHINE,
-              reason="P39: the colour matrix loads textures for every frame, "
-              "the combiners' stay; the factor is ours"),
-        Check("KB of K09, with twice those of K08 as bound", ward, at_least=2.0 * matrix, on=Answer.MACHINE,
-              reason="P39: pixel textures copy the framebuffer on top of the loads; the factor is ours"),
-        Check("copies of K09 that are lookups, and two more", float(rows["K09 Octane"]["copies"]),
-              at_least=4.0, on=Answer.MACHINE,
-              reason="S(p) and E(m, d), each through the framebuffer, and two that scale"),
-        Check("bytes loaded a pixel by K08", 1024 * rows["K08 Octane"]["from host"] / SIZE**2, at_least=24.0,
-              on=Answer.MACHINE, reason="two vectors of three floats for each texel, a texel for each pixel"),
-    )  # fmt: skip
+        DATA.check(
+            "KB of K07, with those of K08 / 1000 as bound", one, Answer.MACHINE, at_most=matrix / 1000.0
+        ),
+        DATA.check(
+            "KB of K09, with twice those of K08 as bound", ward, Answer.MACHINE, at_least=2.0 * matrix
+        ),
+        DATA.check(
+            "copies of K09 that are lookups, and two more",
+            float(rows["K09 Octane"]["copies"]),
+            Answer.MACHINE,
+        ),
+        DATA.check(
+            "bytes loaded a pixel by K08", 1024 * rows["K08 Octane"]["from host"] / SIZE**2, Answer.MACHINE
+        ),
+    )
 
 
 def plot(axes, table):
@@ -163,15 +170,11 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P39",
-    title="Bytes moved by colour matrix and pixel textures",
-    question="How many bytes does each route to a reflectance model move in a frame?",
+    **DATA.words,
     method=(
         f"Counted from the commands of two frames between which the light moves: one square of {SIZE} x "
         f"{SIZE} pixels with as many texels; what both frames have stays on the board."
     ),
-    source="KautzSeidel2000",
-    techniques=("K07", "K08", "K09", "K15"),
     measure=measure,
     findings=findings,
     checks=checks,

@@ -8,8 +8,9 @@ Source: Kautz, Seidel 2000, section 5 (artefact P40 of the catalogue).
 
 import numpy as np
 
-from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bump_mapping import diffuse_bump, emboss, normalization_cube_map
+from fixedpipe.effects.data_files import study_data
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vertex_vectors import half_vectors, light_vectors
 from fixedpipe.effects.geometry.views import Light, Panel, orthographic_view
@@ -24,6 +25,8 @@ from fixedpipe.effects.studies.study import Column, Study, Table
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.validation.walk import UnsupportedState
+
+DATA = study_data(__file__, "P40")
 
 # Texture units and general combiners; the GeForce 256 has 2 and 2, the GeForce 3 has 4 and 8.
 BOARDS = ((1, 1), (1, 2), (2, 1), (2, 2), (2, 5), (4, 2), (4, 5), (4, 8))
@@ -203,19 +206,17 @@ def checks(table):
     ward = rows["K09 Ward"]
     lacking = sum(rows[name]["2/2"] is None for name in ("K03 Banks", "K05 one N", "K09 Ward"))
     return (
-        Check("passes of Eq. 1 with 2 units and 2 combiners", _number(one["2/2"]), at_most=1.0,
-              on=Answer.MACHINE, reason="the paper's section 4.1: one pass"),
-        Check("passes of bumps with both terms, 2 and 2", _number(rows["K10, K07 bumps"]["2/2"]), at_most=2.0,
-              on=Answer.MACHINE, reason="the paper's section 6: two passes"),
-        Check("passes of Eq. 1 with 1 unit and 1 combiner", _number(one["1/1"]), at_least=2.0,
-              on=Answer.MACHINE, reason="the catalogue's: few stages and textures force several passes"),
-        Check("models with dependent lookups that 2 and 2 cannot draw, of 3", float(lacking), at_least=3.0,
-              on=Answer.MACHINE, reason="two units hold no texture and a lookup of dot products with it"),
-        Check("passes of Ward's model with 4 and 8", _number(ward["4/8"]), at_most=2.0, on=Answer.MACHINE,
-              reason="parameters, then lookups"),
-        Check("boards with more of either that need more passes", float(worse), at_most=0.0,
-              on=Answer.MACHINE, reason="what fewer units and combiners hold, more do"),
-    )  # fmt: skip
+        DATA.check("passes of Eq. 1 with 2 units and 2 combiners", _number(one["2/2"]), Answer.MACHINE),
+        DATA.check(
+            "passes of bumps with both terms, 2 and 2", _number(rows["K10, K07 bumps"]["2/2"]), Answer.MACHINE
+        ),
+        DATA.check("passes of Eq. 1 with 1 unit and 1 combiner", _number(one["1/1"]), Answer.MACHINE),
+        DATA.check(
+            "models with dependent lookups that 2 and 2 cannot draw, of 3", float(lacking), Answer.MACHINE
+        ),
+        DATA.check("passes of Ward's model with 4 and 8", _number(ward["4/8"]), Answer.MACHINE),
+        DATA.check("boards with more of either that need more passes", float(worse), Answer.MACHINE),
+    )
 
 
 def plot(axes, table):
@@ -237,15 +238,7 @@ def plot(axes, table):
 
 
 STUDY = Study(
-    id="P40",
-    title="Passes by units and combiners",
-    question="How many passes does a model take on boards with other numbers of units and combiners?",
-    method=(
-        "Each effect built in each of its ways for the machine with its numbers of units and combiners "
-        "changed, and validated; the fewest draws count."
-    ),
-    source="KautzSeidel2000",
-    techniques=("K03", "K04", "K05", "K07", "K09", "K10", "K12", "K13", "K14"),
+    **DATA.words,
     machines=("GEFORCE_3", "NV2A", "GEFORCE_256"),
     measure=measure,
     findings=findings,
