@@ -145,6 +145,7 @@ PACKAGES = {
         "pipeline": "enums commands execution ideal inspection",
         "effects": "geometry passes scenes reflectance shadows scattering",
     },
+    "effects/data_files": {"effects": "refusal acceptance"},
     "effects/diagrams": {
         "pipeline": "enums state textures commands",
         "effects": "geometry passes acceptance",
@@ -159,15 +160,15 @@ PACKAGES = {
     "effects/figures": {
         "pipeline": "enums state pixel_transfer textures commands profiles framebuffers execution ideal",
         "effects": (
-            "refusal collection geometry passes scenes bump_mapping reflectance environment_maps "
-            "radiosity texture_filtering shadows volumes scattering acceptance diagrams user_pictures"
+            "refusal collection geometry passes scenes bump_mapping reflectance environment_maps radiosity "
+            "texture_filtering shadows volumes scattering acceptance data_files diagrams user_pictures"
         ),
     },
     "effects/studies": {
         "pipeline": "enums state pixel_transfer textures commands profiles validation execution ideal",
         "effects": (
             "collection geometry passes scenes bump_mapping reflectance environment_maps shadows scattering "
-            "texture_filtering acceptance figures"
+            "texture_filtering acceptance data_files figures"
         ),
     },
     "effects/arithmetic": {
@@ -182,7 +183,7 @@ PACKAGES = {
     },
     "effects/reports": {
         "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
-        "effects": "refusal technique bibliography acceptance figures arithmetic conformance",
+        "effects": "refusal technique bibliography acceptance data_files figures arithmetic conformance",
     },
     "effects/presentation": {
         "pipeline": "profiles",

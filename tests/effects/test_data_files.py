@@ -174,6 +174,17 @@ def texts(tree):
     return {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
 
 
+def test_there_are_data_files():
+    assert [path.parent.name for path in FILES] == [
+        "heidrich_2000",
+        "heidrich_2001",
+        "kautz_seidel_2000",
+        "schilling_1997",
+        "zwicker_2016",
+        "studies",
+    ]
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.parent.name)
 def test_a_file_in_pieces_says_what_the_whole_file_says(path):
     whole = tomllib.loads(path.read_text())

@@ -1,6 +1,7 @@
 """docs/papers/catalogue has an entry for every id that the repository cites, and pages lead to it."""
 
 import re
+import tomllib
 from collections import Counter
 from functools import cache
 from pathlib import Path
@@ -22,7 +23,7 @@ TEXTS = [
     *(
         path
         for folder in ("raster", "pipeline", "effects", "tests", "bench")
-        for suffix in ("py", "pyi")
+        for suffix in ("py", "pyi", "toml")
         for path in sorted((ROOT / folder).rglob(f"*.{suffix}"))
     ),
 ]
@@ -36,6 +37,13 @@ NOWHERE = {"F004-9", "F004-33", "F004-44", "F004-99", "P99"}
 UNNUMBERED = {("001.md", "f001-cylinder")}
 ANCHOR = re.compile(r'<a id="([^"]*)"></a>')
 LINK = re.compile(r"\]\(([^)\s]*)#([^)\s]+)\)")
+NUMBER = r"\d+(?:\.\d+)?(?:e-?\d+)?"
+# Bounds that an entry has in words, by figure and check.
+IN_WORDS = {
+    ("F000-2", "20 x 20 polygons: RMS over that"): "at least five times that with 20 x 20",
+    ("F003-23", "levels of 2x2 filtered comparisons"): "more than 8 for 2x2 filtered",
+    ("F004-5", "colour of the highlights over red, largest deviation from gold's"): "(1, 0.77, 0.34)",
+}
 
 
 def cited(text):
@@ -111,6 +119,43 @@ def test_a_figure_s_entry_has_what_must_be_seen_in_it(identifier):
     assert shown.strip() and seen.strip() and acceptance.strip()
     said = words(" ".join((figure.title, figure.caption, figure.must_see)))
     assert len(words(shown + seen) & said) >= 3, f"{shown}{seen}"
+
+
+def numbers(text):
+    """The numbers of a text, and what shares in percent, quotients and powers of ten are: a set."""
+    shares = {
+        float(n) / 100.0
+        for found in re.findall(rf"({NUMBER})(?: to ({NUMBER}))? ?%", text)
+        for n in found
+        if n
+    }
+    quotients = {float(a) / float(b) for a, b in re.findall(rf"({NUMBER}) ?/ ?({NUMBER})", text) if float(b)}
+    powers = {10.0 ** -int(n) for n in re.findall(r"10\^-(\d+)", text)}
+    return {*map(float, re.findall(NUMBER, text)), *shares, *(1.0 - n for n in shares), *quotients, *powers}
+
+
+def of_the_catalogue():
+    """Bounds of the figures' data that are the catalogue's: (figure, check, bound, reason), but zeros."""
+    for path in sorted((ROOT / "effects" / "figures").glob("*/figures.toml")):
+        for identifier, table in tomllib.loads(path.read_text()).items():
+            for name, check in table.get("checks", {}).items() if identifier.startswith("F") else ():
+                bound, reason = check.get("at_most", check.get("at_least")), check["reason"]
+                for answer in ("ideal", "machine"):
+                    one, why = (x[answer] if isinstance(x, dict) else x for x in (bound, reason))
+                    if one and why.startswith("the catalogue's"):
+                        yield identifier, name, one, why
+
+
+def test_bounds_that_are_the_catalogue_s_stand_in_its_entries():
+    asked = set(of_the_catalogue())
+    assert len(asked) > 70
+    assert {(identifier, name) for identifier, name, *_ in asked} >= IN_WORDS.keys()
+    for identifier, name, bound, why in sorted(asked):
+        entry = " ".join(" ".join(row_of(each)) for each in (identifier, *re.findall(r"\bF00\d-\d+", why)))
+        if (identifier, name) in IN_WORDS:
+            assert IN_WORDS[identifier, name] in entry
+        else:
+            assert min(abs(bound - n) for n in numbers(entry)) < 1e-12, f"{identifier}, {name}: {bound}"
 
 
 @pytest.mark.parametrize("page", [*PAGES, *ENTRIES], ids=lambda p: str(p.relative_to(ROOT)))

@@ -15,6 +15,7 @@ from queue import SimpleQueue
 import pytest
 from click.testing import CliRunner
 
+from fixedpipe.effects import data_files
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.figures.costs import SECONDS, longest_after_the_first
@@ -113,6 +114,7 @@ def inputs(figure, *what):
         ("effects/reports/pictures.py", {"K02", "K12"}),
         ("effects/__init__.py", set()),
         ("effects/bibliography.bib", {"K02", "K12"}),
+        ("effects/studies/studies.toml", set()),
         ("pipeline/ideal/evaluate.py", {"K02", "K12"}),
         ("raster/portable/draw.py", {"K02", "K12"}),
     ],
@@ -128,6 +130,18 @@ def test_an_edit_changes_the_inputs_of_what_may_depend_on_it(monkeypatch, edited
     monkeypatch.setattr(Path, "read_bytes", changed_file)
     assert {figure for figure in before if inputs(figure, 8) != before[figure]} == changed
     assert inputs("K02", 9) != inputs("K02", 8)
+
+
+def test_what_a_data_file_says_of_a_figure_is_among_the_inputs_of_that_figure_alone(monkeypatch):
+    before = {figure: inputs(figure, 8) for figure in ("K02", "K12")}
+    read = data_files.sections_of
+
+    def changed(path):
+        line, own, checks = read(path)["K12"]
+        return {**read(path), "K12": (line + 1, own, checks + "# more\n")}
+
+    monkeypatch.setattr(data_files, "sections_of", changed)
+    assert {figure for figure in before if inputs(figure, 8) != before[figure]} == {"K12"}
 
 
 @pytest.mark.parametrize("figure", ["K12", "F001-12", "H30", "F004-4"])
