@@ -80,7 +80,7 @@ def maps(seen, edge, roughness):
 
 
 def make_scene(way):
-    """The figure's scene by a ``glass.Way``."""
+    """The figure's scene by a ``glass.Refraction``."""
 
     def scene(
         profile, size, *, indices, roughness, diffuse, environment, photograph, objects, detail, background

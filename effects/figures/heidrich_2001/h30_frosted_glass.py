@@ -64,7 +64,7 @@ def maps(seen, edge, roughnesses):
 
 
 def make_scene(way, cubes):
-    """The figure's scene by a ``glass.Way``; ``cubes``: whether the board has cube maps for the backdrop."""
+    """The figure's scene by a ``glass.Refraction``; ``cubes``: whether the board has cube maps."""
 
     def scene(profile, size, *, index, roughnesses, environment, photograph, objects, detail, background):
         edge = glass.texels(size)

@@ -37,7 +37,7 @@ OBJECTS = {"ball in a ring": ball_in_ring, "ball": ball}
 
 
 @dataclass(frozen=True)
-class Way:
+class Refraction:
     """How a machine reflects and refracts.
 
     loading   (profile, view, maps) -> commands: cube maps of floats, by name, as textures for a view
@@ -84,12 +84,12 @@ def _by_sphere(texture, view):
     return fresnel_passes.sphere_unit(texture)
 
 
-CUBE_MAPS = Way(_load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.mirror_passes)
-CUBE_MAPS_FOLDED = Way(
+CUBE_MAPS = Refraction(_load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.mirror_passes)
+CUBE_MAPS_FOLDED = Refraction(
     _load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.folded_mirror_pass
 )
-SPHERE_MAPS = Way(_load_spheres, _by_sphere, _through_disc, fresnel_passes.mirror_passes)
-SPHERE_MAPS_FOLDED = Way(_load_spheres, _by_sphere, _through_disc, fresnel_passes.folded_mirror_pass)
+SPHERE_MAPS = Refraction(_load_spheres, _by_sphere, _through_disc, fresnel_passes.mirror_passes)
+SPHERE_MAPS_FOLDED = Refraction(_load_spheres, _by_sphere, _through_disc, fresnel_passes.folded_mirror_pass)
 
 
 def texels(edge, most=256):
