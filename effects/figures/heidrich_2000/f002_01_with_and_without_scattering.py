@@ -42,7 +42,7 @@ def _domes(size, texels, count, height, albedo, directions):
 
 
 def scene_by(way):
-    """The scene by a machine's Way."""
+    """The scene by a machine's PathPasses."""
 
     def scene(
         profile, size, *, texels, domes, height, albedo, specular, directions, paths, lookups, light,

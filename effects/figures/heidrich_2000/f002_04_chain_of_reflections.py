@@ -38,7 +38,7 @@ def _field(size, texels, domes, height, albedo, directions):
 
 
 def scene_by(way):
-    """The scene by a machine's Way."""
+    """The scene by a machine's PathPasses."""
 
     def scene(
         profile, size, *, texels, domes, height, albedo, light, directions, exposure, letters, background

@@ -46,7 +46,7 @@ def _example(field, visibility):
 
 
 def scene_by(way):
-    """The scene by a machine's Way."""
+    """The scene by a machine's PathPasses."""
 
     def scene(profile, size, *, texels, domes, height, albedo, light, direction, arrows, background):
         field, visibility = _field(size, texels, domes, height, albedo, direction)

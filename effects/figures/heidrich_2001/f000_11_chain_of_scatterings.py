@@ -161,7 +161,7 @@ def diagram(panel, steps):
 
 
 def scene_by(way):
-    """The scene by a machine's Way: the frame, and its graph over it."""
+    """The scene by a machine's PathPasses: the frame, and its graph over it."""
 
     def scene(profile, size, *, background, light, **p):
         setup = _setup(profile, size, p)

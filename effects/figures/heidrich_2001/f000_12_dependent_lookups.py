@@ -185,7 +185,7 @@ def diagram(panel, found, combining):
 
 
 def scene_by(way):
-    """The scene by a machine's Way: the frame, and its last pass as a diagram over it."""
+    """The scene by a machine's PathPasses: the frame, and its last pass as a diagram over it."""
 
     def scene(profile, size, *, background, light, **p):
         setup = _setup(profile, size, p)

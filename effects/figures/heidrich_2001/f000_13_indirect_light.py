@@ -52,7 +52,7 @@ def _square(label, panel, texture, sampler=REPEATED):
 
 
 def scene_by(way):
-    """The scene by a machine's Way."""
+    """The scene by a machine's PathPasses."""
 
     def scene(profile, size, **p):
         field, visibility = _field(size, p)
