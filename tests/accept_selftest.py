@@ -25,7 +25,7 @@ SHEET = Path(__file__).parents[1] / "out" / "accept" / "selftest.png"
 # engines agree.
 UNSPECIFIED = {
     "histograms-and-convolved-reading": "the specification keeps no histogram",
-    "twelve-bits": "the specification of wider machines has single draws: tests/reference/wide_render.py",
+    "twelve-bits": "the specification has single draws at other widths: tests/reference/render.py",
     "twelve-bits-of-the-octane": "likewise",
     "sixteen-bits": "likewise",
     "six-bits": "likewise",

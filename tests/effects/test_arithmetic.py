@@ -63,6 +63,7 @@ from tests.reference import (
 )
 from tests.support.arithmetic import decoded, same, words
 
+CHIP = combine.machine_of(NV2A)
 READER = ROOT / "docs" / "examples" / "read_rules.c"
 
 _LINES = (ROOT / "tests" / "conformance" / "accepted.txt").read_text().splitlines()
@@ -75,7 +76,7 @@ INEXACT = {m[1] for m in _COUNTED if m and m[2] != m[3]}
 
 
 def output(*products, scale="NONE", bias="NONE"):
-    return combine.combiner_output(products, CombinerScale[scale], CombinerBias[bias], NV2A)
+    return combine.combiner_output(products, CombinerScale[scale], CombinerBias[bias], CHIP)
 
 
 def final(a, b, c, d):
@@ -91,7 +92,7 @@ def final(a, b, c, d):
     registers |= {Register.SPARE0: [0] * 4, Register.SECONDARY_COLOR: [0] * 4, Register.ZERO: [0] * 4}
     zero = CombinerInput(Register.ZERO)
     inputs = [CombinerInput(register) for register in registers][:4]
-    return combine.final_combiner(registers, FinalCombiner(*inputs, zero, zero, zero), False)[0]
+    return combine.final_combiner(registers, FinalCombiner(*inputs, zero, zero, zero), False, machine=CHIP)[0]
 
 
 def fog_value(mode, bias, multiplier, c):
@@ -222,15 +223,15 @@ def _name(id_, begin):
 
 # By id, or by what ids begin with: the specification's function of the inputs.
 ONE_BY_ONE = {
-    "rn": fixed.divide_by_255,
+    "rn": fixed.divide,
     "product": lambda a, b: output(a * b),
     "sum-of-products": lambda a, b, c, d: output(a * b, c * d),
     "dot-product": lambda a, b: output(*(x * y for x, y in zip(a, b, strict=True))),
     "scale-and-bias": lambda x, scale, bias: output(255 * x, scale=scale, bias=bias),
     "general-clamp": lambda x: output(255 * x),
-    "mux-takes-cd": lambda alpha, select: int(combine.mux_takes_cd(alpha, MuxSelect[select])),
-    "final-mapping": lambda x, mapping: combine.map_final_input(x, Mapping[mapping]),
-    "final-product": lambda e, f: fixed.divide_by_255(e * f),
+    "mux-takes-cd": lambda alpha, select: int(combine.mux_takes_cd(alpha, MuxSelect[select], CHIP)),
+    "final-mapping": lambda x, mapping: combine.map_input(x, Mapping[mapping], CHIP),
+    "final-product": lambda e, f: fixed.divide(e * f),
     "final-lerp": final,
     "fog-factor-linear": lambda n: fog.table_factor(n / 4096, FogMode.LINEAR),
     "fog-factor-exp": lambda n: fog.table_factor(n / 4096, FogMode.EXP),
@@ -246,7 +247,9 @@ ONE_BY_ONE = {
     ),
     "weight-reciprocal": interpolate.reciprocal,
     "iteration-weights": lambda n, w: [weights(n, w).q0, weights(n, w).q2],
-    "iterated-color": lambda n, w, c: interpolate.iterate_color_channel(weights(n, w).color, c),
+    "iterated-color": lambda n, w, c: interpolate.iterate_color_channel(
+        interpolate.color_weights(weights(n, w)), c
+    ),
     "iterated-coordinate": lambda n, w, v: interpolate.iterate_coordinate(v, weights(n, w)),
     "depth": lambda n, z: depth.kept(depth.iterate(n, z)),
     "depth-of-w": lambda n, w: depth.kept(depth.iterate_w(weights(n, [1.0 / v for v in w]), w)),
@@ -256,7 +259,7 @@ ONE_BY_ONE = {
     "ycbcr": lambda y, cb, cr: texel_words.texel_of_ycbcr(y, cb, cr)[:3],
     "nearest-texel": nearest,
     "linear-texels": linear,
-    "filter-step": fixed.lerp_q8,
+    "filter-step": fixed.lerp,
     "bilinear": bilinear,
     "lambda": sample.lambda_of,
     "cube-face": lambda s, t, r: sample.cube_map_face((s, t, r, 1.0)),
@@ -281,10 +284,10 @@ ONE_BY_ONE = {
     "lighting-inverse-square-root": of_unit(lighting_unit.lighting_inverse_root),
     "window-coordinate": window,
     "snapped-coordinate": lambda x, extent: vertex.snap(x, extent, NV2A),
-    "color-to-byte": lambda v: vertex.color_bytes([v], False, NV2A)[0],
+    "color-to-byte": lambda v: vertex.color_codes([v], False, NV2A)[0],
 }
 FAMILIES = {
-    "mapping-": lambda name: lambda x: combine.map_input(x, Mapping[name], 128),
+    "mapping-": lambda name: lambda x: combine.map_input(x, Mapping[name], CHIP),
     "blend-factor-": lambda name: (
         lambda s, d, constant: [
             per_fragment.blend_factor(BlendFactor[name], k, s, d, constant) for k in range(4)

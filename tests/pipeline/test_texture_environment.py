@@ -108,7 +108,7 @@ def compiled(state, primary, texels, profile=GEFORCE_3, textures=RGBA):
     if program is None:
         return list(primary)
     registers = combine.initial_registers(primary, [0, 0, 0], texels, [0, 0, 0, 255])
-    return combine.combine(program, registers, profile)
+    return combine.combine(program, registers, combine.machine_of(profile))
 
 
 def assert_compiled(units, colors, profile=GEFORCE_3, textures=RGBA):
@@ -386,7 +386,7 @@ def compare_random_passes(count, seed):
             got = primary
             if program is not None:
                 registers = combine.initial_registers(primary, secondary, texels, [*far[:3], factor])
-                got = combine.combine(program, registers, profile)
+                got = combine.combine(program, registers, combine.machine_of(profile))
             assert list(got) == list(expected), (primary, texels, state, profile.name)
     return most
 

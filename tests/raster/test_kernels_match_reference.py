@@ -118,7 +118,7 @@ BYTES = range(256)
 def test_division_by_255_is_exact_for_every_sum_of_scaled_products():
     # Two dot products of 256 * 256 each, times four, is the largest numerator that a combiner meets.
     limit, eight = 4 * 6 * 256 * 256, np.int32(8)
-    assert all(divide(n, eight) == fixed.divide_by_255(n) for n in range(-limit, limit + 1))
+    assert all(divide(n, eight) == fixed.divide(n) for n in range(-limit, limit + 1))
 
 
 @kernel("i8(i8,i8,i4)")
@@ -154,7 +154,7 @@ def test_mantissas_are_cut_alike(value):
 def test_colors_become_bytes_alike():
     steps = [k / 510.0 for k in range(-20, 540)]
     for c in [*steps, *(math.nextafter(s, 9.0) for s in steps), *(math.nextafter(s, -9.0) for s in steps)]:
-        assert to_code(c) == fixed.color_to_byte(c)
+        assert to_code(c) == fixed.color_code(c)
 
 
 def lerp_bytes(p, q, weight):
@@ -168,7 +168,7 @@ def test_lerps_of_texels_are_alike():
     for p in range(0, 256, 15):
         for q in range(0, 256, 17):
             for f in (*range(0, 256, 5), 1, 127, 128, 254):
-                assert lerp_bytes(p, q, f) == fixed.lerp_q8(p, q, f)
+                assert lerp_bytes(p, q, f) == fixed.lerp(p, q, f)
 
 
 def test_lerps_of_wide_texels_are_alike():
@@ -176,7 +176,7 @@ def test_lerps_of_wide_texels_are_alike():
     for p, q, r, s in random.integers(0, 1 << rows.MOST_BITS, (300, 4)).tolist():
         for f in (0, 1, 127, 128, 254, 255):
             found = int(lerp_lanes(np.uint32(p | r << 16), np.uint32(q | s << 16), f))
-            assert (found & 0xFFFF, found >> 16) == (fixed.lerp_q8(p, q, f), fixed.lerp_q8(r, s, f))
+            assert (found & 0xFFFF, found >> 16) == (fixed.lerp(p, q, f), fixed.lerp(r, s, f))
 
 
 @pytest.mark.slow
@@ -185,7 +185,7 @@ def test_every_lerp_of_two_bytes_is_alike():
         for q in BYTES:
             both = np.uint32(p * 0x01010101), np.uint32(q * 0x01010101)
             for f in BYTES:
-                assert lerp_packed(*both, f) == fixed.lerp_q8(p, q, f) * 0x01010101
+                assert lerp_packed(*both, f) == fixed.lerp(p, q, f) * 0x01010101
 
 
 # ------------------------------------------------------------------------------------------ general combiners
@@ -284,9 +284,9 @@ def products_of_all_pairs(portion, profile):
 
 
 def test_all_512_by_512_products():
-    got = products_of_all_pairs(PRODUCT, GEFORCE_256)
+    got, machine = products_of_all_pairs(PRODUCT, GEFORCE_256), combine.machine_of(GEFORCE_256)
     for (a, b), value in got.items():
-        assert value == combine.combiner_output([a * b], CombinerScale.NONE, CombinerBias.NONE, GEFORCE_256)
+        assert value == combine.combiner_output([a * b], CombinerScale.NONE, CombinerBias.NONE, machine)
 
 
 @pytest.mark.slow
@@ -294,8 +294,9 @@ def test_all_512_by_512_products():
 @pytest.mark.parametrize("profile", MACHINES)
 def test_all_512_by_512_products_with_every_scale_and_bias(profile, scale, bias):
     got = products_of_all_pairs(replace(PRODUCT, scale=scale, bias=bias), profile)
+    machine = combine.machine_of(profile)
     for (a, b), value in got.items():
-        assert value == combine.combiner_output([a * b], scale, bias, profile)
+        assert value == combine.combiner_output([a * b], scale, bias, machine)
 
 
 @pytest.mark.parametrize("half", [128, 127.5])
@@ -308,7 +309,7 @@ def test_every_mapping_over_its_whole_domain(mapping, half):
     one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
     rgb = RGBPortion(a=CombinerInput(Register.TEXTURE0, mapping), b=one, sum_output=Register.SPARE1)
     file.run(GeneralCombiner(rgb=rgb), profile)
-    expected = [combine.map_input(x, mapping, half) for x in SIGNED]
+    expected = [combine.map_input(x, mapping, combine.machine_of(profile)) for x in SIGNED]
     for component in range(3):
         assert file.plane(Register.SPARE1, component).tolist() == expected
 
@@ -344,9 +345,9 @@ def test_every_numerator_of_a_sum_of_two_products(scale, bias, profile):
     reachable = (h >= -256) & (h <= 255)
     assert reachable[np.abs(numerators) <= 2 * 65025].all()
     file.run(GeneralCombiner(rgb=rgb), profile)
-    got = file.plane(Register.SPARE1, 0)
+    got, machine = file.plane(Register.SPARE1, 0), combine.machine_of(profile)
     for n, value in zip(numerators[reachable].tolist(), got[reachable].tolist(), strict=True):
-        assert value == combine.combiner_output([n], scale, bias, profile)
+        assert value == combine.combiner_output([n], scale, bias, machine)
 
 
 def random_registers(seed, count):
@@ -363,8 +364,9 @@ def assert_general_combiner_equals(stage, profile, seed):
     file = random_registers(seed, 24)
     before = [file.fragment(i) for i in range(file.count)]
     file.run(stage, profile)
+    machine = combine.machine_of(profile)
     for i, registers in enumerate(before):
-        after, got = combine.general_combiner(registers, stage, profile), file.fragment(i)
+        after, got = combine.general_combiner(registers, stage, machine), file.fragment(i)
         assert {r: got[r] for r in after} == after
 
 
@@ -395,7 +397,9 @@ def test_the_mux_selects_alike(selector, select):
     before = [file.fragment(i) for i in range(file.count)]
     file.run(GeneralCombiner(rgb=rgb), NV2A, select)
     for i, registers in enumerate(before):
-        expected = combine.general_combiner(registers, GeneralCombiner(rgb=rgb), NV2A, select)
+        expected = combine.general_combiner(
+            registers, GeneralCombiner(rgb=rgb), combine.machine_of(NV2A), select
+        )
         assert file.fragment(i)[Register.SPARE1] == expected[Register.SPARE1]
 
 
@@ -446,7 +450,7 @@ def test_every_factor_blends_every_color_sum():
     )
     got = file.run_final(RegisterCombiners(final=final, color_sum_clamp=False))[0]
     for a, b, value in zip(factor.tolist(), total.tolist(), got.tolist(), strict=True):
-        assert value == fixed.clamp(fixed.divide_by_255(a * b + (255 - a) * a), 0, 255)
+        assert value == fixed.clamp(fixed.divide(a * b + (255 - a) * a), 0, 255)
 
 
 # ----------------------------------------------------------------------------------- per-fragment operations
@@ -505,7 +509,7 @@ def test_every_blend_factor_over_all_pairs_of_bytes(side, factor):
     source, destination = colors_of_all_pairs()
     factors = {"source": BlendFactor.ZERO, "destination": BlendFactor.ZERO, side: factor}
     got = drawn_over(source, destination, blending=Blending(**factors, color=CONSTANT)).color
-    constant = fixed.color_to_bytes(CONSTANT)
+    constant = fixed.color_codes(CONSTANT)
     value = 0 if side == "source" else 1
     for k in (0, 3):
         for s, d, result in zip(
@@ -515,7 +519,7 @@ def test_every_blend_factor_over_all_pairs_of_bytes(side, factor):
             strict=True,
         ):
             weight = per_fragment.blend_factor(factor, k, s, d, constant)
-            assert result == fixed.divide_by_255((s, d)[value][k] * weight)
+            assert result == fixed.divide((s, d)[value][k] * weight)
 
 
 @pytest.mark.slow
@@ -872,10 +876,15 @@ def test_reciprocals_lie_where_the_captures_leave_room(total, least, greatest):
         assert signed_reciprocal(-value) == -found
 
 
+def specified_weights(n, inverse_w):
+    weights = interpolate.weights(n, inverse_w)
+    return interpolate.color_weights(weights), weights.q0, weights.q2
+
+
 def test_color_weights_of_all_small_edge_values():
     n = [(a, b, c) for a in range(25) for b in range(25) for c in range(25) if a + b + c]
-    expected = [interpolate.weights(row, (1.0, 1.0, 1.0)) for row in n]
-    assert kernel_color_weights(n, (1.0, 1.0, 1.0)) == [(w.color, w.q0, w.q2) for w in expected]
+    expected = [specified_weights(row, (1.0, 1.0, 1.0)) for row in n]
+    assert kernel_color_weights(n, (1.0, 1.0, 1.0)) == expected
 
 
 @settings(max_examples=100)
@@ -885,11 +894,11 @@ def test_color_weights_of_random_edge_values_in_perspective(seed, size):
     n = random.integers(0, size, (40, 3)) + (random.random((40, 1)) < 0.5)
     n[:, 0] += 1
     inverse_w = np.exp(random.uniform(-3.0, 3.0, 3))
-    expected = [interpolate.weights(row, inverse_w.tolist()) for row in n.tolist()]
-    assert kernel_color_weights(n, inverse_w.tolist()) == [(w.color, w.q0, w.q2) for w in expected]
+    expected = [specified_weights(row, inverse_w.tolist()) for row in n.tolist()]
+    assert kernel_color_weights(n, inverse_w.tolist()) == expected
     corners = np.broadcast_to(inverse_w, (len(n), 3))
     q0, q2 = columns_interpolate.iteration_weights(list(n.T), corners)
-    assert list(zip(q0.tolist(), q2.tolist(), strict=True)) == [(w.q0, w.q2) for w in expected]
+    assert list(zip(q0.tolist(), q2.tolist(), strict=True)) == [tuple(q) for _, *q in expected]
 
 
 def kernel_exact_colors(n, inverse_w, colors):

@@ -77,17 +77,17 @@ def below(x):
 
 
 def test_division_by_255_is_to_nearest_on_both_sides_of_zero():
-    assert [fixed.divide_by_255(n) for n in (0, 127, 128, 382, 383, 65025)] == [0, 0, 1, 1, 2, 255]
-    assert [fixed.divide_by_255(n) for n in (-127, -128, -65536, 65536)] == [0, -1, -257, 257]
+    assert [fixed.divide(n) for n in (0, 127, 128, 382, 383, 65025)] == [0, 0, 1, 1, 2, 255]
+    assert [fixed.divide(n) for n in (-127, -128, -65536, 65536)] == [0, -1, -257, 257]
 
 
 def test_color_components_are_clamped_and_rounded_to_bytes():
-    assert [fixed.color_to_byte(c) for c in (-1.0, 0.0, 0.5, 0.7, 1.0, 3.0)] == [0, 0, 128, 179, 255, 255]
+    assert [fixed.color_code(c) for c in (-1.0, 0.0, 0.5, 0.7, 1.0, 3.0)] == [0, 0, 128, 179, 255, 255]
 
 
 def test_a_lerp_of_two_bytes_rounds_to_nearest():
-    assert [fixed.lerp_q8(0, 255, f) for f in (0, 1, 128, 255)] == [0, 1, 128, 254]
-    assert fixed.lerp_q8(255, 255, 77) == 255
+    assert [fixed.lerp(0, 255, f) for f in (0, 1, 128, 255)] == [0, 1, 128, 254]
+    assert fixed.lerp(255, 255, 77) == 255
 
 
 def test_mantissas_are_cut_never_rounded():
@@ -174,13 +174,13 @@ def test_exact_ties_of_the_weights_follow_the_low_reciprocal():
     # 1/12 is cut, so q1 = q2 fall below 1/4 and q0 = 1 - q1 - q2 rises above 1/2: floor(256 q0) = 128,
     # floor(256 q2) = 63, the middle takes 65.
     w = interpolate.weights((6, 3, 3), (1.0, 1.0, 1.0))
-    assert (w.color, w.b0, w.b2) == ((128, 65, 63), 0.5, 0.25)
+    assert (interpolate.color_weights(w), w.b0, w.b2) == ((128, 65, 63), 0.5, 0.25)
     assert w.q0 > 0.5 and 0.25 - 2.0**-24 < w.q2 < 0.25
 
 
 def test_exact_ties_in_an_area_that_is_a_power_of_two_are_exact():
     w = interpolate.weights((2, 1, 1), (1.0, 1.0, 1.0))
-    assert (w.color, w.q0, w.q2, w.b0, w.b2) == ((128, 64, 64), 0.5, 0.25, 0.5, 0.25)
+    assert (interpolate.color_weights(w), w.q0, w.q2, w.b0, w.b2) == ((128, 64, 64), 0.5, 0.25, 0.5, 0.25)
 
 
 def test_the_residual_vertex_follows_the_classes():
@@ -368,7 +368,7 @@ def test_ties_of_texture_coordinates_fall_to_the_side_of_their_terms():
 
 def test_every_term_of_a_coordinate_is_cut_to_the_bits_of_the_largest():
     ulp = 2.0**-23
-    weights = interpolate.Weights(0.0, 0.0, 0.5, 0.25, (128, 64, 64))
+    weights = interpolate.Weights(0.0, 0.0, 0.5, 0.25)
     assert interpolate.iterate_coordinate((1.0 + ulp, 1.0, 1.0), weights) == 1.0
     assert interpolate.iterate_coordinate((1.0 + 3 * ulp, 1.0, 1.0 + 3 * ulp), weights) == 1.0 + ulp
     assert interpolate.iterate_coordinate((0.0, 0.0, 0.0), weights) == 0.0
@@ -535,14 +535,16 @@ def test_nearest_texels_are_floored_and_exact_boundaries_follow_the_tie_rule():
     ],
 )
 def test_input_mappings_of_the_chip(mapping, values):
-    assert tuple(combine.map_input(x, mapping, 128) for x in (-256, -1, 0, 128, 255)) == values
+    assert tuple(combine.map_input(x, mapping, CHIP) for x in (-256, -1, 0, 128, 255)) == values
 
 
 def test_expansion_by_the_real_half():
-    assert [combine.map_input(x, Mapping.EXPAND_NORMAL, 127.5) for x in (0, 128, 255)] == [-255, 1, 255]
-    assert [combine.map_input(x, Mapping.EXPAND_NEGATE, 127.5) for x in (0, 128, 255)] == [255, -1, -255]
+    real = combine.machine_of(GEFORCE_256.changed(expand_half=127.5))
+    assert [combine.map_input(x, Mapping.EXPAND_NORMAL, real) for x in (0, 128, 255)] == [-255, 1, 255]
+    assert [combine.map_input(x, Mapping.EXPAND_NEGATE, real) for x in (0, 128, 255)] == [255, -1, -255]
 
 
+CHIP = combine.machine_of(GEFORCE_256)
 NO_SCALE, TWO, FOUR, HALF = CombinerScale
 BIASED = CombinerBias.BIAS_BY_NEGATIVE_ONE_HALF
 UNBIASED = CombinerBias.NONE
@@ -573,11 +575,13 @@ SCALE_FIRST = GEFORCE_256.changed(round_before_scale=False)
     ],
 )
 def test_outputs_are_rounded_biased_scaled_and_clamped(products, scale, bias, profile, expected):
-    assert combine.combiner_output(products, scale, bias, profile) == expected
+    assert combine.combiner_output(products, scale, bias, combine.machine_of(profile)) == expected
 
 
 def test_the_mux_looks_at_the_most_significant_bit():
-    assert [combine.mux_takes_cd(a) for a in (-256, -1, 0, 127, 128, 255)] == [False] * 4 + [True] * 2
+    assert [combine.mux_takes_cd(a, machine=CHIP) for a in (-256, -1, 0, 127, 128, 255)] == [False] * 4 + [
+        True
+    ] * 2
 
 
 def registers(primary=(10, 20, 30, 40), secondary=(1, 2, 3), textures=(), fog_register=(0, 0, 0, 255)):
@@ -596,9 +600,9 @@ def test_registers_start_as_the_extension_says():
 
 
 def test_the_initial_program_is_primary_plus_secondary():
-    assert combine.combine(RegisterCombiners(), registers(), GEFORCE_256) == [11, 22, 33, 40]
+    assert combine.combine(RegisterCombiners(), registers(), CHIP) == [11, 22, 33, 40]
     bright = registers((200, 20, 30, 40), (100, 0, 0))
-    assert combine.combine(RegisterCombiners(), bright, GEFORCE_256) == [255, 20, 30, 40]
+    assert combine.combine(RegisterCombiners(), bright, CHIP) == [255, 20, 30, 40]
 
 
 def test_dot_products_sum_exactly_before_rounding():
@@ -607,14 +611,14 @@ def test_dot_products_sum_exactly_before_rounding():
     rgb = RGBPortion(
         a=expand, b=expand, ab_output=Register.SPARE1, sum_output=Register.DISCARD, ab_dot_product=True
     )
-    after = combine.general_combiner(registers((255, 128, 128, 7)), GeneralCombiner(rgb=rgb), GEFORCE_256)
+    after = combine.general_combiner(registers((255, 128, 128, 7)), GeneralCombiner(rgb=rgb), CHIP)
     assert after[Register.SPARE1] == [253, 253, 253, 0]
     # (100, 100, 100) . (100, 100, 100) by squares 39.2 each: 117.6 together, 118 and not 3 * 39 = 117.
     gray = CombinerInput(Register.PRIMARY_COLOR)
     rgb = replace(rgb, a=gray, b=gray)
     before = registers((100, 100, 100, 7))
     for profile, expected in ((GEFORCE_256, 118), (PER_PRODUCT, 117)):
-        after = combine.general_combiner(before, GeneralCombiner(rgb=rgb), profile)
+        after = combine.general_combiner(before, GeneralCombiner(rgb=rgb), combine.machine_of(profile))
         assert after[Register.SPARE1][:3] == [expected] * 3
 
 
@@ -632,7 +636,7 @@ def test_outputs_are_written_after_all_inputs_are_read():
     alpha = AlphaPortion(
         a=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.BLUE), sum_output=Register.PRIMARY_COLOR
     )
-    after = combine.general_combiner(registers(), GeneralCombiner(swap, alpha), GEFORCE_256)
+    after = combine.general_combiner(registers(), GeneralCombiner(swap, alpha), CHIP)
     assert after[Register.PRIMARY_COLOR] == [1, 2, 3, 30]
     assert after[Register.SECONDARY_COLOR] == [10, 20, 30, 0]
     assert after[Register.SPARE1] == [11, 22, 33, 0]
@@ -640,7 +644,7 @@ def test_outputs_are_written_after_all_inputs_are_read():
 
 def test_alpha_usage_replicates_alpha():
     rgb = RGBPortion(a=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA))
-    after = combine.general_combiner(registers(), GeneralCombiner(rgb), GEFORCE_256)
+    after = combine.general_combiner(registers(), GeneralCombiner(rgb), CHIP)
     assert after[Register.SPARE0] == [40, 40, 40, 40]
 
 
@@ -665,7 +669,7 @@ def test_stages_may_have_their_own_constants():
         ),
         constant_color0=(7 / 255, 0.0, 0.0, 0.0),
     )
-    assert combine.combine(program, registers(), GEFORCE_256)[0] == 100 + 7 + 7
+    assert combine.combine(program, registers(), CHIP)[0] == 100 + 7 + 7
 
 
 FINAL_ONE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
@@ -689,7 +693,7 @@ def test_the_color_sum_is_kept_above_one_without_its_clamp(clamped, mapping, fac
         b=CombinerInput(Register.SPARE0_PLUS_SECONDARY_COLOR, mapping),
         c=CombinerInput(),
     )
-    assert combine.final_combiner(file, final, clamped) == [expected] * 3 + [9]
+    assert combine.final_combiner(file, final, clamped, machine=CHIP) == [expected] * 3 + [9]
 
 
 def test_the_final_combiner_multiplies_e_and_f_and_clamps_negatives():
@@ -704,7 +708,7 @@ def test_the_final_combiner_multiplies_e_and_f_and_clamps_negatives():
         f=CombinerInput(Register.PRIMARY_COLOR, usage=ComponentUsage.ALPHA),
     )
     # E F: 12800/255 = 50.2, 25600/255 = 100.4, 128.
-    assert combine.final_combiner(file, final, True) == [50, 120, 255, 0]
+    assert combine.final_combiner(file, final, True, machine=CHIP) == [50, 120, 255, 0]
 
 
 def test_the_final_blend_is_rounded_once():
@@ -716,7 +720,7 @@ def test_the_final_blend_is_rounded_once():
         b=CombinerInput(Register.SPARE1),
         c=CombinerInput(Register.SECONDARY_COLOR),
     )
-    assert combine.final_combiner(file, final, True)[:3] == [4, 4, 4]
+    assert combine.final_combiner(file, final, True, machine=CHIP)[:3] == [4, 4, 4]
 
 
 # -------------------------------------------------------------------------------------------------------- fog

@@ -1,15 +1,27 @@
-"""Number formats: bytes with 255 = 1.0, 9-bit signed registers, floats that keep few significant bits."""
+"""Number formats: whole numbers in units of 1/one, real numbers, floats that keep few significant bits.
+
+``one`` is what stands for 1.0: 255 for bytes, 2^n - 1 for n bits, REAL for real numbers, which are not
+rounded.
+"""
 
 import math
 import struct
+from fractions import Fraction
+
+REAL = Fraction(1)
 
 
-def divide_by_255(n):
-    """rn: n/255 to the nearest integer; n is an integer and 255 is odd, so that there are no ties.
+def divide(n, one=255):
+    """rn: n/one to the nearest integer, of an integer n; every 2^n - 1 is odd, so that there are no ties.
 
-    Measured: the final combiner and the blender of NV2A (136923 and 176504832 pixels).
+    Measured: the final combiner and the blender of NV2A (136923 and 176504832 pixels); Assumed: other widths.
     """
-    return (2 * n + 255) // 510
+    return n if one == 1 else (2 * n + one) // (2 * one)
+
+
+def half(one):
+    """One half: what biases subtract, and where a mux changes over. Inferred: 128 of 255."""
+    return (one + 1) // 2 if one > 1 else one / 2
 
 
 def clamp(value, low, high):
@@ -17,25 +29,31 @@ def clamp(value, low, high):
     return low if value < low else high if value > high else value
 
 
-def color_to_byte(component):
-    """A color component, 1.0 = full, as a byte: clamped, then to nearest.
+def color_code(component, one=255):
+    """A color component, 1.0 = full, in units of 1/one: clamped, then to nearest.
 
     Source: OpenGL 1.2.1 section 2.13.9.
     """
-    return math.floor(255.0 * clamp(component, 0.0, 1.0) + 0.5)
+    component = clamp(component, 0.0, 1.0)
+    return Fraction(component) if one == 1 else math.floor(one * component + 0.5)
 
 
-def color_to_bytes(color):
+def color_codes(color, one=255):
     """Source: OpenGL 1.2.1 section 2.13.9, for every component of a color."""
-    return [color_to_byte(component) for component in color]
+    return [color_code(component, one) for component in color]
 
 
-def lerp_q8(p, q, fraction_q8):
-    """Two bytes blended by an 8-bit fraction, to a byte.
+def converted(value, one, other):
+    """Units of 1/one as units of 1/other, to nearest, halves up. Source: OpenGL 1.2.1 section 2.13.9."""
+    return value if one == other else (2 * value * other + one) // (2 * one)
 
-    Measured: bilinear and trilinear captures of NV2A (349524 and 61440 pixels).
+
+def lerp(p, q, fraction, bits=8):
+    """Two codes blended by a fraction of so many bits, to a code.
+
+    Measured: bilinear and trilinear captures of NV2A (349524 and 61440 pixels); Assumed: other widths.
     """
-    return (p * (256 - fraction_q8) + q * fraction_q8 + 128) >> 8
+    return (p * ((1 << bits) - fraction) + q * fraction + (1 << bits >> 1)) >> bits
 
 
 def to_pattern(value):

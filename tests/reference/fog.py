@@ -119,4 +119,4 @@ def add_secondary(color, secondary):
 def blend_with_fog(color, fog_color, factor):
     """Source: OpenGL 1.2.1 section 3.10; Measured: the rounding."""
     mixed = [factor * c + (255 - factor) * cf for c, cf in zip(color[:3], fog_color[:3], strict=True)]
-    return [fixed.divide_by_255(n) for n in mixed] + [color[3]]
+    return [fixed.divide(n) for n in mixed] + [color[3]]

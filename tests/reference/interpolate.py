@@ -15,15 +15,13 @@ REST_BITS = 25  # Measured: fraction bits that two weights leave one in (Shade_m
 class Weights:
     """One fragment's weights.
 
-    ``b0``, ``b2``: float64 barycentric coordinates; ``q0``, ``q2``: with 24 significant bits. ``color``:
-    three integers that sum to 256.
+    ``b0``, ``b2``: float64 barycentric coordinates; ``q0``, ``q2``: with 24 significant bits.
     """
 
     b0: float
     b2: float
     q0: float
     q2: float
-    color: tuple
 
 
 def perspective_terms(n, inverse_w):
@@ -129,8 +127,14 @@ def weights(n, inverse_w):
     d = denominator(e)
     inverse = 1.0 / d
     q0, q2 = iteration_weights(n, inverse_w)
-    w0, w2 = (math.trunc(min(max(256.0 * q, -MOST_WEIGHT), MOST_WEIGHT)) for q in (q0, q2))
-    return Weights(e[0] * inverse, e[2] * inverse, q0, q2, (w0, 256 - w0 - w2, w2))
+    return Weights(e[0] * inverse, e[2] * inverse, q0, q2)
+
+
+def color_weights(weights, bits=8):
+    """Three integers that sum to 2^bits. Measured: as ``iterate_color_channel``; Assumed: at other widths."""
+    one = 1 << bits
+    w0, w2 = (math.trunc(min(max(one * q, -MOST_WEIGHT), MOST_WEIGHT)) for q in (weights.q0, weights.q2))
+    return w0, one - w0 - w2, w2
 
 
 def iterate_coordinate(v, weights):
@@ -195,27 +199,30 @@ def cut_sum(*terms):
     return math.ldexp(float(total), exponent - WEIGHT_BITS)
 
 
-def iterate_color_channel(w, c):
-    """A byte from three vertex bytes, within their least and greatest. Measured: 153600 of 153600 pixels;
-    outside a triangle 1082 of 1082 (3D_primitive, Smoothing_control captures).
+def iterate_color_channel(w, c, bits=8):
+    """A color from three vertices' by ``color_weights`` of so many bits, within their least and greatest.
+
+    Measured: 153600 of 153600 pixels; outside a triangle 1082 of 1082 (3D_primitive, Smoothing_control
+    captures); Inferred: wider colors have weights as wide.
     """
-    return min(max((w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + 128) >> 8, min(c)), max(c))
+    total = w[0] * c[0] + w[1] * c[1] + w[2] * c[2]
+    return min(max((total + (1 << bits >> 1)) >> bits, min(c)), max(c))
 
 
-def exact_color_channel(n, inverse_w, c):
-    """A byte from three vertex bytes, rounded to nearest; clamped, as a line's edge values may be negative.
+def exact_color_channel(n, inverse_w, c, one=255):
+    """A color from three vertices', rounded to nearest; clamped, as a line's edge values may be negative.
 
     Source: OpenGL 1.2.1 equations 3.4, 3.5; Assumed: the rounding, and the order in perspective.
     """
     if inverse_w[0] == inverse_w[1] == inverse_w[2]:
         area = sum(n)
         nearest = (2 * sum(n_i * c_i for n_i, c_i in zip(n, c, strict=True)) + area) // (2 * area)
-        return min(max(nearest, 0), 255)
+        return min(max(nearest, 0), one)
     e = perspective_terms(n, inverse_w)
     total, d = (e[0] * c[0] + e[1] * c[1]) + e[2] * c[2], denominator(e)
     if d == 0:
-        return 255 if total > 0 else 0
-    return math.floor(min(max((2.0 * total + d) / (2.0 * d), 0.0), 255.0))
+        return one if total > 0 else 0
+    return math.floor(min(max((2.0 * total + d) / (2.0 * d), 0.0), float(one)))
 
 
 def iterate(v, b0, b2):

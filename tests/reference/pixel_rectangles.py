@@ -53,7 +53,7 @@ def raster_position(mesh, position, state, profile, width, height):
     if not all(math.isfinite(c) for c in window):
         return None
     x, y, z, inverse_w = window
-    colors = vertex.color_bytes(v.colors[0], vertex.exactly_lit(state, profile), profile)
+    colors = vertex.color_codes(v.colors[0], vertex.exactly_lit(state, profile), profile)
     dx, dy = position.move
     return RasterPosition(x + dx, y + dy, z, inverse_w, colors, v.coordinates, v.fog)
 
@@ -71,7 +71,7 @@ def given_position(position, state, profile):
         for unit in state.texture_units
     ]
     own = state.fog is not None and state.fog.coordinate_source == FogCoordinateSource.FOG_COORDINATE
-    colors = vertex.color_bytes(given, lit, profile)
+    colors = vertex.color_codes(given, lit, profile)
     dx, dy = position.move
     return RasterPosition(
         x + dx, y + dy, z, 1.0, colors, coordinates, position.fog_coordinate if own else 0.0

@@ -43,7 +43,9 @@ SMALLEST_INVERSE_W, LARGEST_INVERSE_W = 2.0**-400, 2.0**400
 
 @dataclass
 class Target:
-    """A framebuffer as nested lists, top row first: RGBA bytes, depth units, stencil."""
+    """A framebuffer as nested lists, top row first: RGBA in units of 1/one, depth units, stencil; whether
+    blending clamps to [0, 1].
+    """
 
     width: int
     height: int
@@ -52,6 +54,8 @@ class Target:
     depth: list = field(default_factory=list)
     stencil: list = field(default_factory=list)
     color_format: ColorFormat = ColorFormat.A8R8G8B8
+    one: int = 255
+    clamped: bool = True
 
     def __post_init__(self):
         """Zero color, the farthest depth, stencil zero. Assumed: OpenGL leaves a new buffer undefined."""
@@ -66,9 +70,11 @@ def plain(columns):
     return columns.tolist() if hasattr(columns, "tolist") else columns
 
 
-def plain_texture(texture):
+def plain_texture(texture, fraction_bits=8):
     """A texture whose levels are nested lists. Assumed: nothing, only the container changes."""
     return SimpleNamespace(
+        bits=getattr(texture, "bits", 8),
+        fraction_bits=fraction_bits,
         target=texture.target,
         internal_format=texture.internal_format,
         levels=[plain(level) for level in texture.levels],
@@ -91,17 +97,18 @@ def iterated_fog(v, weights, profile):
     return interpolate.iterate(v, weights.b0, weights.b2)
 
 
-def shade(primary, secondary, fog_coordinate, texels, state, textures, profile):
+def shade(primary, secondary, fog_coordinate, texels, state, textures, profile, bits=8):
     """A fragment's color after texturing: the register combiners, or texture environments, color sum and fog.
 
     Source: NV_register_combiners section 3.8.12; OpenGL 1.2.1 sections 3.8.9, 3.9, 3.10.
     """
-    texels = signed_formats.as_colors(texels, state, textures, profile)
-    fog_color = fixed.color_to_bytes(state.fog.color) if state.fog else [0, 0, 0, 0]
-    factor = fog.fog_factor(fog_coordinate, state.fog, profile) if state.fog else 255
+    machine = combine.machine_of(profile, bits)
+    fog_color = fixed.color_codes(state.fog.color) if state.fog else [0, 0, 0, 0]
+    factor = fog.fog_factor(fog_coordinate, state.fog, profile) if state.fog else machine.one
     if state.register_combiners is not None:
-        registers = combine.initial_registers(primary, secondary, texels, [*fog_color[:3], factor])
-        return combine.combine(state.register_combiners, registers, profile)
+        fog_register = [*fog_color[:3], factor]
+        registers = combine.initial_registers(primary, secondary, texels, fog_register, machine.one)
+        return combine.combine(state.register_combiners, registers, machine)
     color = texture_environment.textured_color(primary, texels, state, textures, profile)
     lighting = state.vertex.lighting
     if state.color_sum or (lighting is not None and lighting.separate_specular_color):
@@ -110,17 +117,18 @@ def shade(primary, secondary, fog_coordinate, texels, state, textures, profile):
 
 
 class Access:
-    """A fragment's texture accesses: at a unit's own coordinates, or at those that a texture shader made.
+    """A fragment's texture accesses: at a unit's own coordinates, in units of 1/one, or at those that a
+    texture shader made, in bytes.
 
     Source: OpenGL 1.2.1 section 3.8; NV_texture_shader.
     """
 
-    def __init__(self, state, triangles, pixel, weights, textures, profile):
+    def __init__(self, state, triangles, pixel, weights, textures, profile, one):
         self.state, self.triangles, self.pixel = state, triangles, pixel
-        self.weights, self.textures, self.profile = weights, textures, profile
+        self.weights, self.textures, self.profile, self.one = weights, textures, profile, one
 
     def __call__(self, i, made, operation, rough=None):
-        """Unit i's texel, four bytes; ``rough``: the lookup's Jacobian and deviations.
+        """Unit i's texel, four numbers; ``rough``: the lookup's Jacobian and deviations.
 
         Source: docs/numbers.md sections 6, 7 and 12.
         """
@@ -157,9 +165,10 @@ class Access:
 
     def _own(self, i, texture, unit):
         """A texel at the unit's own coordinates. Source: OpenGL 1.2.1 section 3.8."""
-        return sample.sample_texture(
+        texel = sample.sample_texture(
             self.triangles[i], *self.pixel, self.weights, texture, unit.sampler, unit.lod_bias, self.profile
         )
+        return [fixed.converted(c, 2 ** getattr(texture, "bits", 8) - 1, self.one) for c in texel]
 
 
 def triangle_of(primitives, vertices):
@@ -239,13 +248,13 @@ def has_weights(n, inverse_w):
     return whole > 0 and interpolate.weight_sum(e) > 0
 
 
-def draw_primitive(target, primitives, corners, stroke, state, textures, profile, place=None):
+def draw_primitive(target, primitives, corners, stroke, state, textures, profile, place, bits):
     """One row of ``triangles``, ``corners``, and of ``strokes``, ``stroke`` (None: a triangle); ``place``:
-    the place in a pixel of a multisampled window that draws it.
+    the place in a pixel of a multisampled window that draws it, or None; ``bits``: as ``draw`` has them.
 
     Source: OpenGL 1.2.1 chapters 3, 4.
     """
-    state = signed_formats.with_signs(state, textures)
+    state, one = signed_formats.with_signs(state, textures), 2**bits - 1
     *vertices, provoking = corners
     kind, back, *source, _, _, counter = (TRIANGLE, False, -1, -1, -1, 0, 0, 0) if stroke is None else stroke
     shape, covers = shape_of(primitives, vertices, kind, state, profile)
@@ -306,21 +315,22 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         if places is not None and not has_weights(n, inverse_w):
             continue
         weights = interpolate.weights(n, inverse_w)
+        color_weights = interpolate.color_weights(weights, bits)
         color = [
-            interpolate.exact_color_channel(n, inverse_w, [c[k] for c in colors])
+            interpolate.exact_color_channel(n, inverse_w, [c[k] for c in colors], one)
             if profile.arithmetic.color_weights == ColorWeights.EXACT
-            else interpolate.iterate_color_channel(weights.color, [c[k] for c in colors])
+            else interpolate.iterate_color_channel(color_weights, [c[k] for c in colors], bits)
             for k in range(8)
         ]
         # A line's row is its second vertex, then its first.
         order = slice(None, None, -1 if kind == LINE else 1)
         z = depth.iterate_w(weights, depths) if by_w else depth.iterate(n[order], depths[order])
         z = depth.word(depth.kept(z) + offset, target.depth_bits, state.depth_clamp)
-        access = Access(state, units, (px, py), weights, textures, profile)
+        access = Access(state, units, (px, py), weights, textures, profile, one)
         alive = True
         if state.texture_shader is None:
             texels = [
-                [0, 0, 0, 255] if unit is None else access(i, None, None)
+                [0, 0, 0, one] if unit is None else access(i, None, None)
                 for i, unit in enumerate(state.texture_units)
             ]
         else:
@@ -331,19 +341,22 @@ def draw_primitive(target, primitives, corners, stroke, state, textures, profile
         if state.ycbcr_conversion:
             texels = [converted(state, i, texel) for i, texel in enumerate(texels)]
         fog_coordinate = iterated_fog([primitives.fog[v] for v in vertices], weights, profile)
-        shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, textures, profile)
+        shaded = shade(color[:4], color[4:], fog_coordinate, texels, state, textures, profile, bits)
+        shaded = [fixed.converted(c, one, target.one) for c in shaded]
         if places is not None:
             shaded = [*shaded[:3], shaded[3] * covered // len(places)]
         if alive and not any(access.ends(i) for i in color_key.killing(state)):
             per_fragment.write_fragment(target, px, py, shaded, z, state)
 
 
-def draw(target, primitives, state, textures, profile, place=None):
+def draw(target, primitives, state, textures, profile, place=None, bits=8):
     """Draw window primitives into the target, in order. ``textures``: name to texture, for the enabled units;
-    ``place``: as ``draw_primitive`` has it.
+    ``place``: as ``draw_primitive`` has it. ``bits``: of the primitives' colors and of what shades them.
 
     Source: OpenGL 1.2.1 section 2.1 (fragments of a primitive are drawn before the next primitive's).
     """
+    if bits != 8 and (state.register_combiners is None or state.texture_shader or state.fog):
+        raise ValueError("Texture environments, texture shaders and fog are specified in bytes alone.")
     columns = SimpleNamespace(
         two_side=primitives.two_side,
         **{
@@ -356,7 +369,8 @@ def draw(target, primitives, state, textures, profile, place=None):
         for i in range(len(state.texture_units))
     ]
     names = {unit.texture for unit in state.texture_units if unit is not None} - {None}
-    used = {name: plain_texture(textures[name]) for name in names}
+    fraction = profile.arithmetic.filter_fraction_bits
+    used = {name: plain_texture(textures[name], fraction) for name in names}
     for i, corners in enumerate(columns.triangles):
         stroke = columns.strokes[i] if columns.strokes else None
-        draw_primitive(target, columns, corners, stroke, state, used, profile, place)
+        draw_primitive(target, columns, corners, stroke, state, used, profile, place, bits)

@@ -1,8 +1,9 @@
 """Texture sampling: coordinates, level of detail, wrap modes and filters, one fragment at a time.
 
 A texture has ``target``, ``internal_format`` and ``levels`` [level][face][row][column][component] of bytes,
-bottom row first; and ``border``, how many texels of a level on either side are its border. A coordinate T
-counts texels.
+bottom row first; and ``border``, how many texels of a level on either side are its border. One of other than
+bytes has ``bits``, and one that is filtered by other fractions than of 8 bits, ``fraction_bits``. A
+coordinate T counts texels.
 """
 
 from dataclasses import dataclass
@@ -299,47 +300,53 @@ def sample_nearest(texture, level, face, t, modes, border, sampler):
     return list(fetch(texture, level, face, i, j, border, sampler))
 
 
-def linear_position(t):
-    """(lower index, 8-bit fraction). Measured: 349524 of 349524 pixels."""
-    position_q8 = floor((t - 0.5) * 256.0)
-    return position_q8 >> 8, position_q8 & 255
+def fraction_bits(texture):
+    """Bits of a linear filter's fractions. Measured: 8 (349524 of 349524 pixels); Assumed: other widths."""
+    return getattr(texture, "fraction_bits", 8)
+
+
+def linear_position(t, bits=8):
+    """(lower index, fraction of so many bits). Measured: 349524 of 349524 pixels."""
+    position = floor((t - 0.5) * 2.0**bits)
+    return position >> bits, position & ((1 << bits) - 1)
 
 
 # Source: NV_texture_shader (HILO); Measured: BumpMap_Y16, 303512 of 303512 pixels.
 OF_WORDS = (InternalFormat.HILO16, InternalFormat.SIGNED_HILO16, InternalFormat.LUMINANCE16)
 
 
-def lerp_words(p, q, fraction):
+def lerp_words(p, q, fraction, bits):
     """A texel between two, as two words of 16 bits with the signs of their high bytes, which alpha and green
     are. Measured: Bump_map's R16B16 captures (docs/numbers.md section 12).
     """
     (r0, g0, b0, a0), (r1, g1, b1, a1) = p, q
-    high = fixed.lerp_q8(256 * a0 + r0 % 256, 256 * a1 + r1 % 256, fraction)
-    low = fixed.lerp_q8(256 * g0 + b0 % 256, 256 * g1 + b1 % 256, fraction)
+    high = fixed.lerp(256 * a0 + r0 % 256, 256 * a1 + r1 % 256, fraction, bits)
+    low = fixed.lerp(256 * g0 + b0 % 256, 256 * g1 + b1 % 256, fraction, bits)
     return [high % 256, low >> 8, low % 256, high >> 8]
 
 
-def lerp_bytes(p, q, fraction):
+def lerp_components(p, q, fraction, bits=8):
     """A texel between two, each component by itself. Source: docs/numbers.md section 7."""
-    return [fixed.lerp_q8(a, b, fraction) for a, b in zip(p, q, strict=True)]
+    return [fixed.lerp(a, b, fraction, bits) for a, b in zip(p, q, strict=True)]
 
 
 def sample_linear(texture, level, face, t, modes, border, sampler):
     """Rows first, each to bytes, then between the rows. Measured: 349524 of 349524 pixels."""
-    lerp = lerp_words if texture.internal_format in OF_WORDS else lerp_bytes
+    lerp = lerp_words if texture.internal_format in OF_WORDS else lerp_components
+    bits = fraction_bits(texture)
     (height, width), (beside, below, _) = level_size(texture, level), borders(texture)
-    i, a = linear_position(t[0])
+    i, a = linear_position(t[0], bits)
     columns = [wrap_index(k, modes[0], width, linear=True, border=beside) for k in (i, i + 1)]
     if texture.target == TextureTarget.TEXTURE_1D:
         j, b, lines = 0, 0, [0, 0]
     else:
-        j, b = linear_position(t[1])
+        j, b = linear_position(t[1], bits)
         lines = [wrap_index(k, modes[1], height, linear=True, border=below) for k in (j, j + 1)]
     rows = []
     for line in lines:
         p, q = (fetch(texture, level, face, column, line, border, sampler) for column in columns)
-        rows.append(lerp(p, q, a))
-    return lerp(rows[0], rows[1], b)
+        rows.append(lerp(p, q, a, bits))
+    return lerp(rows[0], rows[1], b, bits)
 
 
 def face_modes(texture, sampler):
@@ -380,14 +387,16 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
         wrap_coordinate(v, *given)
         for v, *given in zip(t, modes, (width, height), (beside, below), strict=True)
     ]
-    border = texel_formats.border_texel(sampler.border_color, texture.internal_format)
+    one = (1 << getattr(texture, "bits", 8)) - 1
+    border = texel_formats.border_texel(sampler.border_color, texture.internal_format, one)
     border = as_signed(border, sampler)
     read = sample_nearest if nearest else sample_linear
     if texture.target != TextureTarget.TEXTURE_3D:
         return read(texture, level, face, t, modes, border, sampler)
     layers = layers_of(texture, level)
     third = wrap_coordinate(third, sampler.wrap_r, layers, before)
-    k, fraction = (floor(third), 0) if nearest else linear_position(third)
+    bits = fraction_bits(texture)
+    k, fraction = (floor(third), 0) if nearest else linear_position(third, bits)
     found = [
         read(
             texture,
@@ -400,7 +409,7 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
         )
         for n in ((k,) if nearest else (k, k + 1))
     ]
-    return [fixed.lerp_q8(p, q, fraction) for p, q in zip(found[0], found[-1], strict=True)]
+    return lerp_components(found[0], found[-1], fraction, bits)
 
 
 def block_steps(triangle, px, py, texture, base):
@@ -568,4 +577,4 @@ def filter_levels(level, lod, texture, sampler, profile):
     if minification in (TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.LINEAR_MIPMAP_NEAREST):
         return level((lod + 127) >> 8, minification)
     lower, upper = level(lod >> 8, minification), level(min((lod >> 8) + 1, last), minification)
-    return [fixed.lerp_q8(p, q, lod & 255) for p, q in zip(lower, upper, strict=True)]
+    return lerp_components(lower, upper, lod & 255)

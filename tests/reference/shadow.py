@@ -67,7 +67,7 @@ def comparison(texel, sampler, reference, profile):
     word = sum(byte << (8 * k) for k, byte in enumerate(texel))
     mode = sampler.depth_texture_mode
     mode = profile.textures.depth_texture_modes[0] if mode is None else mode
-    failed = fixed.color_to_bytes([sampler.compare_fail_value] * 4)[0]
+    failed = fixed.color_codes([sampler.compare_fail_value] * 4)[0]
     return as_mode(255 if HOLDS[sampler.compare_function](reference, word) else failed, mode)
 
 
@@ -113,6 +113,7 @@ def as_colors(texture, unit, combiners, profile):
         internal_format=InternalFormat[f"{mode.name}8"],
         levels=levels,
         bits=bits,
+        fraction_bits=getattr(texture, "fraction_bits", 8),
         border=getattr(texture, "border", 0),
     )
     red = unit.sampler.border_color[0]

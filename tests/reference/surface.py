@@ -18,7 +18,7 @@ FORMATS = {
 
 def cut(byte, bits):
     """The highest ``bits`` bits of a byte, zeros below. Measured: Blend_surface captures."""
-    return byte >> (8 - bits) << (8 - bits)
+    return byte if bits == 8 else byte >> (8 - bits) << (8 - bits)
 
 
 def to_surface(color, color_format):
@@ -61,5 +61,6 @@ def blend_destination(stored, color_format):
     Measured: Blend_surface DstAlpha captures.
     """
     alpha_bits = FORMATS[color_format][3]
-    alpha = {8: stored[3], 7: (stored[3] % 128 << 1) + (stored[3] % 128 >> 6), 0: 255}[alpha_bits]
-    return [*stored[:3], alpha]
+    if alpha_bits == 8:
+        return stored
+    return [*stored[:3], (stored[3] % 128 << 1) + (stored[3] % 128 >> 6) if alpha_bits else 255]

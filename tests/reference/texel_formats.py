@@ -67,18 +67,18 @@ def kept_components(rgba, base):
     }[base]
 
 
-def register_components(components, base):
+def register_components(components, base, one=255):
     """What a texture register receives. Source: NV_register_combiners table 2."""
     if base == BaseFormat.ALPHA:
         return [0, 0, 0, components[0]]
     if base == BaseFormat.LUMINANCE:
-        return [components[0]] * 3 + [ONE]
+        return [components[0]] * 3 + [one]
     if base == BaseFormat.LUMINANCE_ALPHA:
         return [components[0]] * 3 + [components[1]]
     if base == BaseFormat.INTENSITY:
         return [components[0]] * 4
     if base == BaseFormat.RGB:
-        return [*components, ONE]
+        return [*components, one]
     return list(components)
 
 
@@ -93,10 +93,10 @@ def store_texel(rgba, internal_format, *, floats=False):
     return register_components([replicate(quantise(c, b), b) for c, b in zip(kept, bits, strict=True)], base)
 
 
-def border_texel(color, internal_format):
+def border_texel(color, internal_format, one=255):
     """The border color in a register. Source: OpenGL 1.2.1 section 3.8.5, NV_register_combiners table 2."""
     base = base_format(internal_format)
-    return register_components(kept_components(fixed.color_to_bytes(color), base), base)
+    return register_components(kept_components(fixed.color_codes(color, one), base), base, one)
 
 
 def box(corners):

@@ -92,8 +92,8 @@ def looked_up(base, table):
 def rounded(products, profile):
     """A sum of products over 255, rounded as the machine does it. Inferred: jointly, as combiners."""
     if profile.arithmetic.product_rounding == ProductRounding.PER_PRODUCT:
-        return sum(fixed.divide_by_255(n) for n in products)
-    return fixed.divide_by_255(sum(products))
+        return sum(fixed.divide(n) for n in products)
+    return fixed.divide(sum(products))
 
 
 def finished(products, half, scale, profile):
@@ -118,7 +118,7 @@ def _scaled(products, half, scale, profile):
         or profile.arithmetic.product_rounding == ProductRounding.PER_PRODUCT
     ):
         return (rounded(products, profile) - half) * scale
-    return fixed.divide_by_255(sum(products) * scale) - half * scale
+    return fixed.divide(sum(products) * scale) - half * scale
 
 
 def argument(texels, i, constant, primary, previous, source, operand, k):
@@ -217,16 +217,14 @@ def conventional(mode, base, constant, fragment, texel, profile):
     """
     cf, af, ct, at = fragment[:3], fragment[3], texel[:3], texel[3]
     opaque = base in (BaseFormat.LUMINANCE, BaseFormat.RGB)
-    product = fixed.divide_by_255(af * at)
+    product = fixed.divide(af * at)
     if mode == TextureEnvironmentMode.DECAL:
         if base == BaseFormat.RGB:
             return [*ct, af]
         return [*(lerp(f, t, at, profile) for f, t in zip(cf, ct, strict=True)), af]
     color = {
         TextureEnvironmentMode.REPLACE: lambda: ct,
-        TextureEnvironmentMode.MODULATE: lambda: [
-            fixed.divide_by_255(f * t) for f, t in zip(cf, ct, strict=True)
-        ],
+        TextureEnvironmentMode.MODULATE: lambda: [fixed.divide(f * t) for f, t in zip(cf, ct, strict=True)],
         TextureEnvironmentMode.BLEND: lambda: [
             lerp(f, c, t, profile) for f, c, t in zip(cf, constant[:3], ct, strict=True)
         ],
@@ -306,7 +304,7 @@ def textured_color(primary, texels, state, textures, profile):
             continue
         if not ones and any(colors[n] is None for n in used_textures(environment)):
             continue
-        constant = fixed.color_to_bytes(environment.color)
+        constant = fixed.color_codes(environment.color)
         if environment.mode in (TextureEnvironmentMode.COMBINE, TextureEnvironmentMode.COMBINE4):
             read = partial(argument, colors, i, constant, primary, color)
             color = combined(environment, read, profile)

@@ -12,7 +12,7 @@ def clear(target, command):
     for py in rows:
         for px in columns:
             if command.color is not None:
-                color = surface.to_surface(fixed.color_to_bytes(command.color), target.color_format)
+                color = surface.to_surface(fixed.color_codes(command.color), target.color_format)
                 stored = target.color[py][px]
                 target.color[py][px] = per_fragment.masked_color(color, stored, command.color_mask)
             if command.depth is not None:

@@ -319,14 +319,16 @@ def exactly_lit(state, profile):
     return state.vertex.lighting is not None and profile.arithmetic.lighting == LightingArithmetic.EQUATIONS
 
 
-def color_bytes(color, lit, profile):
-    """Eight bytes of eight components in [0, 1].
+def color_codes(color, lit, profile, bits=8):
+    """Eight components in [0, 1] as codes of so many bits.
 
-    Measured: a colour of the vertex array or of a lighting unit keeps 14 significant bits (NV2A).
+    Measured: a colour of the vertex array or of a lighting unit keeps 14 significant bits (NV2A); Inferred:
+    wider colours keep as many more.
     """
     if not lit:
-        color = [fixed.keep_significant_bits(c, profile.arithmetic.color_mantissa_bits) for c in color]
-    return [math.floor(255.0 * c + 0.5) for c in color]
+        kept = profile.arithmetic.color_mantissa_bits + max(bits - 8, 0)
+        color = [fixed.keep_significant_bits(c, kept) for c in color]
+    return [math.floor((2**bits - 1) * c + 0.5) for c in color]
 
 
 # ---------------------------------------------------------------------------------- texture coordinates
@@ -525,7 +527,7 @@ def to_window(v, state, profile, width, height):
         snapped_y,
         window_z if state.vertex.depth_units or state.depth_clamp else clamp_color(window_z),
         inverse_w,
-        [color_bytes(side, exactly_lit(state, profile), profile) for side in v.colors],
+        [color_codes(side, exactly_lit(state, profile), profile) for side in v.colors],
         v.coordinates,
         v.fog,
     )
@@ -636,7 +638,7 @@ def process(mesh, state, profile, width, height):
         if None in window:
             result.dropped += 1
             continue
-        flat = [color_bytes(side, lit, profile) for side in vertices[provoking].colors]
+        flat = [color_codes(side, lit, profile) for side in vertices[provoking].colors]
         for i in range(1, len(window) - 1):
             result.triangles.append(((window[0], window[i], window[i + 1]), flat))
     return result

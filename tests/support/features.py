@@ -1140,7 +1140,7 @@ def _framebuffers():
             asked=f"{bits} bits a component",
             ideal=False,
             framebuffer={"color_bits": bits},
-            reference=("tests/reference/wide.py",),
+            reference=("tests/reference/fixed.py", "tests/reference/combine.py"),
             implementation=("raster/columns/numbers.py", "pipeline/columns/engine.py"),
             tests=("tests/raster/columns/test_engine.py",),
         )

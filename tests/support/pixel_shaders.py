@@ -17,7 +17,7 @@ TEXELS = st.tuples(*[st.integers(0, 255)] * 4)
 def on_combiners(shader, textures, primary, secondary, profile=NV2A):
     """The fragment's color of the specification of register combiners."""
     registers = combine.initial_registers(primary, secondary, textures, NO_FOG)
-    return combine.combine(shader.combiners, registers, profile)
+    return combine.combine(shader.combiners, registers, combine.machine_of(profile))
 
 
 def fragments(count, seed=1):

@@ -3,10 +3,20 @@
 from dataclasses import fields, is_dataclass
 from enum import Enum
 
+from fixedpipe.pipeline.enums import CombinerBias, CombinerScale, ComponentUsage, Mapping, Register
 from fixedpipe.pipeline.notations import pixel_shaders, register_combiners, texture_shaders
-from fixedpipe.pipeline.state import CombinerInput, TextureShaderStage
+from fixedpipe.pipeline.state import (
+    AlphaPortion,
+    CombinerInput,
+    FinalCombiner,
+    GeneralCombiner,
+    RegisterCombiners,
+    RGBPortion,
+    TextureShaderStage,
+)
 from tests.support import notation_states
 
+_WORDS = {"scale": CombinerScale, "bias": CombinerBias}
 # What a text in these notations has no word for, and its state then has.
 _SILENT = {
     "RGBPortion": {"ab_blue_to_alpha": False, "cd_blue_to_alpha": False, "function": "NONE"},
@@ -29,6 +39,30 @@ def _plain(value):
         return value.name
     colors = isinstance(value, tuple) and all(isinstance(component, float) for component in value)
     return [_plain(part) for part in value] if isinstance(value, tuple) and not colors else value
+
+
+def combiners_again(text):
+    """The combiners' state by the second reading of a text alone."""
+
+    def variable(given):
+        register, mapping, usage = given
+        return CombinerInput(Register[register], Mapping[mapping], ComponentUsage[usage])
+
+    def state(kind, given):
+        """``kind`` from its dict, names as the enumerations' members."""
+        outputs = {name: Register[value] for name, value in given.items() if name.endswith("_output")}
+        words = {name: kinds[given[name]] for name, kinds in _WORDS.items() if name in given}
+        inputs = {name: variable(value) for name, value in given.items() if len(name) == 1}
+        return kind(**given | outputs | words | inputs)
+
+    given = notation_states.register_combiners(text)
+    general = tuple(
+        GeneralCombiner(
+            **stage | {"rgb": state(RGBPortion, stage["rgb"]), "alpha": state(AlphaPortion, stage["alpha"])}
+        )
+        for stage in given["general"]
+    )
+    return RegisterCombiners(**given | {"general": general, "final": state(FinalCombiner, given["final"])})
 
 
 def _combiners(text):

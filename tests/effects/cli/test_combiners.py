@@ -136,7 +136,7 @@ def test_the_table_ends_at_what_direct3d_defines():
     assert [int(code) for code in color.split()[2:6]] == expected
     assert any(line.startswith("    general combiner 0, RGB portion: spare0 = sat(tex0.a)") for line in lines)
     registers = combine.initial_registers(inputs["v0"], [0] * 4, (inputs["t0"], inputs["t1"]), [0, 0, 0, 255])
-    assert combine.combine(parse_program(shader).combiners, registers, NV2A) == expected
+    assert combine.combine(parse_program(shader).combiners, registers, combine.machine_of(NV2A)) == expected
 
 
 @pytest.mark.parametrize(

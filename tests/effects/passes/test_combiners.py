@@ -81,7 +81,7 @@ def drawn(combiners, **registers):
     """
     values = combine.initial_registers((0,) * 4, (0,) * 4, [(0,) * 4] * 2, (0,) * 4)
     values |= {Register[name]: value for name, value in registers.items()}
-    return tuple(combine.combine(combiners, values, GEFORCE_256))
+    return tuple(combine.combine(combiners, values, combine.machine_of(GEFORCE_256)))
 
 
 # ----------------------------------------------------------------------------------------------- fields

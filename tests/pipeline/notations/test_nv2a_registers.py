@@ -31,6 +31,7 @@ from tests.support.text_errors import assert_says_where_and_what
 
 TEXELS = st.tuples(*[st.integers(0, 255)] * 4)
 NO_FOG = [3, 5, 7, 255]
+CHIP = combine.machine_of(NV2A)
 
 
 def check(combiners, seen, stages=None):
@@ -42,8 +43,8 @@ def check(combiners, seen, stages=None):
     assert len(sources.general) == len(combiners.general)
     for t0, t1, v0, v1 in seen:
         registers = [combine.initial_registers(v0, v1, (t0, t1, v1, v0), NO_FOG) for _ in range(2)]
-        expected = combine.combine(combiners, registers[0], NV2A)
-        assert combine.combine(read, registers[1], NV2A) == expected
+        expected = combine.combine(combiners, registers[0], CHIP)
+        assert combine.combine(read, registers[1], CHIP) == expected
 
 
 @settings(max_examples=100)
@@ -146,8 +147,8 @@ def test_dumps_are_read_as_they_are_written(text):
     expected = parse_combiners(texts)
     for t0, t1, v0, v1 in SEEN:
         registers = [combine.initial_registers(v0, v1, (t0, t1), NO_FOG) for _ in range(2)]
-        assert combine.combine(program.combiners, registers[0], NV2A) == combine.combine(
-            expected, registers[1], NV2A
+        assert combine.combine(program.combiners, registers[0], CHIP) == combine.combine(
+            expected, registers[1], CHIP
         )
 
 

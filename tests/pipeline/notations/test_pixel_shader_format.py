@@ -437,7 +437,9 @@ def check_equal(program, seen):
     read = parse_program(text).combiners
     for t0, t1, v0, v1 in seen:
         found, expected = (
-            combine.combine(c, combine.initial_registers(v0, v1, (t0, t1), [3, 5, 7, 200]), NV2A)
+            combine.combine(
+                c, combine.initial_registers(v0, v1, (t0, t1), [3, 5, 7, 200]), combine.machine_of(NV2A)
+            )
             for c in (read, program.combiners)
         )
         assert found == expected, text

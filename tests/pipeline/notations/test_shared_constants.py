@@ -33,7 +33,9 @@ def computed(program):
     """What combiners compute of a few fragments, by their specification."""
     return [
         combine.combine(
-            program.combiners, combine.initial_registers(v0, v1, [t0, t1, t2, t3], NO_FOG), GEFORCE_3
+            program.combiners,
+            combine.initial_registers(v0, v1, [t0, t1, t2, t3], NO_FOG),
+            combine.machine_of(GEFORCE_3),
         )
         for t0, t1, t2, t3, v0, v1 in FRAGMENTS
     ]

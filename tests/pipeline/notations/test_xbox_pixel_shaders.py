@@ -39,7 +39,7 @@ def check(text, count=12, seed=1):
             fog = [0, 0, 0, 255]
         textures = t0, t1, [0] * 4, [0] * 4
         registers = combine.initial_registers(v0, v1, textures, fog)
-        found = combine.combine(shader.combiners, registers, NV2A)
+        found = combine.combine(shader.combiners, registers, combine.machine_of(NV2A))
         expected = xbox_pixel_shader.evaluate(text, textures, v0, v1, fog)
         assert found == expected, (text, t0, t1, v0, v1, fog)
     return shader

@@ -488,7 +488,7 @@ def test_program_results_give_the_bits_of_the_specification(mesh, two_side):
     got = process(mesh, state, GEFORCE_256, WIDTH, HEIGHT)
     for i, colors in enumerate(got.colors.tolist()):
         vertex = reference.process_vertex(mesh, i, state, GEFORCE_256)
-        assert colors == [reference.color_bytes(side, False, GEFORCE_256) for side in vertex.colors]
+        assert colors == [reference.color_codes(side, False, GEFORCE_256) for side in vertex.colors]
 
 
 def test_program_results_stay_wherever_they_are_and_whatever_w_is():
@@ -950,7 +950,7 @@ def test_a_matrix_without_an_inverse_turns_normals_itself(profile, switch):
     found = process(mesh, state, profile, WIDTH, HEIGHT).colors
     for i, sides in enumerate(found.tolist()):
         vertex = reference.process_vertex(mesh, i, state, profile)
-        assert sides == [reference.color_bytes(side, False, profile) for side in vertex.colors]
+        assert sides == [reference.color_codes(side, False, profile) for side in vertex.colors]
     # The normal is (1, 0, 1), as it is or normalised.
     shown = np.array([0.2, 1.0, 0.6]) * (np.sqrt(0.5) if switch else 1.0)
     np.testing.assert_allclose(found[:, 0, :3], np.tile(255 * shown, (3, 1)), atol=1.5)

@@ -11,6 +11,7 @@ import pytest
 
 from fixedpipe.effects.acceptance.precision import PARTS
 from fixedpipe.effects.figures import FIGURES
+from fixedpipe.pipeline.columns.combiners import arithmetic_of
 from fixedpipe.pipeline.commands import Clear, CopyTexImage, Draw, MakeCurrent, Mesh, ReadPixels, TexImage
 from fixedpipe.pipeline.enums import (
     BlendEquation,
@@ -69,8 +70,10 @@ from fixedpipe.raster.columns import (
     texture_shader,
 )
 from fixedpipe.raster.pixels import rectangles
-from tests.reference import render, wide_render
-from tests.reference import wide as specified
+from tests.reference import combine as specified
+from tests.reference import fixed, render, vertex
+from tests.reference import interpolate as specified_interpolate
+from tests.reference import per_fragment as specified_per_fragment
 from tests.support.random_frames import _Maker, random_frame
 
 BITS = (4, 5, 7, 8, 9, 12, 16)
@@ -78,43 +81,25 @@ CORNERS = np.array([[-1.0, -1.0], [3.0, -1.0], [-1.0, 3.0]])  # a triangle that 
 
 
 def machines():
+    """(profile, bits) of arithmetic that differs in everything that combiners ask of a profile."""
     random = np.random.default_rng(3)
+    clamps = Clamp.MAPPING, Clamp.GENERAL_COMBINER, Clamp.COLOR_SUM, Clamp.FINAL_COMBINER
     for bits in BITS:
         for _ in range(6):
-            yield specified.Machine(
-                2**bits - 1,
-                range=float(random.choice([1.0, 256.0])) if bits == 16 else 1.0,
+            profile = GEFORCE_256.changed(
+                combiner_range=float(random.choice([1.0, 256.0])) if bits == 16 else 1.0,
                 expand_half=random.choice([128, 127.5]),
                 clamp_low=int(random.choice([-256, -255])),
                 product_rounding=ProductRounding(int(random.integers(2))),
                 round_before_scale=bool(random.integers(2)),
-                mapping=bool(random.integers(2)),
-                general_combiner=bool(random.integers(2)),
-                final_combiner=bool(random.integers(2)),
             )
+            yield profile.without_clamps(*(clamp for clamp in clamps if random.random() < 0.5)), bits
 
 
-def arithmetic(machine):
-    low, high = machine.limits if machine.general_combiner else (-(2**26), 2**26)
-    # Mappings go by what registers hold, whatever the outputs' clamp does.
-    return combine.Arithmetic(
-        one=machine.one,
-        half=machine.half,
-        low=low,
-        high=high,
-        expanded=machine.one + 1 if machine.expand_half == 128 else machine.one,
-        per_product=machine.product_rounding == ProductRounding.PER_PRODUCT,
-        round_first=machine.round_before_scale,
-        clamps_mapping=machine.mapping,
-        clamps_sum=True,
-        clamps_final=machine.final_combiner,
-        holds=machine.limits,
-    )
-
-
-@pytest.mark.parametrize("machine", list(machines()), ids=lambda m: f"{m.one.bit_length()} bits")
-def test_combiners_are_the_specification_s(machine):
-    random, a = np.random.default_rng(5), arithmetic(machine)
+@pytest.mark.parametrize(("profile", "bits"), list(machines()))
+def test_combiners_are_the_specification_s(profile, bits):
+    random, a = np.random.default_rng(5), arithmetic_of(profile, bits)
+    machine = specified.machine_of(profile, bits)
     low, high = machine.limits
     x = np.concatenate([[0, 1, low, high, machine.one, machine.half], random.integers(low, high + 1, 300)])
     for mapping in Mapping:
@@ -134,11 +119,10 @@ def test_combiners_are_the_specification_s(machine):
         assert combine.takes_cd(x, select == MuxSelect.LSB, a).tolist() == expected
     inputs = random.integers(-machine.one, 2 * machine.one, (4, 3, 50))
     color = combine.final_color(*inputs, inputs[0, :1], a)
-    expected = [
-        [specified.final_component(*(int(inputs[i, c, k]) for i in range(4)), machine) for k in range(50)]
+    assert color[:3].tolist() == [
+        [specified.final_blend(*(int(inputs[i, c, k]) for i in range(4)), machine) for k in range(50)]
         for c in range(3)
     ]
-    assert color[:3].tolist() == expected
 
 
 _COLUMN, _COLORS = np.zeros(1, np.int64), np.zeros((1, 4), np.int64)
@@ -150,7 +134,7 @@ _COLUMN, _COLORS = np.zeros(1, np.int64), np.zeros((1, 4), np.int64)
         (len(BlendEquation), lambda code: per_fragment.blend(code, (0, 0), _COLORS, _COLORS, _COLORS[0], 8)),
         (len(BlendFactor), lambda code: per_fragment.blend_factor(code, _COLORS, _COLORS, _COLORS[0], 255)),
         (len(StencilOperation), lambda code: per_fragment.stencil_result(code, _COLUMN, 0)),
-        (len(Mapping), lambda code: combine.map_input(_COLUMN, code, arithmetic(next(machines())))),
+        (len(Mapping), lambda code: combine.map_input(_COLUMN, code, arithmetic_of(GEFORCE_256, 8))),
         (CombinerFunction.NONE, lambda code: future.applied(code, _COLUMN, _COLUMN, 255, 255)),
         (5, lambda code: texture_shader.vector(_COLORS, code, 8)),
         (len(WrapMode), lambda code: sample.index_of(_COLUMN, code, 1, False)),
@@ -173,32 +157,37 @@ def test_blending_filters_and_colours_are_the_specification_s(bits):
         result = per_fragment.blend(equation, factors, s, d, constant, bits)
         for i, k in np.ndindex(60, 4):
             of = [
-                specified.blend_factor(f, k, s[i].tolist(), d[i].tolist(), constant.tolist(), one)
+                specified_per_fragment.blend_factor(
+                    f, k, s[i].tolist(), d[i].tolist(), constant.tolist(), one
+                )
                 for f in factors
             ]
             pair = int(s[i, k]), int(d[i, k])
-            assert result[i, k] == specified.blend_component(equation, *pair, *of, bits, clamps=False)
+            expected = specified_per_fragment.blend_component(equation, *pair, *of, one, clamped=False)
+            assert result[i, k] == expected
     for factor in BlendFactor:
         factors = per_fragment.blend_factor(factor, s, d, constant, one)
         found = np.broadcast_to(factors, s.shape)
         given = s[0].tolist(), d[0].tolist(), constant.tolist()
-        assert found[0].tolist() == [specified.blend_factor(factor, k, *given, one) for k in range(4)]
+        expected = [specified_per_fragment.blend_factor(factor, k, *given, one) for k in range(4)]
+        assert found[0].tolist() == expected
     fraction = random.integers(0, 2**bits, 60)
     found = numbers.lerp(s[:, 0], d[:, 0], fraction, bits)
     assert found.tolist() == [
-        specified.filtered(int(p), int(q), int(f), bits)
-        for p, q, f in zip(s[:, 0], d[:, 0], fraction, strict=True)
+        fixed.lerp(int(p), int(q), int(f), bits) for p, q, f in zip(s[:, 0], d[:, 0], fraction, strict=True)
     ]
     for other in BITS:
         found = numbers.convert(s[:, 0], one, 2**other - 1).tolist()
-        assert found == [specified.converted(int(v), one, 2**other - 1) for v in s[:, 0]]
+        assert found == [fixed.converted(int(v), one, 2**other - 1) for v in s[:, 0]]
     q0, q2 = random.random((2, 60)) / 2
     corners = random.integers(0, one + 1, (60, 3, 1))
     found = interpolate.iterate_colors(q0, q2, corners, bits)[:, 0].tolist()
-    w0, w2 = np.floor(q0 * 2**bits).astype(int), np.floor(q2 * 2**bits).astype(int)
+    weights = [SimpleNamespace(q0=a, q2=b) for a, b in zip(q0.tolist(), q2.tolist(), strict=True)]
     assert found == [
-        specified.color((int(a), 2**bits - int(a) - int(b), int(b)), corners[k, :, 0].tolist(), bits)
-        for k, (a, b) in enumerate(zip(w0, w2, strict=True))
+        specified_interpolate.iterate_color_channel(
+            specified_interpolate.color_weights(w, bits), corners[k, :, 0].tolist(), bits
+        )
+        for k, w in enumerate(weights)
     ]
 
 
@@ -215,7 +204,7 @@ def test_fog_counts_the_thresholds_that_are_kept(mode, rising):
 
 
 def random_pass(random, profile):
-    """Commands of a few triangles in a random state that ``wide_render`` covers, and their texture."""
+    """Commands of a few triangles in a random state that is specified at every width, and their texture."""
     maker = _Maker(int(random.integers(1 << 30)))
     maker.profile, maker.small, maker.plain = profile, True, False
     texture = texture_2d(random.random((4, 8, 4)))
@@ -252,16 +241,13 @@ def test_passes_at_other_widths_are_the_specification_s(seed):
     machine = Machine(profile, 14, 10, 24)
     framebuffer = machine.run(commands).framebuffer
     primitives = stage.process(commands[1].mesh, commands[1].state, profile, 14, 10, rounded=False)
-    names = ("x", "y", "z", "inverse_w", "colors", "coordinates", "triangles")
-    columns = SimpleNamespace(**{name: getattr(primitives, name).tolist() for name in names})
-    stored = machine.textures["t"]
-    levels = [level.tolist() for level in stored.levels]
-    texture = SimpleNamespace(internal_format=stored.internal_format, bits=stored.bits, levels=levels)
+    bits, stored = widths["combiner_bits"], machine.textures["t"]
+    codes = [[vertex.color_codes(c, False, profile, bits) for c in v] for v in primitives.colors.tolist()]
     target = render.Target(14, 10, 24)
-    reference = wide_render.Widths(
-        widths["combiner_bits"], widths["framebuffer_bits"], widths["filter_fraction_bits"]
-    )
-    wide_render.draw(target, columns, commands[1].state, {"t": texture}, profile, reference)
+    target.one = 2 ** widths["framebuffer_bits"] - 1
+    target.clamped = Clamp.BLENDING in profile.arithmetic.clamps
+    given = replace(primitives, colors=codes)
+    render.draw(target, given, commands[1].state, {"t": stored}, profile, bits=bits)
     np.testing.assert_array_equal(framebuffer.depth, target.depth)
     np.testing.assert_array_equal(framebuffer.color, target.color)
     exact = np.array(commands[0].image.ideal[0]) * (2**stored.bits - 1)

@@ -66,18 +66,18 @@ def test_every_operation_equals_the_portable_engine(name, filtered):
 def test_the_arithmetic_is_the_specification_s_at_every_width(bits):
     random, one = np.random.default_rng(bits), 2**bits - 1
     values = np.concatenate([random.uniform(-0.2, 1.2, 60), np.arange(20) / one, [np.nan, 0.0, 1.0, np.inf]])
-    expected = [specified.real_texel(v, bits) for v in values.tolist()]
+    expected = [specified.real_texel(v, one) for v in values.tolist()]
     assert texture_shader.real_texel(values, bits).tolist() == expected
     texels = np.concatenate([random.integers(0, one + 1, (60, 4)), [[0] * 4, [one] * 4, [one // 2] * 4]])
     for mapping in DotProductMapping:
         if mapping in WORDS and bits != 8:
             continue
         found = np.stack(np.broadcast_arrays(*texture_shader.vector(texels, mapping, bits)), axis=1)
-        assert found.tolist() == [list(specified.mapped(t, mapping, bits)) for t in texels.tolist()], mapping
+        assert found.tolist() == [list(specified.mapped(t, mapping, one)) for t in texels.tolist()], mapping
     st, matrix = random.uniform(-2, 2, (len(texels), 4)), random.uniform(-1, 1, 4).tolist()
     found = np.stack(texture_shader.offset(st, texels, matrix, bits), axis=1)
     assert found.tolist() == [
-        list(specified.offset(c, t, matrix, bits)) for c, t in zip(st.tolist(), texels.tolist(), strict=True)
+        list(specified.offset(c, t, matrix, one)) for c, t in zip(st.tolist(), texels.tolist(), strict=True)
     ]
     stage = TextureShaderStage(offset_texture_scale=1.5, offset_texture_bias=-0.25)
     for other in (8, 12):
@@ -85,7 +85,7 @@ def test_the_arithmetic_is_the_specification_s_at_every_width(bits):
         for largest in (1.0, np.inf):
             found = texture_shader.scaled(texels, bits, magnitude, other, 1.5, -0.25, largest)
             assert found.tolist() == [
-                specified.scaled(t, m, stage, bits, other, largest)
+                specified.scaled(t, m, stage, one, 2**other - 1, largest)
                 for t, m in zip(texels.tolist(), magnitude.tolist(), strict=True)
             ]
 
@@ -153,7 +153,7 @@ def test_pass_through_has_the_texels_width():
     ):
         _, color = one_pixel(stages, {"": None}, profile, [(0.3, 1.5, -1.0, 0.7)], Register.TEXTURE0)
         one = 2**bits - 1
-        expected = [specified.real_texel(v, bits) / one for v in (0.3, 1.5, -1.0, 0.7)]
+        expected = [specified.real_texel(v, one) / one for v in (0.3, 1.5, -1.0, 0.7)]
         assert np.array_equal(color[:3], [np.floor(v * 4095 + 0.5) / 4095 for v in expected[:3]])
 
 

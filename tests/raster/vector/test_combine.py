@@ -178,8 +178,9 @@ def every_pair(portion):
 
 def test_every_product_of_two_bytes_is_the_specifications():
     portion = RGBPortion(read(Register.TEXTURE0), read(Register.TEXTURE1), **_OUT)
+    machine = reference.machine_of(GEFORCE_256)
     expected = [
-        reference.combiner_output([a * b], CombinerScale.NONE, CombinerBias.NONE, GEFORCE_256)
+        reference.combiner_output([a * b], CombinerScale.NONE, CombinerBias.NONE, machine)
         for a in range(256)
         for b in range(256)
     ]
@@ -191,8 +192,9 @@ def test_every_sum_of_two_products_of_bytes_is_the_specifications(scale, bias):
     # A A + B B covers sums from zero to twice 255 * 255, odd and even, beyond sixteen bits.
     a, b = read(Register.TEXTURE0), read(Register.TEXTURE1)
     portion = RGBPortion(a, a, b, b, sum_output=Register.SPARE0, scale=scale, bias=bias)
+    machine = reference.machine_of(GEFORCE_256)
     expected = [
-        max(reference.combiner_output([a * a, b * b], scale, bias, GEFORCE_256), 0)
+        max(reference.combiner_output([a * a, b * b], scale, bias, machine), 0)
         for a in range(256)
         for b in range(256)
     ]
