@@ -12,6 +12,7 @@ from fixedpipe.pipeline.programs.texture_shader_rules import DISCARDING
 from fixedpipe.pipeline.state import CombinerInput
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.columns.mappings import mapping_lines
 from fixedpipe.raster.columns.numbers import one_of
 
 
@@ -19,21 +20,11 @@ from fixedpipe.raster.columns.numbers import one_of
 def _mappings(bits, expand_half):
     """The mappings as min(max(x, low) * factor + addend, one).
 
-    The addends of the EXPAND pair depend on ``expand_half``. Source: NV_register_combiners table 4; Inferred:
-    the halves (docs/numbers.md, section 8).
+    The addends of the EXPAND pair depend on ``expand_half``.
     """
     one, half = one_of(bits), 1 << (bits - 1)
-    expanded = one + 1 if expand_half == 128 else one
-    return {
-        Mapping.UNSIGNED_IDENTITY: (0, 1, 0),
-        Mapping.UNSIGNED_INVERT: (0, -1, one),
-        Mapping.EXPAND_NORMAL: (0, 2, -expanded),
-        Mapping.EXPAND_NEGATE: (0, -2, expanded),
-        Mapping.HALF_BIAS_NORMAL: (0, 1, -half),
-        Mapping.HALF_BIAS_NEGATE: (0, -1, half),
-        Mapping.SIGNED_IDENTITY: (-one - 1, 1, 0),
-        Mapping.SIGNED_NEGATE: (-one - 1, -1, 0),
-    }
+    lines = mapping_lines(one, half, one + 1 if expand_half == 128 else one)
+    return {mapping: (0 if positive else -one - 1, *line) for mapping, (positive, *line) in lines.items()}
 
 
 _ZERO_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE})
