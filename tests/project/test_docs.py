@@ -14,7 +14,6 @@ from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import GEFORCE_256
-from tests.project.test_adding_things import expanded
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -88,9 +87,35 @@ def test_every_file_that_is_named_exists(page):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_every_module_that_is_named_is_named_with_its_folders(page):
-    for name in re.findall(r"`([\w/{},-]+\.py)`", page.read_text()):
-        for path in expanded(name):
-            assert (ROOT / path).exists(), path
+    for name in re.findall(r"`([\w/-]+\.py)`", page.read_text()):
+        assert (ROOT / name).exists(), name
+
+
+def test_every_neighbour_that_the_recipes_search_for_is_there():
+    page = (ROOT / "docs" / "adding-things.md").read_text()
+    names = [name for found in re.findall(r"git grep -\w+ '([^']+)'", page) for name in found.split("\\|")]
+    assert len(names) > 10
+    folders = (ROOT / folder for folder in ("raster", "pipeline", "effects"))
+    sources = "\n".join(path.read_text() for folder in folders for path in folder.rglob("*.py"))
+    assert [name for name in names if name not in sources] == []
+
+
+def test_every_file_of_the_engines_diagram_lies_in_its_folder():
+    """The diagram of docs/architecture.md has two columns, each with folders and below them their files."""
+    page = (ROOT / "docs" / "architecture.md").read_text()
+    lines = [
+        line for line in page.splitlines() if line.startswith("        ") and ("│" in line or "►" in line)
+    ]
+    middle, folders, seen = next(line.rindex("──►") for line in lines if "raster/vector/" in line), {}, 0
+    for line in lines:
+        for column, part in enumerate((line[:middle], line[middle:])):
+            for name in re.findall(r"[\w/]+/(?= |$)", part):
+                folders[column] = name
+                assert (ROOT / name).is_dir(), name
+            for name in re.findall(r"\w+\.py", part):
+                assert (ROOT / folders[column] / name).exists(), (folders[column], name)
+                seen += 1
+    assert seen > 15
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
