@@ -122,9 +122,9 @@ class Touched:
         return f"command {self.number}, {self.kind}{elsewhere}{sample}: {self.label}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PixelHistory:
-    """Everything that happened to a pixel.
+    """Everything that happened to a pixel. A notebook shows it as a page.
 
     profile        the machine's name
     width, height  of the framebuffer, pixels
@@ -149,6 +149,14 @@ class PixelHistory:
     touched: tuple[Touched, ...]
     final: PixelValue
     ideal: tuple[float, ...] = ()
+
+    def __repr__(self) -> str:
+        """Which pixel, and what it holds: all fields are thousands of characters."""
+        surface = f" of pbuffer {self.surface}" if self.surface is not None else ""
+        return (
+            f"<history of pixel ({self.x}, {self.y}){surface} on {self.profile}: {len(self.touched)} of "
+            f"{self.commands} commands touched it, color {self.final.color} in the end>"
+        )
 
     def _repr_html_(self) -> str:
         """As a notebook shows it."""

@@ -83,11 +83,15 @@ def frame_colors(
 
 def frame_error(commands: Any, profile: Profile, width: int, height: int, **given: Any) -> Error:
     """Run ``commands`` on a machine, and the ideal guided by it: their Error. As ``frame_colors``."""
-    color, exact = frame_colors(commands, profile, width, height, **given)
+    return _error_of(*frame_colors(commands, profile, width, height, **given))
+
+
+def _error_of(color, exact):
+    """The Error of what ``frame_colors`` gives."""
     seen = np.clip(color, 0.0, 1.0) - np.clip(exact, 0.0, 1.0)
     channels = tuple(_root_mean_square(seen[..., k]) for k in range(3))
     largest = float(np.abs(seen).max())
-    return Error(_root_mean_square(seen), _root_mean_square(color - exact), channels, largest)  # type: ignore[arg-type]
+    return Error(_root_mean_square(seen), _root_mean_square(color - exact), channels, largest)
 
 
 def with_bits(profile: Profile, part: str, bits: int) -> Profile:
@@ -233,7 +237,7 @@ def _stages_error(given, ideal, number, changed):
     return frame_error(*given, ideal=ideal, otherwise=seen.otherwise, witness=seen), seen
 
 
-def with_stages(
+def colors_with_stages(
     commands: Any,
     profile: Profile,
     width: int,
@@ -243,9 +247,14 @@ def with_stages(
     unclamped: tuple[str, ...] = (),
     ideal: Any = None,
     number: int | None = None,
-) -> Error:
-    """The Error of a frame whose named stages are exact, or do not clamp, in all its Draws or in command
-    ``number``, as they run, alone. Raises ValueError for a stage that it has not, and as ``frame_error``.
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A frame whose named stages are exact, or do not clamp, in all its Draws or in command ``number``, as
+    they run, alone: the machine's colours and the ideal's, as ``frame_colors`` returns them.
+
+    exact, unclamped  names of stages, as ``stage_attribution`` has them
+    ideal             what the ideal evaluates; None: the same commands
+
+    Raises ValueError for a stage that it has not, and as ``frame_colors``.
     """
     for name in unclamped:
         if not name.startswith(("general combiner", "final combiner")):
@@ -256,7 +265,13 @@ def with_stages(
     for name in (*exact, *unclamped):
         if name not in there:
             raise ValueError(f"No Draw of it has a stage {name!r}; there are: {', '.join(there)}.")
-    return _stages_error(given, ideal, number, Otherwise(frozenset(exact), frozenset(unclamped)))[0]
+    seen = _Stages(number, Otherwise(frozenset(exact), frozenset(unclamped)))
+    return frame_colors(*given, ideal=ideal, otherwise=seen.otherwise, witness=seen)
+
+
+def with_stages(commands: Any, profile: Profile, width: int, height: int, **given: Any) -> Error:
+    """The Error of a frame whose named stages are exact, or do not clamp. As ``colors_with_stages``."""
+    return _error_of(*colors_with_stages(commands, profile, width, height, **given))
 
 
 def stage_attribution(

@@ -277,6 +277,14 @@ def test_json_and_page_have_everything():
     assert "blending" in page and found._repr_html_() in page
 
 
+def test_a_prompt_prints_which_pixel_it_is_and_not_all_of_it():
+    found = inspect(blended_frame(), GEFORCE_256, 16, 16, (5, 9))
+    assert repr(found) == (
+        "<history of pixel (5, 9) on GeForce 256: 3 of 3 commands touched it, "
+        f"color {found.final.color} in the end>"
+    )
+
+
 def test_a_blend_that_clamps_says_so():
     found = inspect(blended_frame(), GEFORCE_256, 16, 16, (5, 9))
     fragment = found.touched[2].fragments[0]

@@ -12,6 +12,7 @@ from fixedpipe.pipeline.enums import CombinerScale, Mapping, Register, TextureFi
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.inspection.what_if import (
     attribution,
+    colors_with_stages,
     frame_error,
     stage_attribution,
     with_bits,
@@ -212,6 +213,9 @@ def test_a_rounding_goes_where_its_stage_is_exact():
     assert (
         with_stages([draw], GEFORCE_256, 4, 4, exact=("general combiner 0",)) == found["general combiner 0"]
     )
+    drawn, meant = colors_with_stages([draw], GEFORCE_256, 4, 4, exact=("general combiner 0",))
+    np.testing.assert_array_equal(drawn, np.full((4, 4, 3), 61 / 255))
+    np.testing.assert_allclose(meant, 0.24, rtol=1e-12)
     # Of a command that another one covers, nothing.
     again = replace(draw, label="again")
     assert of_stages([draw, again], number=0)[1]["general combiner 0"] == own
