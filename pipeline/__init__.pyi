@@ -22,6 +22,8 @@ from fixedpipe.pipeline.commands import TexImage as TexImage
 from fixedpipe.pipeline.description.describe import describe as describe
 from fixedpipe.pipeline.execution.machine import Machine as Machine
 from fixedpipe.pipeline.execution.machine import execute as execute
+from fixedpipe.pipeline.framebuffers.pictures import above as above
+from fixedpipe.pipeline.framebuffers.pictures import beside as beside
 from fixedpipe.pipeline.framebuffers.result import Fragments as Fragments
 from fixedpipe.pipeline.framebuffers.result import Result as Result
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal as execute_ideal

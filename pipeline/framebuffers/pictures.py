@@ -4,6 +4,7 @@ import io
 import os
 import struct
 import zlib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -112,3 +113,71 @@ class Pictured:
     def _repr_png_(self) -> bytes | None:
         """The PNG bytes that a notebook shows, those of ``save``; None where there is no picture."""
         return png(self.deep_image())
+
+
+MOST_TIMES = 16  # so much larger ``beside`` shows a pixel, or a slip of the hand would fill the memory
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Together(Pictured):
+    """Several pictures as one, as ``beside`` and ``above`` make it.
+
+    pixels  uint8 [h, w, 4], top row first, alpha 255
+    """
+
+    pixels: NDArray[np.uint8]
+
+    def image(self) -> NDArray[np.uint8]:
+        """``pixels``."""
+        return self.pixels
+
+    def __repr__(self) -> str:
+        height, width = self.pixels.shape[:2]
+        return f"<a picture of pictures, {width}x{height} pixels>"
+
+
+def beside(*pictures: Pictured | NDArray[Any], times: int = 1) -> Together:
+    """Pictures of one height beside each other, the first on the left, as bytes: what a notebook shows of
+    them.
+
+    pictures  what has a picture, or an array [h, w, 3 or 4], top row first, whose alpha is not shown: uint8,
+              or floats, 1.0 = full, which are clamped to [0, 1] and go to the nearest byte
+    times     a pixel is shown as a square of so many to an edge, 1 to 16
+
+    Raises ValueError where there is none, for another height, for another array, and for other ``times``.
+    """
+    return _joined(pictures, 1, times)
+
+
+def above(*pictures: Pictured | NDArray[Any], times: int = 1) -> Together:
+    """Pictures of one width above each other, the first at the top: as ``beside``, of widths, not heights."""
+    return _joined(pictures, 0, times)
+
+
+def _joined(pictures: tuple[Pictured | NDArray[Any], ...], axis: int, times: int) -> Together:
+    images = [_opaque(picture) for picture in pictures]
+    sizes = [f"{image.shape[1]}x{image.shape[0]}" for image in images]
+    if len({image.shape[1 - axis] for image in images}) != 1:
+        one = ("width", "height")[axis]
+        raise ValueError(f"The pictures are {', '.join(sizes) or 'none'}; give one or more of one {one}.")
+    if isinstance(times, bool | float) or times not in range(1, MOST_TIMES + 1):
+        raise ValueError(
+            f"Pixels are to be {times!r} times as large; give a whole number from 1 to {MOST_TIMES}."
+        )
+    return Together(np.concatenate(images, axis=axis).repeat(times, axis=0).repeat(times, axis=1))
+
+
+def _opaque(picture: Pictured | NDArray[Any]) -> NDArray[np.uint8]:
+    """A picture's bytes, uint8 [h, w, 4], with an alpha of 255."""
+    pixels = picture.image() if isinstance(picture, Pictured) else picture
+    shown = isinstance(pixels, np.ndarray) and pixels.ndim == 3 and pixels.shape[2] in (3, 4)
+    if not shown or not (pixels.dtype == np.uint8 or np.issubdtype(pixels.dtype, np.floating)):
+        what = f"{pixels.dtype} {pixels.shape}" if isinstance(pixels, np.ndarray) else type(pixels).__name__
+        raise ValueError(f"A picture is {what}; give what has a picture, or uint8 or floats [h, w, 3 or 4].")
+    if np.issubdtype(pixels.dtype, np.floating):
+        if np.isnan(pixels).any():
+            raise ValueError("A picture holds NaN; give numbers, 1.0 = full.")
+        pixels = to_codes(pixels, 8)
+    out = np.full((*pixels.shape[:2], 4), 255, np.uint8)
+    out[..., :3] = pixels[..., :3]
+    return out

@@ -36,7 +36,7 @@ class Fragments:
     places: tuple[bytes, bytes] | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result(Pictured):
     """The results of running commands. A notebook shows its picture, and ``save`` writes it.
 
@@ -66,6 +66,11 @@ class Result(Pictured):
     records: tuple[Fragments, ...]
     histograms: dict[str, HistogramTable]
     minmaxes: dict[str, MinmaxTable]
+
+    def __repr__(self) -> str:
+        """What it is, and not its arrays."""
+        height, width = self.framebuffer.color.shape[:2]
+        return f"<a frame on {self.profile.name}, {width}x{height} pixels>"
 
     @property
     def bits(self) -> int:

@@ -11,7 +11,7 @@ from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
 from fixedpipe.pipeline.textures.images import Texture
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class IdealResult(Pictured):
     """What a frame leaves behind on the ideal machine; arrays of the framebuffer have their top row first. A
     notebook shows the picture, ``save`` writes it.
@@ -42,6 +42,11 @@ class IdealResult(Pictured):
         first: clamped to [0, 1] and to the nearest code.
         """
         return to_codes(self.color, bits)
+
+    def __repr__(self) -> str:
+        """What it is, and not its arrays."""
+        height, width = self.color.shape[:2]
+        return f"<the ideal, {width}x{height} pixels>"
 
 
 def to_bytes(values: ArrayLike) -> NDArray[np.uint8]:

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fixedpipe.pipeline import GEFORCE_256, INFINITE_REALITY, Clear, Scissor, execute, execute_ideal
+from fixedpipe.pipeline import (
+    GEFORCE_256,
+    INFINITE_REALITY,
+    Clear,
+    Scissor,
+    above,
+    beside,
+    execute,
+    execute_ideal,
+)
 from fixedpipe.pipeline.framebuffers.pictures import deep_picture, png, to_codes
 
 WIDTH, HEIGHT = 5, 3
@@ -60,6 +69,57 @@ def test_a_results_png_is_its_picture_top_row_first_and_opaque(made, tmp_path):
         np.testing.assert_array_equal(picture, result.image()[..., :3])
         assert (picture[0] == TOP).all()
         assert (picture[1:] == BOTTOM).all()
+
+
+def test_a_prompt_prints_what_a_result_is_and_not_its_arrays():
+    assert repr(RESULTS["machine"]()) == "<a frame on GeForce 256, 5x3 pixels>"
+    assert repr(RESULTS["ideal"]()) == "<the ideal, 5x3 pixels>"
+
+
+def test_pictures_are_shown_beside_and_above_each_other():
+    machine, ideal = (made() for made in RESULTS.values())
+    lower = execute(FRAME[:1], INFINITE_REALITY, WIDTH, 2)  # of more bits than a byte
+    row = beside(machine, ideal, times=2)
+    assert row.image().shape == (2 * HEIGHT, 4 * WIDTH, 4)
+    assert (row.image()[..., 3] == 255).all() and not machine.image()[..., 3].any()
+    np.testing.assert_array_equal(row.image()[::2, : WIDTH * 2 : 2, :3], machine.image()[..., :3])
+    np.testing.assert_array_equal(row.image()[1::2, WIDTH * 2 + 1 :: 2, :3], ideal.image()[..., :3])
+    column = above(machine, lower)
+    np.testing.assert_array_equal(column.image()[:HEIGHT, :, :3], machine.image()[..., :3])
+    np.testing.assert_array_equal(column.image()[HEIGHT:, :, :3], lower.image()[..., :3])
+    with Image.open(io.BytesIO(above(row, row)._repr_png_())) as file:
+        assert file.size == (4 * WIDTH, 4 * HEIGHT)
+    assert repr(row) == "<a picture of pictures, 20x6 pixels>"
+
+
+def test_arrays_are_shown_beside_each_other():
+    codes = np.array([[[1, 2, 3], [4, 5, 6]]], np.uint8)
+    reals = np.array([[[-1.0, 0.5, 2.0, 0.0]]], np.float32)
+    expected = [[[1, 2, 3, 255], [4, 5, 6, 255], [0, 128, 255, 255]]]
+    assert beside(codes, reals).image().tolist() == expected
+
+
+def test_what_cannot_be_shown_together_is_said():
+    machine = RESULTS["machine"]()
+    with pytest.raises(ValueError, match="The pictures are 5x3, 10x6; give one or more of one height"):
+        beside(machine, beside(machine, times=2))
+    with pytest.raises(ValueError, match="The pictures are 5x3, 10x3; give one or more of one width"):
+        above(machine, beside(machine, machine))
+    with pytest.raises(ValueError, match="The pictures are none"):
+        beside()
+    for times in (0, 1.5, 2.0, True, 17, "2"):
+        with pytest.raises(
+            ValueError, match=f"to be {times!r} times as large; give a whole number from 1 to 16"
+        ):
+            beside(machine, times=times)
+    with pytest.raises(ValueError, match=r"A picture is int64 \(1, 1, 3\); give what has a picture"):
+        beside(np.zeros((1, 1, 3), np.int64))
+    with pytest.raises(ValueError, match=r"A picture is uint8 \(4, 4\)"):
+        above(np.zeros((4, 4), np.uint8))
+    with pytest.raises(ValueError, match="A picture is str"):
+        above("picture.png")
+    with pytest.raises(ValueError, match="holds NaN"):
+        above(np.full((1, 1, 3), np.nan))
 
 
 def test_a_picture_of_another_kind_is_refused_before_anything_is_written(tmp_path):
