@@ -19,7 +19,7 @@ ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
-.PHONY: help setup figures conformance machines instructions arithmetic techniques layers docs docs-check test test-all check bench accept \
+.PHONY: help setup figures conformance machines instructions arithmetic techniques layers docs docs-check notebooks test test-all check bench accept \
 	accept-conformance accept-selftest matrix clean
 
 help:
@@ -37,6 +37,7 @@ help:
 	@echo "make layers             write into docs/architecture.md which package imports which (tests/layers.py)"
 	@echo "make docs               write into the pages what commands measure (ONLY='F004-2 P9': these alone): 5 minutes"
 	@echo "make docs-check         measure the pages' numbers again, and print those that differ, with page and line"
+	@echo "make notebooks          run the notebooks of docs/examples, and save what they show"
 	@echo "make accept FIGURE=ID   accept a figure's digest (PROFILE=NAME: on that machine) once it was looked at"
 	@echo "make accept-conformance accept how many pixels agree with the captures (WORSE=yes: fewer too)"
 	@echo "make accept-selftest    accept the self-test's digests, once its picture was looked at"
@@ -101,6 +102,9 @@ docs: $(READY)
 
 docs-check: $(READY)
 	$(BIN)/python -m tests.documents --check $(ONLY)
+
+notebooks: $(READY)
+	$(BIN)/python -m tests.notebooks
 
 accept: $(READY)
 	@[ -n "$(FIGURE)" ] || { echo "Say which figure: make accept FIGURE=ID (fixedpipe figures --list names them)."; exit 2; }
