@@ -86,36 +86,34 @@ class Data:
         *,
         at_most: float | None = None,
         at_least: float | None = None,
-        reason: str | None = None,
         **fields: object,
     ) -> Check:
         """What was measured as a Check: its bound and its reason are the file's.
 
-        at_most, at_least, reason  where they are computed, and the file has none
-        fields                     what ``{field}`` stands for in the name and in the file's reason
+        at_most, at_least  where the bound is computed, and the file has none
+        fields             what ``{field}`` stands for in the name and in the reason
 
-        Raises ValueError for a name that the file has not, for what is given here and there, for a check
-        without a reason, and for fields that are not those of the name and the reason.
+        Raises ValueError for a name that the file has not, for a bound that is given here and there, for a
+        check without a reason, for fields that are not those of the name and the reason, and as Check.
         """
         if name not in self.checks:
             self._refuse(f"{self._id} has no check {name!r}.{nearest(name, self.checks)} Add it.")
-        where, table = f"the check {name!r} of {self._id}", self.checks[name]
-        given = {"at_most": at_most, "at_least": at_least, "reason": reason}
-        given = {key: one for key, one in given.items() if one is not None}
-        for key in given.keys() & table.keys():
+        where, said = f"the check {name!r} of {self._id}", self.checks[name]
+        given = {key: one for key, one in (("at_most", at_most), ("at_least", at_least)) if one is not None}
+        for key in given.keys() & said.keys():
             self._refuse(f"{where} has {key}, and Python gives it too; leave one out.")
-        if "reason" not in {*given, *table}:
+        if "reason" not in said:
             self._refuse(f"{where} has no reason; give it one.")
-        said = {key: _answers(found) for key, found in table.items()}
-        texts = [name, *(said["reason"].values() if "reason" in said else ())]
+        if not isinstance(on, Answer):
+            self._refuse(f"{where} is on {on!r}; give an Answer: {', '.join(map(str, Answer))}.")
+        texts = name, *_answers(said["reason"]).values()
         named = {field for text in texts for _, field, _, _ in string.Formatter().parse(text) if field}
         if named != fields.keys():
             names = ", ".join(sorted(named)) or "no fields"
             self._refuse(f"{where} has {names}; Python gives {', '.join(sorted(fields)) or 'none'}.")
-        taken = {key: found[on.value] for key, found in said.items()} | given
-        if "reason" in said:
-            taken["reason"] = _sentence(taken["reason"]).format(**fields)
-        return Check(name.format(**fields), value, on=on, **taken)
+        taken = {key: _answers(found)[on.value] for key, found in said.items()} | given
+        reason = _sentence(taken.pop("reason")).format(**fields)
+        return Check(name.format(**fields), value, on=on, reason=reason, **taken)
 
     def _table(self, line: int, text: str) -> Any:
         """A piece of the file, which has so many lines before it, as the table of the id."""

@@ -143,11 +143,15 @@ def test_wrong_checks_are_refused(data, old, new, said):
         data(old=old, new=new).check("pixels", 1.0, Answer.IDEAL)
 
 
+def test_a_check_is_on_an_answer(data):
+    with pytest.raises(ValueError, match=r"'pixels' of F004-1 is on 'machine'; give an Answer: Answer.IDEAL"):
+        data().check("pixels", 1.0, "machine")
+
+
 @pytest.mark.parametrize(
     ("given", "said"),
     [
         ({"at_least": 3}, "'pixels' of F004-1 has at_least, and Python gives it too; leave one out"),
-        ({"reason": "so"}, "'pixels' of F004-1 has reason, and Python gives it too"),
         ({"at_most": 3}, "give one, at_most or at_least"),
         ({"four": 4}, "'pixels' of F004-1 has no fields; Python gives four"),
     ],
