@@ -1,11 +1,28 @@
-'''What a pass is (frozen state), what a machine is (a profile), and running one on the other.
+"""What a pass is (frozen state), what a machine is (a profile), and running one on the other.
 
-What a user needs has its name here; the enumerations, OpenGL's tokens, are in ``fixedpipe.pipeline.enums``,
-and what few passes need of a state in ``fixedpipe.pipeline.state``. A name's module is imported when the name
-is first asked for, so states can be made without loading a kernel.
+``help(fixedpipe.pipeline.Draw)`` tells all of one of these names. The enumerations, OpenGL's tokens, are in
+``fixedpipe.pipeline.enums``, and what few passes need of a state in ``fixedpipe.pipeline.state``. A name's
+module is imported when the name is first asked for, so states can be made without loading a kernel.
 
-A frame is a tuple of commands. ``execute`` runs it on a new machine, ``execute_ideal`` on none, in real
-numbers:
+  to run a frame      execute on a new machine, Machine on one that keeps what it has, execute_ideal on none
+  what comes of it    Result, Fragments; IdealResult of the ideal
+  to ask about it     validate: can the machine hold it; describe: in words; inspect: a pixel's PixelHistory
+  what is refused     UnsupportedState is raised; DisabledTexture is a warning
+  Command: any of     Clear, Draw, DrawPixels, Bitmap, CopyPixels, Accum, ReadPixels, MakeCurrent (a pbuffer)
+    of textures       TexImage, CopyTexImage, CopyTexSubImage, BindTexImage, GetTexImage
+    others            ResetHistogram, ResetMinmax, Saturate, HostStep: what the application computes
+  what they take      Mesh, Texture, PixelImage, PixelTransfer
+    makers of it      texture_1d, texture_2d, texture_3d, texture_cube_map
+  a Draw's PassState  VertexState: transformation, lighting, clipping
+    its textures      TextureUnit, Sampler, ColorKey, TextureShaderStage
+    its combining     TextureEnvironment (environment makes one of words), RegisterCombiners, Fog
+    its fragments     Scissor, AlphaTest, StencilTest, DepthTest, Blending, ColorMask
+  notations           parse_program: a Program of !!RC1.0, !!TS1.0, ps.1.x and others, for a PassState
+  machines            OPENGL_1_2, OPENGL_1_2_IMAGING, MULTITEXTURE, OCTANE, INFINITE_REALITY, G400, TEXRAM,
+                      GEFORCE_256, GEFORCE_3, NV2A; SCHILLING and FUTURE, which papers asked for; IDEAL
+    of any name       PROFILES, a mapping; Profile: what a machine is
+
+``execute`` runs a frame, a tuple of commands, on a new machine, ``execute_ideal`` on none, in real numbers:
 
 >>> from fixedpipe.pipeline import GEFORCE_256, Clear, Draw, Mesh, PassState, execute, execute_ideal
 >>> triangle = Mesh([[-1, -1], [3, -1], [-1, 3]], colors=[[0.3, 0.6, 0.9]] * 3)
@@ -19,7 +36,7 @@ numbers:
 A state is whole, and its defaults are OpenGL's initial values. Here a second pass adds to the first:
 
 >>> from fixedpipe.pipeline import Blending
->>> from fixedpipe.pipeline.enums import BlendFactor
+>>> from fixedpipe.pipeline.enums import BlendFactor, TextureFilter
 >>> added = PassState(blending=Blending(source=BlendFactor.ONE, destination=BlendFactor.ONE))
 >>> twice = (*frame, Draw(label="once more", mesh=triangle, state=added))
 >>> execute(twice, GEFORCE_256, 4, 4).image()[0, 0].tolist()
@@ -29,62 +46,39 @@ A texture is made of an array and stored by a command; a unit names the one that
 
 >>> import numpy as np
 >>> from fixedpipe.pipeline import Sampler, TexImage, TextureUnit, texture_2d
->>> from fixedpipe.pipeline.enums import TextureFilter
->>> grey = texture_2d(np.full((2, 2, 4), 128, np.uint8))
+>>> grey = TexImage(label="grey", texture="grey", image=texture_2d(np.full((2, 2, 4), 128, np.uint8)))
 >>> nearest = Sampler(min_filter=TextureFilter.NEAREST, mag_filter=TextureFilter.NEAREST)
 >>> textured = PassState(texture_units=(TextureUnit("grey", nearest),))
->>> corners = [[-1, -1], [3, -1], [-1, 3]]
->>> mapped = Mesh(corners, colors=triangle.colors, texture_coordinates=([[0, 0], [1, 0], [0, 1]],))
->>> modulated = (
-...     TexImage(label="grey texels", texture="grey", image=grey),
-...     Draw(label="colour times texel", mesh=mapped, state=textured),
-... )
+>>> mapped = Mesh(triangle.positions, colors=triangle.colors, texture_coordinates=([[0, 0], [1, 0], [0, 1]],))
+>>> modulated = (grey, Draw(label="colour times texel", mesh=mapped, state=textured))
 >>> execute(modulated, GEFORCE_256, 4, 4).image()[0, 0].tolist()
 [38, 77, 115, 128]
-
-Register combiners, texture shaders and pixel shaders can be written in the notations of the time:
-
->>> from fixedpipe.pipeline import parse_program
->>> program = parse_program("""!!RC1.0
-... {
-...   rgb {
-...     spare0 = col0 * col0;
-...   }
-... }
-... out.rgb = spare0;
-... out.a = col0.a;
-... """)
->>> squared = PassState(register_combiners=program.combiners)
->>> execute((Draw(label="squared", mesh=triangle, state=squared),), GEFORCE_256, 4, 4).image()[0, 0].tolist()
-[23, 92, 206, 255]
 
 A ``Machine`` keeps its framebuffers and textures from one frame to the next; reading back is a command:
 
 >>> from fixedpipe.pipeline import Machine, ReadPixels
 >>> machine = Machine(GEFORCE_256, 4, 4)
->>> _ = machine.run(frame)
->>> machine.run((ReadPixels(label="the corner", name="corner", width=1, height=1),)).pixels["corner"].tolist()
+>>> read = ReadPixels(label="read back", name="corner", width=1, height=1)
+>>> machine.run((*frame, read)).pixels["corner"].tolist()
 [[[76, 153, 229, 255]]]
 
 What a machine cannot hold is refused before anything is drawn; ``validate`` asks without drawing:
 
->>> from fixedpipe.pipeline import OPENGL_1_2, UnsupportedState, describe, validate
+>>> from fixedpipe.pipeline import OPENGL_1_2, UnsupportedState, parse_program, validate
+>>> code = "!!RC1.0 { rgb { spare0 = col0 * col0; } } out.rgb = spare0; out.a = col0.a;"
+>>> squared = PassState(register_combiners=parse_program(code).combiners)
 >>> try:
 ...     validate((Draw(label="squared", mesh=triangle, state=squared),), OPENGL_1_2, 4, 4)
 ... except UnsupportedState as refused:
 ...     print(refused)
 Command 0, "squared": OpenGL 1.2 has no register combiners; choose a profile that has them.
 
-``describe`` says in words what a frame is:
-
->>> print(describe(frame[1:]).strip())
-0. Draw "one colour"
-   draws TRIANGLES, 3 vertices; with colors
-'''
+"""
 
 import importlib
 import pkgutil
 import re
+import sys
 
 # Where each name is defined, as type checkers read it: a stub's lines are "from module import name as name".
 _STUB = pkgutil.get_data(__name__, "__init__.pyi").decode()
@@ -104,4 +98,10 @@ def __getattr__(name):
 
 
 def __dir__():
+    # pydoc prints the whole of every name that it finds here, three thousand lines. The table above has them.
+    caller = sys._getframe(1)
+    while caller and caller.f_globals.get("__name__") == "inspect":
+        caller = caller.f_back
+    if caller and caller.f_globals.get("__name__") == "pydoc":
+        return []
     return sorted({*globals(), *__all__})

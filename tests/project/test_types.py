@@ -7,7 +7,9 @@ import ast
 import importlib
 import inspect
 import pydoc
+import re
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from typing import get_args
@@ -125,3 +127,28 @@ def test_help_names_a_command_and_not_all_kinds_of_commands():
     for function in (pipeline.execute, pipeline.execute_ideal, pipeline.validate, pipeline.describe):
         first = pydoc.plain(pydoc.render_doc(function)).splitlines()[2]
         assert "Iterable[Command]" in first and "Clear" not in first and len(first) < 500, first
+
+
+def test_help_of_the_door_is_a_page_that_names_all_it_has():
+    # In a new process, where no name was asked for before.
+    code = "import pydoc\nprint(pydoc.plain(pydoc.render_doc('fixedpipe.pipeline')))"
+    page = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert len(page.splitlines()) <= 110
+    topics = page.split("  to run a frame ")[1].split("``execute`` runs a frame")[0]
+    named = re.findall(r"\w+", topics)
+    assert set(pipeline.__all__) <= set(named)
+    # What looks like a name of ours is one.
+    assert {word for word in named if re.search(r"_[0-9A-Za-z]|[a-z][A-Z]", word)} <= set(pipeline.__all__)
+
+
+def test_help_of_a_name_stays_whole():
+    page = pydoc.plain(pydoc.render_doc(pipeline.Draw))
+    assert "class Draw" in page and "mesh: " in page and len(page.splitlines()) > 30
+
+
+def test_whoever_else_asks_finds_every_name():
+    assert set(pipeline.__all__) <= set(dir(pipeline))
+    assert set(pipeline.__all__) <= dict(inspect.getmembers(pipeline)).keys()
+    found = {}
+    exec("from fixedpipe.pipeline import *", found)
+    assert set(pipeline.__all__) <= found.keys()
