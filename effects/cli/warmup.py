@@ -13,18 +13,22 @@ from fixedpipe.effects.cli.compiling import announce_compiling
 def warmup():
     """Compile every kernel that is not yet compiled for this machine, and say where they are kept.
 
-    It takes some minutes, once. Do it after an install, or in the build of a container. If several users
-    share an install, let its owner do it: all of them read what it leaves. Exit status 1 if the kernels could
-    not be kept.
+    It takes a minute or more, once; two processes compile. Do it after an install, or in the build of a
+    container. If several users share an install, let its owner do it: all of them read what it leaves. Exit
+    status 1 if the kernels could not be kept.
     """
+    from fixedpipe.pipeline.native.readiness import compile_beside
     from fixedpipe.raster.kernel import CACHE_FOLDER, make_all_ready
     from fixedpipe.raster.kernel_folder import kept
 
     began = time.monotonic()
     announce_compiling(None)
+    if CACHE_FOLDER in dict(kept()):  # else this process could not read what another compiles
+        compile_beside("vector")
     for name in "fixedpipe.raster", "fixedpipe.effects":
         for module in pkgutil.walk_packages(importlib.import_module(name).__path__, f"{name}."):
-            importlib.import_module(module.name)
+            if not module.name.endswith(".__main__"):  # which runs a command
+                importlib.import_module(module.name)
     make_all_ready()
     click.echo(f"All kernels are compiled ({time.monotonic() - began:.0f} s).")
     size = dict(kept()).get(CACHE_FOLDER)

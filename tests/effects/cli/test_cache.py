@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.cli import warmup as command
+from fixedpipe.pipeline.native import readiness
 from fixedpipe.raster import kernel, kernel_folder
 
 STATE = "0123456789abcdef"
@@ -64,6 +65,7 @@ def test_warmup_leaves_nothing_to_compile(base, monkeypatch):
         asked.append(name)
         return importlib.import_module(name) if name.count(".") == 1 else None
 
+    monkeypatch.setattr(readiness, "compile_beside", lambda engine: None)
     monkeypatch.setattr(kernel, "_of_one_signature", ready := [])
     monkeypatch.setattr(command, "importlib", SimpleNamespace(import_module=import_module))
     monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE)
@@ -78,6 +80,20 @@ def test_warmup_leaves_nothing_to_compile(base, monkeypatch):
     assert found.stdout.endswith(f"They are kept in {base / 'kernels' / STATE} (2 MB).\n")
     assert asked[-1] is ready[0]
     assert {"fixedpipe.raster.vector.frame", "fixedpipe.effects.geometry.cube_maps"} <= set(asked[:-1])
+    assert not [name for name in asked[:-1] if name.endswith("__main__")]  # it would run the command again
+
+
+@pytest.mark.parametrize(("is_kept", "engines"), [(True, ["vector"]), (False, [])])
+def test_warmup_lets_another_process_compile_the_engines_where_it_can_read_them(
+    base, monkeypatch, is_kept, engines
+):
+    asked = []
+    monkeypatch.setattr(readiness, "compile_beside", asked.append)
+    monkeypatch.setattr(kernel, "_of_one_signature", [])
+    monkeypatch.setattr(command, "pkgutil", SimpleNamespace(walk_packages=lambda *where: []))
+    monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE if is_kept else base / "alone")
+    run("warmup")
+    assert asked == engines
 
 
 def test_warmup_fails_where_nothing_is_kept(base, monkeypatch):
