@@ -110,9 +110,6 @@ def brdf(
     machine = choose("profile", profile, PROFILES)
     toward = three_numbers(light, "The light's direction")
     reflected = _albedo(albedo)
-    with refusals():
-        announce_compiling()
-        field = simulated_brdf.field_of(heights, texels, relief, reflected)
     path = writable_file(out)
     _refuse_same(path, heights, "of which the BRDF is made")
     if picture is not None:
@@ -121,7 +118,9 @@ def brdf(
         _refuse_same(picture, out, "the BRDF")
     if resume is not None:
         writable_folder(resume)
+    announce_compiling()
     with refusals():
+        field = simulated_brdf.field_of(heights, texels, relief, reflected)
         found = _simulated(field, directions, bounces, grid, resume, jobs)
         if form == "merl":
             data = simulated_brdf.merl_file(found)

@@ -2,7 +2,7 @@
 
 import click
 
-from fixedpipe.effects.cli.frames import frame_asked, write_file
+from fixedpipe.effects.cli.frames import check_files, check_plots, frame_asked, write_file
 from fixedpipe.effects.cli.options import set_option
 
 
@@ -41,6 +41,8 @@ def compare(what, other, machines, size, out, settings):
     if frames[0].size != frames[1].size:
         sizes = " and ".join("x".join(map(str, frame.size)) for frame in frames)
         raise Refusal(f"The frames have {sizes} pixels; give both the same size.")
+    check_plots("--out", out)
+    check_files(out)
     announce_compiling()
     with refusals():
         runs = [Run(tuple(frame.commands), frame.machine) for frame in frames]
@@ -65,10 +67,7 @@ def compare(what, other, machines, size, out, settings):
         size_of = abs(found.first - found.second)
         values = scale * (size_of.max(axis=2) if size_of.ndim == 3 else size_of)
         maps = [(f"{found.command}: {found.label}", values)]
-        picture = maps_png(maps, found.plane, f"difference{unit and ', 1' + unit}")
-        if picture is None:
-            raise Refusal("The picture needs matplotlib; install fixedpipe[plots], or leave --out out.")
-        write_file(out, picture)
+        write_file(out, maps_png(maps, found.plane, f"difference{unit and ', 1' + unit}"))
     click.get_current_context().exit(1)
 
 

@@ -102,7 +102,10 @@ def script_frame(path, profile, size, settings, profile_of=machine_of):
     missing = [name for name in ("commands", "width", "height") if name not in made]
     if missing or not (profile or "profile" in made):
         names = ", ".join(missing or ("profile",))
-        raise Refusal(f"{path} does not define {names}; it needs commands, profile, width and height.")
+        figure = " Its FIGURE is for figures, animate and parameters." * ("FIGURE" in made)
+        raise Refusal(
+            f"{path} does not define {names}; it needs commands, profile, width and height.{figure}"
+        )
     machine = profile or made["profile"]
     machine = profile_of(machine) if isinstance(machine, str) else machine
     try:
@@ -212,17 +215,30 @@ def _picture(path):
     return picture[..., None] if picture.ndim == 2 else picture
 
 
-def write_file(path, content):
-    """Write text or bytes, and say so. Raises Refusal."""
-    from pathlib import Path
+def check_files(*names):
+    """Raise Refusal where one of these files, None aside, cannot be written: before anything is computed."""
+    from fixedpipe.effects.reports.files import writable_file
+
+    for name in filter(None, names):
+        writable_file(name)
+
+
+def check_plots(option, given):
+    """Raise Refusal where a picture by matplotlib is asked for, and it is not installed."""
+    from importlib.util import find_spec
 
     from fixedpipe.effects.refusal import Refusal
 
-    try:
-        Path(path).write_bytes(content if isinstance(content, bytes) else content.encode())
-    except OSError as error:
-        raise Refusal(f"{path} cannot be written: {error.strerror}.") from None
-    click.echo(f"wrote {path}", err=True)
+    if given and find_spec("matplotlib") is None:
+        raise Refusal(f"{option} needs matplotlib; install fixedpipe[plots], or leave it out.")
+
+
+def write_file(name, content):
+    """Write text or bytes, and say so. Raises Refusal."""
+    from fixedpipe.effects.reports.files import writable_file, write_whole
+
+    write_whole(writable_file(name), content if isinstance(content, bytes) else content.encode())
+    click.echo(f"wrote {name}", err=True)
 
 
 def write_rows(rows, json_file, csv_file):

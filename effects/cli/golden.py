@@ -76,19 +76,20 @@ def record(arguments):
 def check(no_run, json_file, junit, root, arguments):
     """Run pytest, and say how the pictures went, for a person, as JSON and as JUnit's XML."""
     from fixedpipe.effects.refusal import Refusal
-    from fixedpipe.effects.reports.files import write_whole
+    from fixedpipe.effects.reports.files import writable_file, write_whole
     from fixedpipe.effects.reports.golden.results import results_json, results_junit
 
     if no_run and arguments:
         raise Refusal("--no-run runs no pytest, so arguments of it are of no use; leave one of them out.")
+    junit_path, json_path = (name and writable_file(name) for name in (junit, json_file))
     status = 0 if no_run else _run_pytest(*arguments)
     root = _place(root)
     found = _results(root)
     if junit:
-        write_whole(Path(junit), results_junit(found))
+        write_whole(junit_path, results_junit(found))
     if json_file:
         written = [path for path in (junit, json_file) if path]
-        write_whole(Path(json_file), results_json(root, found, written).encode())
+        write_whole(json_path, results_json(root, found, written).encode())
     _tell(found)
     _end(status, found)
 

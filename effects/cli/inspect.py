@@ -3,6 +3,8 @@
 import click
 
 from fixedpipe.effects.cli.frames import (
+    check_files,
+    check_plots,
     frame_asked,
     sign_beside,
     what_if_of,
@@ -102,7 +104,10 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
         refuse_ignored(context, ("out",), "it is a map's picture; give --map KIND")
     files = of["json_file"], of["csv_file"]
     where = _pixel(pixel) if pixel is not None else None
+    check_plots("--plot", of["plot"])
+    check_plots("--out", out)
     frame = frame_asked(what, of["profile"], of["size"], of["settings"])
+    check_files(*files, of["html_file"], of["plot"], out)
     announce_compiling("portable")  # which records what the ideal is guided by
     before = None if asked else frame_error_of(frame)
     if what_if is not None:
@@ -168,10 +173,7 @@ def _tell_row(of, row, plot):
     if plot is not None:
         from fixedpipe.effects.reports.row_picture import row_png
 
-        picture = row_png(machine, ideal, title)
-        if picture is None:
-            raise Refusal("--plot needs matplotlib; install fixedpipe[plots], or leave it out.")
-        write_file(plot, picture)
+        write_file(plot, row_png(machine, ideal, title))
     return pixel_rows(machine, ideal)
 
 
@@ -288,10 +290,8 @@ def _tell_maps(of, kind, number, out):
     if out is not None:
         from fixedpipe.effects.reports.map_picture import maps_png
 
-        picture = maps_png([(f"{each.command}: {each.label}", each.values) for each in maps], of.title, kind)
-        if picture is None:
-            raise Refusal("A map's picture needs matplotlib; install fixedpipe[plots], or leave --out out.")
-        write_file(out, picture)
+        shown = [(f"{each.command}: {each.label}", each.values) for each in maps]
+        write_file(out, maps_png(shown, of.title, kind))
     return map_rows(maps)
 
 

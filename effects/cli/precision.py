@@ -2,7 +2,7 @@
 
 import click
 
-from fixedpipe.effects.cli.frames import frame_asked, sign_beside, write_rows
+from fixedpipe.effects.cli.frames import check_files, frame_asked, sign_beside, write_rows
 from fixedpipe.effects.cli.options import set_option
 
 _SIZE = 96  # pixels an edge of a figure's panel, where nothing else is asked for
@@ -51,6 +51,7 @@ def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
 
     widths, parts = _widths(bits), _parts(parts, measured.PARTS)
     of = frame_asked(what, profile, size or (None if what.endswith(".py") else _SIZE), settings)
+    check_files(json_file, csv_file)
     announce_compiling("portable")  # which records what the ideal is guided by
     with refusals():
         rows = measured.table(of.commands_of, of.machine, *of.size, widths, parts)

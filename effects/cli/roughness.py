@@ -50,11 +50,11 @@ def roughness(heights, out, shown, size, height_scale, once):
 
     if Path(out).suffix.lower() != ".npz":
         raise Refusal(f"The levels are written as NPZ; name them FILE.npz, not {out}.")
+    path = writable_file(out)
+    picture = None if shown is None else writable_picture(shown, (heights,))
     with refusals():
         field = maps.height_field(heights)
         levels = found.pyramids(field, size, height_scale, repeated=not once)
-        path = writable_file(out)
-        picture = None if shown is None else writable_picture(shown, (heights,))
         file = io.BytesIO()
         np.savez(file, **found.arrays(levels))
     write_whole(path, file.getvalue())

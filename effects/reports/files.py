@@ -1,6 +1,10 @@
-"""Files are written whole, or not at all."""
+"""Files are written whole, or not at all, into folders that are made where they are missing. Who computes
+long asks first whether a file can be written: ``writable_file``.
+"""
 
 import os
+import shutil
+import stat
 import tempfile
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -18,6 +22,10 @@ def writable_folder(folder):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return folder
+    except FileExistsError as error:
+        raise Refusal(
+            f"The folder {folder} cannot be written to: {folder} is a file, and no folder."
+        ) from error
     except OSError as error:
         raise Refusal(f"The folder {folder} cannot be written to: {error.strerror}.") from error
     except ValueError as error:
@@ -27,6 +35,8 @@ def writable_folder(folder):
 def writable_file(name):
     """The file as a path, its folder made if need be. Raises Refusal when it cannot be written."""
     path = Path(name)
+    if _is_stream(path):
+        return path
     writable_folder(path.parent)
     try:
         if path.is_dir():
@@ -40,6 +50,15 @@ def writable_file(name):
         reason = getattr(error, "strerror", None) or error
         raise Refusal(f"{str(path)!r} cannot be written: {reason}.") from error
     return path
+
+
+def _is_stream(path):
+    """Whether a name is of a device, a pipe or what a process has open, and of no file that is replaced."""
+    try:
+        there = os.stat(path).st_mode
+    except (OSError, ValueError):
+        return False
+    return not (stat.S_ISREG(there) or stat.S_ISDIR(there)) or path.is_relative_to("/dev")
 
 
 def _are_one(path, other):
@@ -65,12 +84,13 @@ def writable_picture(name, inputs=()):
 
 def _temporary_beside(path):
     """An open handle of a new file in the folder of ``path``, hidden and named after it, and its path; its
-    name is no longer than that of ``path`` may be.
+    name is no longer than that of ``path`` may be. What goes into a stream is in the temporary folder first.
     """
+    folder = tempfile.gettempdir() if _is_stream(path) else path.parent
     with suppress(FileNotFoundError):
         os.lstat(path)  # raises where the file system takes no such name
     ending = path.suffix if len(path.suffix) <= _LONGEST_ENDING else ""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem[:_NAMED]}.", suffix=ending)
+    handle, temporary = tempfile.mkstemp(dir=folder, prefix=f".{path.stem[:_NAMED]}.", suffix=ending)
     return handle, Path(temporary)
 
 
@@ -86,6 +106,11 @@ def written_whole(path):
         handle, temporary = _temporary_beside(path)
         os.close(handle)
         yield temporary
+        if _is_stream(path):
+            with temporary.open("rb") as whole, path.open("ab") as stream:
+                shutil.copyfileobj(whole, stream)
+            temporary.unlink()
+            return
         # mkstemp makes a file for its owner alone; give it what an ordinary new file gets.
         mask = os.umask(0)
         os.umask(mask)

@@ -9,15 +9,13 @@ _COLORS = "viridis"  # perceptual: equal steps look equal, and grey in print
 
 
 def maps_png(maps, title, legend):
-    """Maps below one another, by one scale: the bytes of a PNG file; None where matplotlib is not installed.
+    """Maps below one another, by one scale: the bytes of a PNG file.
 
     ``maps``: (name, values) each, float64 [h, w] of any size, top row first, no number where there is
     nothing; ``legend``: what the values are.
     """
-    try:
-        import matplotlib
-    except ImportError:
-        return None
+    import matplotlib
+
     scales = [max(1, 512 // max(values.shape)) for _, values in maps]  # small ones are shown pixel by pixel
     heights = [scale * values.shape[0] for scale, (_, values) in zip(scales, maps, strict=True)]
     width = max(scale * values.shape[1] for scale, (_, values) in zip(scales, maps, strict=True))

@@ -8,15 +8,13 @@ _NAMES = ("red", "green", "blue")
 
 
 def row_png(machine, ideal, title):
-    """The bytes of a PNG file; None where matplotlib is not installed.
+    """The bytes of a PNG file.
 
     ``machine``, ``ideal``: float64 [w, 3], 1.0 = full intensity. A component has axes of its own; components
     that are equal, as of a grey row, share them.
     """
-    try:
-        import matplotlib
-    except ImportError:
-        return None
+    import matplotlib
+
     shown = {}  # components of each axes, by the lines that they have
     for k, name in enumerate(_NAMES):
         key = machine[:, k].tobytes(), ideal[:, k].tobytes()

@@ -301,7 +301,7 @@ def test_what_is_wrong_with_a_script_is_said(tmp_path, source, sentence):
         (("F004-4", "--size", "32", "--pixel", "3,3", "--surface", "p"), "no pbuffer 'p'"),
         (("none.py", "--pixel", "3,3"), "none.py cannot be read: No such file or directory."),
         (("none.py", "--pixel", "3,3", "--size", "9"), "--size and --set are a figure's"),
-        (("F004-4", "--size", "32", "--pixel", "3,3", "--json", "/no/such/x.json"), "cannot be written"),
+        (("F004-4", "--size", "32", "--pixel", "3,3", "--json", "/dev/null/x.json"), "cannot be written"),
     ],
 )
 def test_what_cannot_be_told_is_refused(arguments, sentence):
