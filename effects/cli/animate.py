@@ -15,7 +15,7 @@ from fixedpipe.effects.cli.options import (
 
 
 @click.command(short_help="Draw a figure that moves: APNG, WebP or MP4.")
-@click.argument("figure_id", metavar="[ID]", required=False)
+@click.argument("figure_id", metavar="[ID|FILE.py]", required=False)
 @click.option("--list", "list_only", is_flag=True, help="Name the declared animations and end.")
 @click.option(
     "--vary",
@@ -39,7 +39,8 @@ from fixedpipe.effects.cli.options import (
 @set_option
 @threads_option
 def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, size, settings, threads):
-    """Draw figure ID while a parameter changes, or the width of its numbers; without either as declared.
+    """Draw figure ID, or the FIGURE in your FILE.py, while a parameter changes, or the width of its numbers;
+    without either as declared.
 
     Numbers change evenly, directions along the arc between them, whole numbers in steps. Every frame of APNG
     and WebP files has the machine's pixels; MP4 is lossy, and needs pip install 'fixedpipe[video]'.
@@ -54,6 +55,7 @@ def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, s
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.figure_record import variant_name
     from fixedpipe.effects.reports.files import writable_file, written_whole
+    from fixedpipe.effects.reports.own_figures import figure_of
     from fixedpipe.pipeline.profiles import PROFILES
 
     context = click.get_current_context()
@@ -64,7 +66,7 @@ def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, s
         return
     if figure_id is None:
         raise Refusal("Name a figure; fixedpipe animate --list has those that move by themselves.")
-    figure = choose("figure", figure_id, FIGURES)
+    figure = figure_of(figure_id)
     key = profile or figure.machines[0]
     with refusals():
         method = figure.method(key)

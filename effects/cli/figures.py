@@ -171,14 +171,13 @@ def _chosen(words):
     of those of users, by id.
     """
     from fixedpipe.effects.figures import FIGURES
-    from fixedpipe.effects.refusal import Refusal, choose
-    from fixedpipe.effects.reports.own_figures import KIND, own_figure
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.reports.own_figures import KIND, figure_of
 
     chosen, files = {}, {}
     for word in words or FIGURES:
-        is_file = word.endswith(KIND)
-        figure = own_figure(word) if is_file else choose("figure", word, FIGURES)
-        if is_file and files.setdefault(figure.id, word) != word:
+        figure = figure_of(word)
+        if word.endswith(KIND) and files.setdefault(figure.id, word) != word:
             raise Refusal(f"{files[figure.id]} and {word} both hold {figure.id}. Give one another id.")
         chosen[figure.id] = figure
     return list(chosen.values()), files

@@ -7,19 +7,19 @@ import click
 
 
 @click.command(short_help="Name what may be changed in a figure.")
-@click.argument("figure_id", metavar="ID")
+@click.argument("figure_id", metavar="ID|FILE.py")
 @click.option("--json", "json_file", metavar="FILE", help="Write them as a JSON list as well.")
 def parameters(figure_id, json_file):
-    """Print the parameters of figure ID: each with its value, unit and range, and what it does.
+    """Print the parameters of figure ID, or of the FIGURE in your FILE.py: each with its value, unit and
+    range, and what it does.
 
     Values are written as figures, passes and precision take them after --set: the numbers of one value with
     commas between them, several such values with slashes between them.
     """
-    from fixedpipe.effects.figures import FIGURES
-    from fixedpipe.effects.refusal import choose
     from fixedpipe.effects.reports.files import writable_file, write_whole
+    from fixedpipe.effects.reports.own_figures import figure_of
 
-    figure = choose("figure", figure_id, FIGURES)
+    figure = figure_of(figure_id)
     path = writable_file(json_file) if json_file else None
     rows = _rows(figure)
     if path:
@@ -41,7 +41,7 @@ def parameters(figure_id, json_file):
     shown = next((row for row in rows if row["default"] != "None" and not row["of"]), None)
     if shown is not None:
         setting = shlex.quote(f"{shown['name']}={shown['default']}")
-        click.echo(f"\nAs in fixedpipe figures {figure.id} --set {setting}")
+        click.echo(f"\nAs in fixedpipe figures {shlex.quote(figure_id)} --set {setting}")
 
 
 def _rows(figure):

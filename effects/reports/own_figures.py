@@ -8,11 +8,16 @@ from pathlib import Path
 from types import ModuleType
 
 from fixedpipe.effects.figures import FIGURES, Figure
-from fixedpipe.effects.refusal import Refusal, line_of
+from fixedpipe.effects.refusal import Refusal, choose, line_of
 
 KIND = ".py"
 # Names of files are made of ids; a + there begins what was changed of a variant.
 _ID = re.compile(r"\w[\w-]{0,59}")
+
+
+def figure_of(word):
+    """The Figure of an id, or of a user's file: what commands take as ID|FILE.py. Raises Refusal."""
+    return own_figure(word) if word.endswith(KIND) else choose("figure", word, FIGURES)
 
 
 @cache

@@ -2,8 +2,10 @@
 
 import json
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
+from PIL import Image, ImageSequence
 
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.refusal import Refusal
@@ -160,3 +162,40 @@ def test_two_files_with_one_id_and_a_file_that_is_not_there_are_refused(file):
     assert f"{path} and {other} both hold MY-1." in run(path, other, status=2).stderr
     with pytest.raises(Refusal, match=r"nowhere\.py cannot be read: No such file"):
         own_figure("nowhere.py")
+
+
+def other(*arguments):
+    """What another command than ``figures`` says."""
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def test_its_parameters_are_named(file):
+    path = file()
+    told = other("parameters", path, "--json", "parameters.json")
+    assert told.exit_code == 0, told.output
+    assert told.stdout.startswith("MY-1: Red\n\ncolor=1,0.5,0.2")
+    assert told.stdout.endswith(f"As in fixedpipe figures {path} --set color=1,0.5,0.2\n")
+    with open("parameters.json") as written:
+        assert [row["name"] for row in json.load(written)] == ["color"]
+
+
+def test_it_moves(file):
+    moved = other("animate", file(), "--vary", "color=0,0,0:1,1,1:3", "--size", 4, "--out", "red.png")
+    assert moved.exit_code == 0, moved.output
+    with Image.open("red.png") as picture:
+        frames = [np.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(picture)]
+    assert [int(frame[0, 0, 0]) for frame in frames] == [0, 128, 255]
+
+
+def test_what_takes_scripts_says_who_takes_a_figure(file):
+    for command in ("precision", "passes"):
+        refused = other(command, file())
+        assert refused.exit_code == 2
+        assert "Its FIGURE is for figures, animate and parameters." in refused.stderr
+
+
+@pytest.mark.parametrize("command", ["animate", "parameters"])
+def test_a_file_without_a_figure_is_refused_by_each_command(file, command):
+    refused = other(command, file(("FIGURE = Figure(", "figure = Figure(")))
+    assert refused.exit_code == 2
+    assert "holds no FIGURE" in refused.stderr
