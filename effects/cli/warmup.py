@@ -23,13 +23,16 @@ def warmup():
 
     began = time.monotonic()
     announce_compiling(None)
+    beside = None
     if CACHE_FOLDER in dict(kept()):  # else this process could not read what another compiles
-        compile_beside("vector")
+        # For the engine that is missing. The process lives as long as its name here.
+        beside = compile_beside("vector") or compile_beside("portable")
     for name in "fixedpipe.raster", "fixedpipe.effects":
         for module in pkgutil.walk_packages(importlib.import_module(name).__path__, f"{name}."):
             if not module.name.endswith(".__main__"):  # which runs a command
                 importlib.import_module(module.name)
     make_all_ready()
+    del beside
     click.echo(f"All kernels are compiled ({time.monotonic() - began:.0f} s).")
     size = dict(kept()).get(CACHE_FOLDER)
     if not size:

@@ -4,6 +4,7 @@ import importlib
 import os
 import subprocess
 import sys
+import weakref
 from types import SimpleNamespace
 
 import pytest
@@ -87,12 +88,24 @@ def test_warmup_leaves_nothing_to_compile(base, monkeypatch):
 def test_warmup_lets_another_process_compile_the_engines_where_it_can_read_them(
     base, monkeypatch, is_kept, engines
 ):
-    asked = []
-    monkeypatch.setattr(readiness, "compile_beside", asked.append)
-    monkeypatch.setattr(kernel, "_of_one_signature", [])
+    asked, alive = [], []
+
+    class Beside:
+        """What it waits for; if nobody holds it the process cannot tell anything, and fails."""
+
+        def __init__(self, engine):
+            asked.append(engine)
+            alive.append(weakref.ref(self))
+
+    class Kernel:
+        def make_ready(self):
+            assert all(process() is not None for process in alive)
+
+    monkeypatch.setattr(readiness, "compile_beside", Beside)
+    monkeypatch.setattr(kernel, "_of_one_signature", [Kernel()])
     monkeypatch.setattr(command, "pkgutil", SimpleNamespace(walk_packages=lambda *where: []))
     monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE if is_kept else base / "alone")
-    run("warmup")
+    assert run("warmup").exit_code == (not is_kept)
     assert asked == engines
 
 
@@ -104,3 +117,13 @@ def test_warmup_fails_where_nothing_is_kept(base, monkeypatch):
     found = run("warmup")
     assert found.exit_code == 1
     assert "Name one in NUMBA_CACHE_DIR." in found.stderr
+
+
+def test_warmup_lets_another_process_compile_the_engine_that_is_missing(base, monkeypatch):
+    asked = []
+    monkeypatch.setattr(readiness, "compile_beside", asked.append)  # which none of them needs
+    monkeypatch.setattr(kernel, "_of_one_signature", [])
+    monkeypatch.setattr(command, "pkgutil", SimpleNamespace(walk_packages=lambda *where: []))
+    monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE)
+    assert run("warmup").exit_code == 0
+    assert asked == ["vector", "portable"]
