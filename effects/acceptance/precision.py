@@ -33,25 +33,39 @@ def at_width(profile, bits, parts=PARTS):
     return profile.with_precision(**dict.fromkeys(parts, bits))
 
 
-def table(commands_of, profile, width, height, widths=WIDTHS, parts=PARTS):
+def _quietly(text):
+    """Of whoever does not tell what is being done."""
+
+
+def table(commands_of, profile, width, height, widths=WIDTHS, parts=PARTS, step=_quietly):
     """(bits, Error with every clamp, Error without those that only machines have) for each width.
 
-    ``commands_of``: a function of a machine that gives the frame's commands for it. Raises ValueError where
-    the machine cannot hold the frame.
+    ``commands_of``: a function of a machine that gives the frame's commands for it. ``step``: called with a
+    line of text before each of the two. Raises ValueError where the machine cannot hold the frame.
     """
     rows = []
     for bits in widths:
         machine = at_width(profile, bits, parts)
+        step(f"{bits} bits")
+        clamped = frame_error(commands_of(machine), machine, width, height)
+        step(f"{bits} bits, without its own clamps")
         free = machine.without_clamps(*MACHINE_CLAMPS)
-        rows.append((bits, *(frame_error(commands_of(m), m, width, height) for m in (machine, free))))
+        rows.append((bits, clamped, frame_error(commands_of(free), free, width, height)))
     return rows
 
 
-def clamps(commands_of, profile, width, height):
+def clamps(commands_of, profile, width, height, step=_quietly):
     """(None, the Error of the machine as it is), then (Clamp, Error) without each of its clamps, one at a
     time. Takes and raises what ``table`` does.
     """
-    left_out = [None, *(clamp for clamp in Clamp if clamp in profile.arithmetic.clamps)]
-    machines = [profile if clamp is None else profile.without_clamps(clamp) for clamp in left_out]
-    errors = [frame_error(commands_of(machine), machine, width, height) for machine in machines]
-    return list(zip(left_out, errors, strict=True))
+    found = []
+    for clamp in (None, *clamps_of(profile)):
+        step("its own widths" if clamp is None else f"without {clamp.name}")
+        machine = profile if clamp is None else profile.without_clamps(clamp)
+        found.append((clamp, frame_error(commands_of(machine), machine, width, height)))
+    return found
+
+
+def clamps_of(profile):
+    """The clamps of a machine: a list."""
+    return [clamp for clamp in Clamp if clamp in profile.arithmetic.clamps]

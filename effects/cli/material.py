@@ -100,6 +100,7 @@ def material(
     behind the mesh. +x is right, +y up, +z towards you.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.progress import progress_of_long
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
@@ -149,18 +150,31 @@ def material(
             lighting = shown_material.environment(environment, count, exposure, layout)
         if machine.arithmetic.exact:
             announce_compiling()
-            drawing = shown_material.meant(
-                brdf, surface, lighting, size, size, color=tint, eye=eye, threads=threads
-            )
+            with progress_of_long(1) as step:
+                step("the reflectance at each pixel")
+                drawing = shown_material.meant(
+                    brdf, surface, lighting, size, size, color=tint, eye=eye, threads=threads
+                )
             drawn_by = drawing.summary
         else:
             shown_material.check_picture(lighting, machine, size, size, tint)
             announce_compiling()
-            found = shown_material.factored(brdf, terms)
-            frame = shown_material.commands(
-                found, surface, lighting, machine, size, size, color=tint, eye=eye
-            )
-            drawing = drawn(frame, machine, size, size, threads)
+            with progress_of_long(2) as step:
+                step("the factors of the reflectance")
+                found = shown_material.factored(brdf, terms)
+                step("the frame's commands")
+                frame = shown_material.commands(
+                    found, surface, lighting, machine, size, size, color=tint, eye=eye
+                )
+            coming = iter(frame)
+            with progress_of_long(len(frame)) as step:
+
+                def begin(_=None):
+                    if (command := next(coming, None)) is not None:
+                        step(command.label)
+
+                begin()
+                drawing = drawn(frame, machine, size, size, threads, done=begin)
             passes = shown_material.passes_of(frame)
             drawn_by = (
                 f"{shown_material.way_of(machine)}; {passes} pass{'es' * (passes > 1)}, {drawing.summary}"

@@ -46,6 +46,7 @@ def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
     """
     from fixedpipe.effects.acceptance import precision as measured
     from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.progress import progress_of_long
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.effects.reports.rows import precision_rows
 
@@ -53,9 +54,10 @@ def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
     of = frame_asked(what, profile, size or (None if what.endswith(".py") else _SIZE), settings)
     check_files(json_file, csv_file)
     announce_compiling("portable")  # which records what the ideal is guided by
-    with refusals():
-        rows = measured.table(of.commands_of, of.machine, *of.size, widths, parts)
-        single = measured.clamps(of.commands_of, of.machine, *of.size)
+    steps = 2 * len(widths) + 1 + len(measured.clamps_of(of.machine))
+    with progress_of_long(steps) as step, refusals():
+        rows = measured.table(of.commands_of, of.machine, *of.size, widths, parts, step)
+        single = measured.clamps(of.commands_of, of.machine, *of.size, step)
     click.echo(f"{of.title}\n{of.size[0]}x{of.size[1]} pixels; {_UNIT}\n")
     click.echo(f"Bits of {', '.join(part.removesuffix('_bits').replace('_', ' ') for part in parts)}:")
     click.echo(f"{'':22}{'with clamps':>20}{'without its own':>23}")

@@ -9,6 +9,9 @@ from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 
 _STYLES = "paper: 170 mm wide, white, the caption below; slide, light-slide: 16:9, the title on top"
 
+# What else is drawn for which pictures of a sheet.
+_NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "reference-difference"}}
+
 
 @click.command(short_help="Compose a figure for a page or a slide: PNG, PDF or SVG.")
 @click.argument("what", metavar="ID|SCRIPT.py")
@@ -44,6 +47,7 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
     `height`, and has no paper. Needs matplotlib: pip install 'fixedpipe[plots]'.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.progress import progress_of_long
     from fixedpipe.effects.presentation.pictures import names_of
     from fixedpipe.effects.presentation.sheet import asked_of, sheet
     from fixedpipe.effects.presentation.sheet_files import KINDS, file_of
@@ -57,7 +61,7 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
         what, profile, size, settings
     )
     named = None if pictures is None else tuple(word.strip() for word in pictures.split(","))
-    names_of(figure, machine, named)
+    names = names_of(figure, machine, named)
     name = Path(out or f"{stem}-{style}.png")
     kind = name.suffix.lower().removeprefix(".")
     if kind not in KINDS:
@@ -71,8 +75,14 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
     drawing_library()
     path, beside = writable_file(name), writable_file(name.with_suffix(".bib"))
     announce_compiling()
-    with refusals():
+    beside_it = [what for what, of in _NEEDED.items() if of & {*names}]
+    with progress_of_long(2 + len(beside_it)) as step, refusals():
+        step(f"{figure.id} on {machine.name}")
         drawn = figure.render(machine, size, method=method, threads=threads, **changes)
+        for what in beside_it:  # computed when it is first asked for
+            step(f"the {what}")
+            getattr(drawn, what)
+        step("the sheet")
         composed = sheet(drawn, kind, style=style, width=width, dpi=dpi, pictures=named)
     write_whole(path, file_of(composed, kind))
     write_whole(beside, composed.bib.encode())

@@ -1,11 +1,13 @@
 """How far something is: a bar on a terminal, lines elsewhere, on the error stream."""
 
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
+from threading import Lock, Timer
 
 import click
 
 _LINES = 10  # where there is no terminal
+_SHORT = 2.0  # seconds of work of which nothing is said
 
 
 @cache
@@ -17,16 +19,51 @@ def error_console():
 
 
 @contextmanager
-def progress(steps):
-    """A function that is called with a line of text as each of so many steps begins."""
+def progress_of_long(steps):
+    """As ``progress``, of what may be short: nothing is said until two seconds after the first step began."""
+    from rich.errors import LiveError
+
+    step, text, begun, lock = None, "", 0, Lock()
+
+    def show():
+        nonlocal step
+        with lock, suppress(LiveError):  # beside the bar of kernels, where rich has one at a time
+            step = shown.enter_context(progress(steps, begun - 1))
+            step(text)
+
+    def told(what):
+        nonlocal text, begun
+        with lock:
+            text, begun = what, begun + 1
+            if step:
+                step(what)
+        if begun == 1:
+            timer.start()
+
+    timer = Timer(_SHORT, show)
+    timer.daemon = True
+    with ExitStack() as shown:
+        try:
+            yield told
+        finally:
+            timer.cancel()
+            if begun:
+                timer.join()
+
+
+@contextmanager
+def progress(steps, done=0):
+    """A function that is called with a line of text as each of so many steps begins, of which so many are
+    done.
+    """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    done = 0
     if not error_console().is_terminal:
+        first = done
 
         def line(text):
             nonlocal done
-            if done * _LINES // steps != (done - 1) * _LINES // steps:
+            if done == first or done * _LINES // steps != (done - 1) * _LINES // steps:
                 click.echo(f"{done + 1} of {steps}: {text}", err=True)
             done += 1
 
