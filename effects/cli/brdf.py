@@ -185,6 +185,7 @@ def _refuse_same(path, other, what):
 
 def _simulated(field, directions, bounces, grid, folder, jobs):
     """The dense BRDF, with a bar that says how far it is."""
+    import signal
     from concurrent.futures import ProcessPoolExecutor
     from contextlib import nullcontext
     from multiprocessing import get_context
@@ -193,7 +194,9 @@ def _simulated(field, directions, bounces, grid, folder, jobs):
     from fixedpipe.effects.user_pictures import simulated_brdf
 
     # A process that is forked while threads run may hang: new ones begin from nothing.
-    workers = ProcessPoolExecutor(jobs, get_context("spawn")) if jobs > 1 else nullcontext()
+    # Ctrl-C ends each of them without a word; this one says it.
+    ending = signal.signal, (signal.SIGINT, signal.SIG_DFL)
+    workers = ProcessPoolExecutor(jobs, get_context("spawn"), *ending) if jobs > 1 else nullcontext()
     with workers as executor, progress(grid) as step:
         begun = 0
 

@@ -1,5 +1,6 @@
-"""How the command line says no: the sentence on the error stream, and exit status 2."""
+"""How the command line says no: the sentence on the error stream, and exit status 2; 130 after Ctrl-C."""
 
+import signal
 from contextlib import contextmanager
 
 import click
@@ -21,11 +22,28 @@ class Said(click.ClickException):
         click.echo(f"{self.before}fixedpipe: {self.format_message()}", file=file, err=True)
 
 
+class Interrupted(click.ClickException):
+    """Ctrl-C, as the command line ends with it: a line, and the status of what the signal ends."""
+
+    exit_code = 128 + signal.SIGINT
+
+    def __init__(self):
+        super().__init__("fixedpipe: interrupted.")
+
+    def show(self, file=None):
+        """Print the line."""
+        click.echo(self.format_message(), file=file, err=True)
+
+
 @contextmanager
 def said():
-    """What cannot be done, or was asked for in words that are none, ends as Said: with one prefix."""
+    """What cannot be done, or was asked for in words that are none, ends as Said: with one prefix. Ctrl-C
+    ends as Interrupted.
+    """
     try:
         yield
+    except KeyboardInterrupt:
+        raise Interrupted from None
     except Refusal as error:
         raise Said(str(error)) from error
     except click.UsageError as error:

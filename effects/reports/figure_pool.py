@@ -99,7 +99,8 @@ def draw_all(orders, jobs, threads, step, compiling):
         while waiting or any(order for _, order in working.values()):  # not for a compiler alone
             while waiting and free:
                 process, (function, argument, order) = free.pop(), waiting.popleft()
-                working[process.submit(function, argument)] = process, order
+                with readiness.interrupts_kept():  # the first submitted begins the process
+                    working[process.submit(function, argument)] = process, order
             done, _ = wait(working, _SECONDS, FIRST_COMPLETED)
             _tell(said, step, compiling)
             for future in done:

@@ -78,6 +78,19 @@ def without_waiting():
         _never_waits = before
 
 
+@contextmanager
+def interrupts_kept():
+    """Ctrl-C reaches no process that begins inside, from its first instruction on. Who began it ends it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def compile_beside(engine):
     """Compile an engine that is not ready, and then the other, in another process; draw meanwhile.
 
@@ -93,7 +106,8 @@ def compile_beside(engine):
     try:
         told = context.SimpleQueue()
         process = context.Process(target=_compile, args=(engines, told), daemon=True)
-        process.start()
+        with interrupts_kept():
+            process.start()
     except OSError:  # No more processes, or no locks between them, are available: this one compiles.
         return None
     _never_waits = True

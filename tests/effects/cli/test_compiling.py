@@ -1,6 +1,8 @@
 """What is said while kernels are compiled: how many of how many, on a terminal as a bar."""
 
 import io
+import subprocess
+import sys
 
 import numba
 import pytest
@@ -84,6 +86,40 @@ def test_elsewhere_there_is_a_line_every_five_seconds(capsys, monkeypatch):
     assert said[0] == "Compiling kernels that nothing needed before."
     assert said[1] == "compiling kernel 1 of 40: draw_batch"
     assert [line.split()[2] for line in said[1:]] == ["1", "6", "11", "16", "21", "26"]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("parameters", "F004-4"),
+        ("figures", "K12"),
+        ("inspect", "K12", "--pixel", "1,1"),
+        ("bump", "sample:gravel", "--out", "a.png"),
+        ("golden", "orphans"),
+        ("cache",),
+        ("warmup",),
+    ],
+    ids=" ".join,
+)
+def test_ctrl_c_ends_every_command_with_a_line(monkeypatch, command):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(main.get_command(None, command[0]), "invoke", interrupt)
+    done = CliRunner().invoke(main, command)
+    assert (done.exit_code, done.stdout, done.stderr) == (130, "", "fixedpipe: interrupted.\n")
+
+
+def test_ctrl_c_reaches_no_process_that_begins_where_interrupts_are_kept():
+    """From its first instruction on: it has imported nothing yet."""
+    code = "import signal; print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))"
+
+    def blocked():
+        return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+
+    with readiness.interrupts_kept():
+        assert blocked() == "True\n"
+    assert blocked() == "False\n"
 
 
 @pytest.mark.parametrize("interrupted", [False, True])

@@ -293,8 +293,9 @@ def test_processes_begin_no_other_figure_on_a_full_disc(tmp_path, monkeypatch):
 
 
 def interrupted(folder, interrupt):
-    """The exit status of the command that draws all figures, once ``interrupt(process)`` was called as soon
-    as a process of its own said that it draws, and all that write to its standard error had ended.
+    """The exit status of the command that draws all figures, and what was said after ``interrupt(process)``
+    was called, as soon as a process of its own said that it draws, until all that write to its standard error
+    had ended.
 
     All figures, so that it has not ended however late the interrupt comes. Where these tests themselves
     ignore interrupts, as what a shell runs in the background does, the command would too, if it did not begin
@@ -314,19 +315,20 @@ def interrupted(folder, interrupt):
             if re.match(r"\S+: on ", line):
                 break
         interrupt(process)
-        process.stderr.read()  # to its end: none is left that has it
-    return process.returncode
+        said = process.stderr.read()  # to its end: none is left that has it
+    return process.returncode, said
 
 
 def test_ctrl_c_leaves_no_process_and_no_half_file(tmp_path):
-    assert interrupted(tmp_path, lambda process: os.killpg(process.pid, signal.SIGINT)) != 0
+    status, said = interrupted(tmp_path, lambda process: os.killpg(process.pid, signal.SIGINT))
+    assert status == 130 and said.endswith("fixedpipe: interrupted.\n") and "Traceback" not in said
     assert not list(tmp_path.rglob(".*"))
     for record in tmp_path.glob("*.json"):
         json.loads(record.read_text())
 
 
 def test_a_command_that_is_killed_leaves_no_process(tmp_path):
-    assert interrupted(tmp_path, lambda process: process.kill()) == -signal.SIGKILL
+    assert interrupted(tmp_path, lambda process: process.kill())[0] == -signal.SIGKILL
 
 
 def test_the_cheapest_figure_is_first_and_then_the_longest():
