@@ -12,7 +12,7 @@ _PROPOSED = "Source: Schilling 1997, section 8 (proposed)"
 _WORDS = frozenset({DotProductMapping.UNSIGNED_HILO, DotProductMapping.SIGNED_HILO_HEMISPHERE})
 
 SCHILLING = TEXRAM.descendant(
-    name="Schilling's proposal",
+    name="Schilling board",
     description="what the paper of 1997 proposes: environments read through the roughness of bumps",
     inherited="Assumed: as on TEXRAM",
     max_texture_units=known(

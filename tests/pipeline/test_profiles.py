@@ -29,7 +29,7 @@ NAMES = {
     "INFINITE_REALITY": "InfiniteReality|RealityEngine|Montrym",
     "G400": "G400|Matrox",
     "TEXRAM": "TEXRAM|Schilling",
-    "SCHILLING": "Schilling's proposal",
+    "SCHILLING": "Schilling board",
     "FUTURE": "future board",
     "IDEAL": "ideal machine",
 }
