@@ -52,14 +52,16 @@ class Rendered:
 
 def variant_name(figure, changes):
     """What a figure is called with other values of parameters: F004-4+alpha_x=0.15+light=1,1,1; its id where
-    nothing is changed. Its files begin with it, so long or odd values are a digest there.
+    nothing is changed. Its files begin with it, so of what is long or odd there the beginning is left, with _
+    for odd characters, and a digest of the whole behind it.
     """
     if not changes:
         return figure.id
     said = "+".join(f"{name}={text}" for name, text in _texts(figure, changes).items())
-    if len(said) > 100 or re.search(r"[^\w.,=+-]", said):
-        said = hashlib.sha256(said.encode()).hexdigest()[:16]
-    return f"{figure.id}+{said}"
+    plain = re.sub(r"[^\w.,=+-]+", "_", said)
+    if plain != said or len(said) > 100:
+        plain = f"{plain[:80]}-{hashlib.sha256(said.encode()).hexdigest()[:8]}"
+    return f"{figure.id}+{plain}"
 
 
 _PLAIN = (bool, int, float, str, tuple)
