@@ -4,10 +4,12 @@ import fnmatch
 import json
 import re
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 from fixedpipe.effects.refusal import Refusal, nearest
-from fixedpipe.pipeline.golden.store import plain_key
+from fixedpipe.pipeline.golden.candidates import EXCUSED, read_run
+from fixedpipe.pipeline.golden.store import StoreError, plain_key
 
 _SHOWN = 20  # names that a refusal lists
 
@@ -19,18 +21,27 @@ def chosen_candidates(candidates, names, everything, expression, root, run_pytes
     expression   what pytest's -k takes; ``run_pytest(*arguments, silent)`` asks pytest which tests those are
     root         the project's folder
 
+    A picture of a test that was skipped, or failed as it was expected to, is taken by its whole name alone:
+    where a failure is expected strictly, a golden picture would make the test fail.
+
     Raises Refusal where nothing is chosen, or a name or the expression chooses none.
     """
     ways = bool(names) + everything + (expression is not None)
     if ways != 1:
         raise Refusal("Name pictures, or give --all, or -k EXPRESSION: one of the three.")
+    told = {}
+    with suppress(StoreError):  # a run that was interrupted tells nothing
+        told = read_run(root)["pictures"]
+    usual = {n: c for n, c in candidates.items() if told.get(n, {}).get("status") != EXCUSED}
     if everything:
-        return list(candidates.values())
-    if names:
-        found = {name for given in names for name in _named(given, candidates)}
+        found = set(usual)
+        if not found:
+            raise Refusal(f"No picture waits but of tests that are expected to fail. {_waiting(candidates)}")
+    elif names:
+        found = {name for given in names for name in _named(given, candidates, usual)}
     else:
         tests = _tests(expression, root, run_pytest)
-        found = {n for n, c in candidates.items() if any(_is_of(c, root, *test) for test in tests)}
+        found = {n for n, c in usual.items() if any(_is_of(c, root, *test) for test in tests)}
         if not found:
             raise Refusal(
                 f"No picture that waits is of a test that -k {expression!r} chooses. {_waiting(candidates)}"
@@ -38,12 +49,13 @@ def chosen_candidates(candidates, names, everything, expression, root, run_pytes
     return [candidate for name, candidate in candidates.items() if name in found]
 
 
-def _named(given, candidates):
+def _named(given, candidates, usual):
     if given in candidates:
         return [given]
     # In a name of a parametrised test [ and ] are themselves.
     matches = re.compile(fnmatch.translate(re.sub(r"\[", "[[]", given))).match
-    found = [name for name in candidates if matches(name)] if set(given) & set("*?") else []
+    fitting = [name for name, c in usual.items() if matches(name) or matches(c.key)]
+    found = fitting if set(given) & set("*?") else []
     if not found:
         raise Refusal(
             f"No picture {given!r} waits to be accepted.{nearest(given, candidates)} {_waiting(candidates)}"

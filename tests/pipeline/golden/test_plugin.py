@@ -574,6 +574,39 @@ def test_accept_takes_all_patterns_and_what_pytest_chooses(project):
     assert waiting() == 0
 
 
+def test_a_pattern_of_names_needs_no_module(project):
+    project.write(MANY)
+    project()
+    assert project.golden("accept", "test_many[1]::*")[0] == 0
+    assert sorted(read_store(project.store)) == NAMES[1:3]
+
+
+EXPECTED = """
+import pytest
+
+@pytest.mark.xfail(reason="known", strict=True)
+def test_strict(golden):
+    golden(P)
+
+def test_plain(golden):
+    golden(P)
+"""
+
+
+@pytest.mark.parametrize("choice", [("--all",), ("*",), ("-k", "strict or plain")])
+def test_what_is_expected_to_fail_is_accepted_by_its_name_alone(project, choice):
+    """With a golden picture it would pass, and strictly that is a failure."""
+    project.write(EXPECTED)
+    project()
+    assert project.golden("accept", *choice)[0] == 0
+    assert list(read_store(project.store)) == ["test_plain"]
+    assert project()[0] == 0
+    status, said = project.golden("accept", "--all")
+    assert (status, "No picture waits but of tests that are expected to fail" in said) == (2, True), said
+    assert project.golden("accept", "tests/test_a.py::test_strict")[0] == 0
+    assert sorted(read_store(project.store)) == ["test_plain", "test_strict"]
+
+
 def test_accept_refuses_what_chooses_nothing(project):
     project.write(MANY)
     project()
