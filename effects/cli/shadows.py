@@ -48,6 +48,7 @@ def shadows(mesh, algorithm, light, view, out, size, profile, up, map_size, thre
     and need a mesh that is closed.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.progress import progress_of_long
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_picture, write_whole
@@ -73,7 +74,9 @@ def shadows(mesh, algorithm, light, view, out, size, profile, up, map_size, thre
         surface = mesh_shadows.stood_on_floor(read, up)
         stage = mesh_shadows.stage(surface, position, mesh, toward)
         announce_compiling()
-        found = mesh_shadows.drawn(algorithm, stage, machine, size, edge, threads)
+        with progress_of_long(1) as step:
+            step("the shadow, and rays to compare it with")
+            found = mesh_shadows.drawn(algorithm, stage, machine, size, edge, threads)
     if algorithm == "z-pass" and found.viewer_in_shadow:
         click.echo(
             "The viewer is in the mesh's shadow, where z-pass counts wrong; give --algorithm z-fail.",

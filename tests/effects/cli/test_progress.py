@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from fixedpipe.effects.acceptance import precision
 from fixedpipe.effects.cli import main, progress
 from fixedpipe.effects.figures import Figure
-from fixedpipe.effects.user_pictures import drawing
+from fixedpipe.effects.user_pictures import drawing, mesh_shadows
 
 HANGS = 300.0
 
@@ -76,6 +76,12 @@ def test_of_short_work_nothing_is_said(said, monkeypatch):
 LONG = {
     "precision": (("K12", "--size", "8", "--bits", "8"), "1 of 10: 8 bits", precision, "frame_error"),
     "print": (("K12", "--size", "8", "--out", "sheet.svg"), "1 of 3: K12 on GeForce 256", Figure, "render"),
+    "shadows": (
+        ("mesh.obj", "--algorithm", "depth-map", "--profile", "GEFORCE_3", "--size", "16", "--out", "a.png"),
+        "1 of 1: the shadow, and rays to compare it with",
+        mesh_shadows,
+        "drawn",
+    ),
     "material": (
         ("lambert", "--size", "8", "--out", "a.png"),
         "1 of 9: load u1 of reflectance",
@@ -97,6 +103,7 @@ def test_a_long_command_says_what_it_does(said, tmp_path, monkeypatch, command):
         return function(*given, **named)
 
     monkeypatch.chdir(tmp_path)
+    (tmp_path / "mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     monkeypatch.setattr(where, name, slow)
     done = CliRunner().invoke(main, [command, *arguments])
     assert done.exit_code == 0, (done.output, done.exception)
