@@ -6,6 +6,7 @@ module is imported when the name is first asked for, so states can be made witho
 
   to run a frame      execute on a new machine, Machine on one that keeps what it has, execute_ideal on none
   what comes of it    Result, Fragments; IdealResult of the ideal
+    several as one    beside, above: pictures or arrays as one picture, for a notebook
   to ask about it     validate: can the machine hold it; describe: in words; inspect: a pixel's PixelHistory
   what is refused     UnsupportedState is raised; DisabledTexture is a warning
   Command: any of     Clear, Draw, DrawPixels, Bitmap, CopyPixels, Accum, ReadPixels, MakeCurrent (a pbuffer)
