@@ -80,19 +80,24 @@ def _frozen_or_none(values, dtype, name):
 class Mesh:
     """Vertex arrays of one primitive type (sections 2.6 to 2.8). ``validate`` checks them.
 
-    positions           float64 [n, 2..4], object coordinates; missing components are z = 0, w = 1 indices
-    int64 [k] into the vertices; None: the vertices in order counts              the number of indices of each
-    strip, fan or polygon; None: all indices are one primitive colors              float64 [n, 3..4], 1.0 =
-    full intensity; None: (1, 1, 1, 1) secondary_colors    float64 [n, 3..4], a missing alpha is 0; None: (0,
-    0, 0) normals             float64 [n, 3]; None: (0, 0, 1) texture_coordinates tuple of float64 [n, 1..4],
-    one for each coordinate set; missing components are t = 0, r = 0, q = 1; a missing set is (0, 0, 0, 1) at
-    every vertex fog_coordinates     float64 [n]; None: 0 back_colors, back_secondary_colors the colours for
-    back faces that a vertex program wrote (NV_vertex_program's o[BFC0] and o[BFC1]), used where the state
-    takes them; None: (0, 0, 0, 1) point_sizes         float64 [n], pixels, that a vertex program wrote
-    (o[PSIZ]), used where the state takes them; None: 1 edge_flags          bool [n] (section 2.6.2): whether
-    the edge that begins at a vertex is a boundary edge of TRIANGLES, QUADS or POLYGON drawn as points or
-    lines; None: all are weights             float64 [n], the weight of the first of two modelview matrices
-    (EXT_vertex_weighting); None: 1
+    positions           float64 [n, 2..4], object coordinates; missing components are z = 0, w = 1
+    indices             int64 [k] into the vertices; None: the vertices in order
+    counts              the number of indices of each strip, fan or polygon; None: all are one primitive
+    colors              float64 [n, 3..4], 1.0 = full intensity; None: (1, 1, 1, 1)
+    secondary_colors    float64 [n, 3..4], a missing alpha is 0; None: (0, 0, 0)
+    normals             float64 [n, 3]; None: (0, 0, 1)
+    texture_coordinates tuple of float64 [n, 1..4], one for each coordinate set; missing components are
+                        t = 0, r = 0, q = 1; a missing set is (0, 0, 0, 1) at every vertex
+    fog_coordinates     float64 [n]; None: 0
+    back_colors, back_secondary_colors
+                        the colours for back faces that a vertex program wrote (NV_vertex_program's
+                        o[BFC0], o[BFC1]), used where the state takes them; None: (0, 0, 0, 1)
+    point_sizes         float64 [n], pixels, that a vertex program wrote (o[PSIZ]), used where the state takes
+                        them; None: 1
+    edge_flags          bool [n] (section 2.6.2): whether the edge that begins at a vertex is a boundary edge,
+                        for TRIANGLES, QUADS and POLYGON drawn as points or lines; None: all are
+    weights             float64 [n], the weight of the first of two modelview matrices (EXT_vertex_weighting);
+                        None: 1
 
     Arrays are copied and made read-only. Raises ValueError for values that are no array of numbers, or of
     whole numbers where an int64 or bool array is asked for.

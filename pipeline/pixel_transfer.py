@@ -78,11 +78,12 @@ class PixelImage:
     """An image in client memory, bottom row first, for DrawPixels and TexImage (section 3.6.4).
 
     values  [height, width, components], or [height, width] for a format with one component. A leading axis
-    holds a cube map's six faces or a volume's layers. uint8, uint16 and uint32 are fixed-point fractions of
-    their type's largest value. int8, int16 and int32 lie between -1 and 1 (table 2.6). Floats are taken
-    unchanged. Indices are integers. format  one of ``ImageFormat``, a string packed  one of ``PackedName``:
-    the values are words of this type, [height, width], and each holds a whole group of RGB, RGBA or BGRA
-    (table 3.8). None: the values are components
+            holds a cube map's six faces or a volume's layers. uint8, uint16 and uint32 are fixed-point
+            fractions of their type's largest value. int8, int16 and int32 lie between -1 and 1 (table 2.6).
+            Floats are taken unchanged. Indices are integers.
+    format  one of ``ImageFormat``, a string
+    packed  one of ``PackedName``: the values are words of this type, [height, width], and each holds a whole
+            group of RGB, RGBA or BGRA (table 3.8). None: the values are components
 
     The array is copied and made read-only. Raises ValueError for rows of different lengths.
     """
