@@ -69,7 +69,7 @@ PACKAGES = {
         ),
     },
     "pipeline/ideal": {
-        "raster": "codes floats rows kernel witness primitives portable",
+        "raster": "codes floats rows kernel witness primitives portable columns",
         "pipeline": (
             "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
             "native"

@@ -1,8 +1,18 @@
 """Register combiners and texture environments in the column engine (docs/numbers.md, sections 8, 13, 20)."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from fixedpipe.pipeline.enums import Clamp, ComponentUsage, Mapping, MuxSelect, ProductRounding, Register
+from fixedpipe.pipeline.enums import (
+    Clamp,
+    ComponentUsage,
+    Mapping,
+    Meaning,
+    MuxSelect,
+    ProductRounding,
+    Register,
+)
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.textures.words import ycbcr_to_rgb
 from fixedpipe.raster.columns import combine as arithmetic
@@ -36,16 +46,15 @@ def arithmetic_of(profile, bits, environments=False):
 
 
 class Registers(dict):
-    """Registers of k fragments, int64 [4, k] each; textures are sampled when they are first read.
-    ``otherwise``: an Otherwise, in whose units they are. ``ycbcr``: units whose texels are Y, Cb and Cr.
+    """Registers of k fragments, int64 [4, k] each, or float64 where a stage computed with reals; textures are
+    sampled when they are first read. ``ycbcr``: units whose texels are Y, Cb and Cr.
     """
 
-    def __init__(self, samplers, fragments, bits, taps=None, otherwise=None, ycbcr=()):
+    def __init__(self, samplers, fragments, bits, taps=None, ycbcr=()):
         super().__init__()
         self._ycbcr = ycbcr
         self._samplers, self._fragments, self._bits = samplers, fragments, bits
         self._taps = taps or {}  # of units that are read before they are filtered
-        self._otherwise = otherwise
 
     def look_up(self, lookup):
         """A dependent lookup: a unit's register takes the texel at another register's red, green, blue."""
@@ -58,31 +67,27 @@ class Registers(dict):
         count, unit = len(self._fragments.x), register - Register.TEXTURE0
         if not 0 <= unit < 4:
             raise KeyError(register)
-        bits, grid = self._bits, 1
-        if self._otherwise is not None:
-            bits, grid = self._otherwise.width_of(unit, bits)
-            if unit in self._ycbcr:  # the conversion takes bytes
-                bits, grid = self._bits, numbers.one_of(self._bits) + 2
         if unit < len(self._samplers) and self._samplers[unit] is not None:
-            tap = self._taps.get(unit)
-            found = self._samplers[unit].register(self._fragments, bits, tap)
-            self[register] = (ycbcr_converted(found) if unit in self._ycbcr else found) * grid
+            found = self._samplers[unit].register(self._fragments, self._bits, self._taps.get(unit))
+            self[register] = ycbcr_converted(found) if unit in self._ycbcr else found
         else:  # Measured: a disabled unit's register is (0, 0, 0, 1)
-            self[register] = filled((0, 0, 0, numbers.one_of(bits) * grid), count)
+            self[register] = filled((0, 0, 0, numbers.one_of(self._bits)), count)
         return self[register]
 
 
 def ycbcr_converted(register):
-    """R, G, B and alpha of a register int64 [4, k] of bytes Y, Cb, Cr and alpha; Assumed: below 0 is 0.
+    """R, G, B and alpha of a register [4, k] of bytes Y, Cb, Cr and alpha; Assumed: below 0 is 0. The
+    conversion takes bytes: real numbers are rounded before.
 
     Measured: 1213620 of 1213620 pixels (BumpMap_UYVY_L and three captures like it).
     """
-    return np.stack([*ycbcr_to_rgb(*np.maximum(register[:3], 0)), register[3]])
+    bytes_ = np.floor(np.maximum(register[:3], 0) + 0.5).astype(np.int64)
+    return np.stack([*ycbcr_to_rgb(*bytes_), register[3]])
 
 
 def filled(values, count):
-    """Constant components as int64 [c, count]."""
-    return np.repeat(np.asarray(values, np.int64)[:, None], count, axis=1)
+    """Constant components as [c, count], int64 where they are whole numbers."""
+    return np.repeat(np.asarray(values)[:, None], count, axis=1)
 
 
 def read_components(registers, variable, alpha):
@@ -93,45 +98,74 @@ def read_components(registers, variable, alpha):
     return register[2:3] if variable.usage == ComponentUsage.BLUE else register[3:4]
 
 
-def _portion(portion, registers, alpha, select, a, saw):
-    """(register, value [3 or 1, k]) for each output of a portion that is kept."""
-    outputs = portion.ab_output, portion.cd_output, portion.sum_output
-    if all(output == Register.DISCARD for output in outputs):
-        return []
+def _mapped(x, variable, a):
+    """A variable's components through its mapping: of real numbers by what the program means by it."""
+    if a.numbers.rounds or variable.meaning is Meaning.PLAIN:
+        return arithmetic.map_input(x, variable.mapping, a)
+    if variable.meaning is Meaning.SATURATED:
+        return arithmetic.map_input(np.minimum(x, a.one), variable.mapping, a)
+    stored = replace(a, half=a.one * (128 / 255), expanded=a.one * (256 / 255))  # SIGNED_CONSTANT
+    return arithmetic.map_input(x, variable.mapping, stored)
+
+
+def portion_products(portion, read, alpha, a):
+    """A portion's four variables, mapped, and its products AB and CD, a list each: a dot product's terms.
+
+    ``read``: the variables' register components.
+    """
     variables = portion.a, portion.b, portion.c, portion.d
-    read = [read_components(registers, v, alpha) for v in variables]
-    mapped = [arithmetic.map_input(x, v.mapping, a) for x, v in zip(read, variables, strict=True)]
+    mapped = [_mapped(x, v, a) for x, v in zip(read, variables, strict=True)]
     shape = 1 if alpha else 3, mapped[0].shape[1]
     ab, cd = ([np.broadcast_to(mapped[i] * mapped[i + 1], shape)] for i in (0, 2))
     if not alpha:
         ab = arithmetic.sum_of_three(ab) if portion.ab_dot_product else ab
         cd = arithmetic.sum_of_three(cd) if portion.cd_dot_product else cd
-    saw("portion", alpha=alpha, portion=portion, read=read, mapped=mapped, ab=ab, cd=cd, arithmetic=a)
+    return mapped, ab, cd
+
+
+def sum_of_portion(portion, ab, cd, select, spare0, a, saw=nobody):
+    """What a portion's sum output receives: the sum of its products, a function of them, or what a mux takes
+    by ``spare0``, SPARE0's alpha.
+    """
     biased = bool(portion.bias)
+    if portion.function:
+        sums = [sum(products) for products in (ab, cd)]
+        made = future.applied(portion.function, *sums, a.one, a.high, a.numbers)
+        return arithmetic.function_output(made, portion.scale, biased, a)
+    if portion.mux_sum:
+        chosen = arithmetic.takes_cd(spare0, select == MuxSelect.LSB, a)
+        saw("mux", takes_cd=chosen, spare0=spare0)
+        pair = [arithmetic.output(products, portion.scale, biased, a) for products in (ab, cd)]
+        return np.where(chosen, pair[1], pair[0])
+    products = [*ab, *cd] if a.numbers.rounds else [sum(ab), sum(cd)]
+    return arithmetic.output(products, portion.scale, biased, a)
+
+
+def _portion(portion, registers, alpha, select, a, saw):
+    """(register, value [3 or 1, k]) for each output of a portion that is kept."""
+    outputs = portion.ab_output, portion.cd_output, portion.sum_output
+    if all(output == Register.DISCARD for output in outputs):
+        return []
+    read = [read_components(registers, v, alpha) for v in (portion.a, portion.b, portion.c, portion.d)]
+    mapped, ab, cd = portion_products(portion, read, alpha, a)
+    spare0 = registers[Register.SPARE0][3]
+    saw(
+        "portion", alpha=alpha, portion=portion, read=read, mapped=mapped, ab=ab, cd=cd, select=select,
+        spare0=spare0, arithmetic=a,
+    )  # fmt: skip
     values = []
     for output, products in zip(outputs[:2], (ab, cd), strict=True):
         if output != Register.DISCARD:
-            values.append((output, arithmetic.output(products, portion.scale, biased, a)))
+            values.append((output, arithmetic.output(products, portion.scale, bool(portion.bias), a)))
     if outputs[2] != Register.DISCARD:
-        if portion.function:
-            sums = [sum(products) for products in (ab, cd)]
-            made = future.applied(portion.function, *sums, a.one, a.high)
-            total = arithmetic.function_output(made, portion.scale, biased, a)
-        elif portion.mux_sum:
-            chosen = arithmetic.takes_cd(registers[Register.SPARE0][3], select == MuxSelect.LSB, a)
-            saw("mux", takes_cd=chosen, spare0=registers[Register.SPARE0][3])
-            pair = [arithmetic.output(products, portion.scale, biased, a) for products in (ab, cd)]
-            total = np.where(chosen, pair[1], pair[0])
-        else:
-            total = arithmetic.output([*ab, *cd], portion.scale, biased, a)
-        values.append((outputs[2], total))
+        values.append((outputs[2], sum_of_portion(portion, ab, cd, select, spare0, a, saw)))
     saw("outputs", alpha=alpha, values=values)
     return values
 
 
 def combine(program, registers, count, a, saw=nobody, otherwise=None):
-    """Fragments' colours, int64 [4, count], from a combiner program (section 8). ``saw``: who watches;
-    ``otherwise``: an Otherwise, with registers in its units.
+    """Fragments' colours, [4, count], from a combiner program (section 8): int64, or float64 where a stage
+    computed with reals. ``saw``: who watches; ``otherwise``: an Otherwise.
     """
 
     def arithmetic_at(stage):
@@ -139,7 +173,7 @@ def combine(program, registers, count, a, saw=nobody, otherwise=None):
 
     def constant(color):
         of = arithmetic_at("constant colors")
-        return filled(numbers.fixed(color, of.one // of.grid) * of.grid, count)
+        return filled(of.numbers.fixed(color, of.one), count)
 
     program_constants = {
         register: constant(color)
@@ -177,16 +211,23 @@ def combine(program, registers, count, a, saw=nobody, otherwise=None):
 _CONSTANTS = (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
 
 
+def final_inputs(final, registers, count, a):
+    """The final combiner's A to D, mapped, [3, count] each, and its G [1, count]."""
+    colors = [_final_input(v, registers, a) for v in (final.a, final.b, final.c, final.d)]
+    return *(np.broadcast_to(c, (3, count)) for c in colors), _final_input(final.g, registers, a, alpha=True)
+
+
+def _final_input(variable, registers, a, alpha=False):
+    read = read_components(registers, variable, alpha)
+    return arithmetic.map_final(read, variable.mapping == Mapping.UNSIGNED_INVERT, a)
+
+
 def _final(program, registers, count, a, saw):
     final, nothing = program.final, np.zeros((1, count), np.int64)
-
-    def value(variable, alpha=False):
-        read = read_components(registers, variable, alpha)
-        return arithmetic.map_final(read, variable.mapping == Mapping.UNSIGNED_INVERT, a)
-
     used = {v.register for v in (final.a, final.b, final.c, final.d, final.g)}
     if Register.E_TIMES_F in used:
-        product = arithmetic.product(value(final.e) * value(final.f), a)
+        e, f = (_final_input(v, registers, a) for v in (final.e, final.f))
+        product = arithmetic.product(e * f, a)
         saw(
             "E times F",
             read=[read_components(registers, v, False) for v in (final.e, final.f)],
@@ -202,12 +243,9 @@ def _final(program, registers, count, a, saw):
             total = np.minimum(total, a.one)
         saw("color sum", whole=whole, total=total)
         registers[Register.SPARE0_PLUS_SECONDARY_COLOR] = np.concatenate([total, nothing])
-    inputs = [np.broadcast_to(value(v), (3, count)) for v in (final.a, final.b, final.c, final.d)]
-    alpha = value(final.g, alpha=True)
-    color = arithmetic.final_color(*inputs, alpha, a)
-    saw(
-        "final combiner", final=final, registers=registers, mapped=[*inputs, alpha], color=color, arithmetic=a
-    )
+    mapped = final_inputs(final, registers, count, a)
+    color = arithmetic.final_color(*mapped, a)
+    saw("final combiner", final=final, registers=registers, mapped=mapped, color=color, arithmetic=a)
     return color
 
 
@@ -221,7 +259,7 @@ def without_combiners(state, registers, count, a, saw=nobody):
         saw("color sum", whole=whole, total=rgb)
     if state.fog is not None:
         fog = registers[Register.FOG]
-        before, rgb = rgb, numbers.with_fog(rgb, fog[:3], fog[3], a.one, a.grid)
+        before, rgb = rgb, numbers.with_fog(rgb, fog[:3], fog[3], a.one, a.numbers)
         saw("fog", before=before, fog=fog, color=rgb)
     color = np.concatenate([rgb, primary[3:]])
     return np.clip(color, 0, a.one) if a.clamps_final else color

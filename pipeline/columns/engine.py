@@ -11,7 +11,6 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.pipeline.columns.interpolate import IteratedPrimitives
-from fixedpipe.pipeline.columns.otherwise import MOST_BITS
 from fixedpipe.pipeline.columns.per_fragment import write
 from fixedpipe.pipeline.columns.shade import shade
 from fixedpipe.pipeline.columns.texture_shader import run_stages
@@ -84,13 +83,11 @@ def has_kernels(profile):
 
 def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody, otherwise=None):
     """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests.
-    ``saw``: who watches; ``otherwise``: an Otherwise, with fragments in its units.
+    ``saw``: who watches; ``otherwise``: an Otherwise, whose exact colours the fragments have.
     """
     bits = fragment_bits(profile, framebuffer)
-    samplers, finest = unit_samplers(state, textures, profile, saw), bits
-    filters = samplers
-    if otherwise is not None:
-        filters, finest = otherwise.samplers(samplers), 2 * bits
+    samplers = unit_samplers(state, textures, profile, saw)
+    filters = samplers if otherwise is None else otherwise.samplers(samplers)
     color, depth = np.empty((len(fragments.x), 4), np.int64), fragments.depth
     keys = key_samplers(state, textures, profile)
     if state.texture_shader is not None or keys:
@@ -109,10 +106,18 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
             given = some, state, profile, bits, textures, filters, registers
             shaded = shade(*given, saw=saw, otherwise=otherwise)
         if some.covered is not None:
-            share = some.covered * shaded[:, 3] // len(profile.primitives.smoothing_samples)
+            kind = numbers.REALS if shaded.dtype == np.float64 else numbers.INTEGERS
+            share = kind.shared(some.covered * shaded[:, 3], len(profile.primitives.smoothing_samples))
             shaded = np.concatenate([shaded[:, :3], share[:, None]], axis=1)
-        color[part] = numbers.convert(shaded, numbers.one_of(finest), numbers.one_of(framebuffer.color_bits))
+        color[part] = in_buffer(shaded, numbers.one_of(bits), numbers.one_of(framebuffer.color_bits))
     return write(replace(fragments, depth=depth), color, state, profile, framebuffer, saw)
+
+
+def in_buffer(color, one, buffer_one):
+    """Fragments' colours in the buffer's units: real numbers are rounded even where both are the same."""
+    if color.dtype == np.float64:
+        return np.floor(color * (buffer_one / one) + 0.5).astype(np.int64)
+    return numbers.convert(color, one, buffer_one)
 
 
 # --------------------------------------------------------------------------------------------- Draws
@@ -123,18 +128,20 @@ def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=
     primitives with float colours: bool [k], which passed all tests. ``saw``: who watches; ``otherwise``: an
     Otherwise.
 
-    Raises ValueError for an ``otherwise`` on a machine that leaves no units finer than its own.
+    Raises ValueError for an ``otherwise`` of a pass that computes at each texel or turns its colours.
     """
     bits, given = fragment_bits(profile, framebuffer), (primitives, state, profile, framebuffer, textures)
     draw, finer = IteratedPrimitives(*given, bits, saw), None
     if otherwise is not None:
-        if bits > MOST_BITS or has_future(profile):
+        turned = state.spherical_primary_color or state.spherical_secondary_color
+        if state.evaluate_before_filtering or turned:
             raise ValueError(
-                f"The {profile.name} has combiners of {bits} bits, or stages of the future board; stages are "
-                f"computed otherwise on machines of at most {MOST_BITS} bits, without those."
+                "A pass combines colours before it filters them, or turns them as unit vectors; stages are "
+                "computed otherwise in passes without evaluate_before_filtering, spherical_primary_color and "
+                "spherical_secondary_color."
             )
         if otherwise.has_exact_colors:
-            finer = IteratedPrimitives(*given, 2 * bits)
+            finer = IteratedPrimitives(*given, bits, numbers=numbers.REALS)
     passed = np.zeros(len(covered.x), bool)
     for start in range(0, len(passed), _CHUNK):
         part = slice(start, start + _CHUNK)
@@ -143,8 +150,7 @@ def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=
             fragments = draw.fragments(*pixels)
             if covered.covered is not None:
                 fragments = replace(fragments, covered=covered.covered[part].astype(np.int64))
-            if otherwise is not None:
-                exactly = None if finer is None else finer.fragments(*pixels)
-                fragments = otherwise.finer(fragments, exactly, bits)
+            if finer is not None:
+                fragments = otherwise.with_colors(fragments, finer.fragments(*pixels))
         passed[part] = shade_and_write(fragments, *given[1:], saw, otherwise)
     return passed

@@ -20,19 +20,25 @@ from fixedpipe.pipeline.vertices.colors import COLOR_REACH, fragment_colors
 from fixedpipe.pipeline.vertices.strokes import whole_size
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows
-from fixedpipe.raster.columns import future, interpolate, numbers
+from fixedpipe.raster.columns import future, interpolate
+from fixedpipe.raster.columns.numbers import INTEGERS, one_of
 from fixedpipe.raster.columns.w_slope import w_slope
 from fixedpipe.raster.witness import nobody
 
 
 class IteratedPrimitives:
-    """Primitives with what iteration needs of their state. ``saw``: who watches."""
+    """Primitives with what iteration needs of their state. ``saw``: who watches; ``numbers``: INTEGERS, or
+    REALS for colours that are not rounded.
+    """
 
-    def __init__(self, primitives, state, profile, framebuffer, textures, bits, saw=nobody):
-        self._saw = saw
+    def __init__(self, primitives, state, profile, framebuffer, textures, bits, saw=nobody, numbers=INTEGERS):
+        self._saw, self.numbers = saw, numbers
         self.primitives, self.state, self.profile = primitives, state, profile
         self.framebuffer, self.bits = framebuffer, bits
         self.colors = fragment_colors(primitives.colors, state, profile, bits)
+        if not numbers.rounds:
+            limited = np.clip(np.nan_to_num(primitives.colors), -COLOR_REACH, COLOR_REACH)
+            self.colors = numbers.fixed(limited, one_of(bits))
         self.depths = depth_units(state, framebuffer, primitives)
         self.units = unit_samplers(state, textures, profile)
         self.divided = tuple(primitives.projective[: len(self.units)])
@@ -53,7 +59,7 @@ class IteratedPrimitives:
         b0, b2, _ = interpolate.full_weights(e)
         q0, q2 = interpolate.iteration_weights(n, inverse_w)
         back = self._back(kinds, triangle, area * np.sign(inverse_w).prod(axis=1))
-        primary, secondary = self._colors(vertices, provoking, back, e, q0, q2)
+        primary, secondary = self._colors(vertices, provoking, back, e, (q0, q2), (b0, b2))
         if self.state.polygon.shade_model == ShadeModel.SMOOTH:
             corners = self.colors[vertices, back[:, None]]
             if state.spherical_primary_color:
@@ -117,22 +123,28 @@ class IteratedPrimitives:
             return facing
         return np.where(kinds == C.PRIMITIVE_TRIANGLE, facing, p.strokes[triangle, rows.BACK])
 
-    def _colors(self, vertices, provoking, back, e, q0, q2):
+    def _colors(self, vertices, provoking, back, e, weights, full_weights):
+        """Primary and secondary colours; ``weights``, ``full_weights``: of vertices 0 and 2, with 24 bits and
+        with all.
+        """
         if self.state.polygon.shade_model == ShadeModel.FLAT:
             colors = self.colors[provoking, back]
+        elif not self.numbers.rounds:
+            corners = self.colors[vertices, back[:, None]]
+            colors = np.clip(interpolate.iterate(*full_weights, corners), corners.min(1), corners.max(1))
         elif self.profile.arithmetic.color_weights == ColorWeights.EIGHT_BITS:
             corners = self.colors[vertices, back[:, None]]
-            colors = interpolate.iterate_colors(q0, q2, corners, self.bits)
+            colors = interpolate.iterate_colors(*weights, corners, self.bits)
         else:  # ColorWeights.EXACT
             corners = self.colors[vertices, back[:, None]]
-            one, clamps = numbers.one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.arithmetic.clamps
+            one, clamps = one_of(self.bits), Clamp.VERTEX_COLOR in self.profile.arithmetic.clamps
             low, high = (0, one) if clamps else (-COLOR_REACH * one, COLOR_REACH * one)
             colors = interpolate.iterate_exact_colors(e, corners, low, high)
         return colors[:, :4], colors[:, 4:]
 
     def _turned(self, color, corners, b0, b2):
         """A colour whose red, green and blue are a unit vector that turns steadily (section 20)."""
-        one, expanded = numbers.one_of(self.bits), arithmetic_of(self.profile, self.bits).expanded
+        one, expanded = one_of(self.bits), arithmetic_of(self.profile, self.bits).expanded
         vector = future.spherical(b0, b2, future.from_color(corners, one, expanded))
         return np.concatenate([future.to_color(vector, one, expanded), color[:, 3:]], axis=1)
 

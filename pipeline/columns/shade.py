@@ -22,6 +22,11 @@ from fixedpipe.raster.columns import numbers
 from fixedpipe.raster.witness import nobody
 
 
+def columns_of(colors):
+    """Colours [k, 4] as a register [4, k]: int64, or the real numbers that they are."""
+    return colors.T if colors.dtype == np.float64 else colors.T.astype(np.int64)
+
+
 def _fog_register(fog, coordinates, profile, count, one):
     """The FOG register, int64 [4, count]."""
     if fog is None:
@@ -40,10 +45,11 @@ def _fog_register(fog, coordinates, profile, count, one):
 
 
 def shade(fragments, state, profile, bits, textures, samplers, made, *, saw=nobody, otherwise=None):
-    """Colours of fragments, int64 [k, 4] in units of ``bits``: texture units, combiners, color sum, fog.
+    """Colours of fragments, [k, 4] in units of ``bits``: texture units, combiners, color sum, fog. They are
+    int64; float64 where something is computed in reals.
 
     ``made``: registers of texture units by number that a texture shader made; ``saw``: who watches;
-    ``otherwise``: an Otherwise, whose units are then those of what is given and returned.
+    ``otherwise``: an Otherwise.
     """
     if state.evaluate_before_filtering:
         return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, saw)
@@ -77,16 +83,15 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
 
 def _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw, otherwise=None):
     count, one = len(fragments.x), numbers.one_of(bits)
-    grid = 1 if otherwise is None else one + 2
     ycbcr = ()
     if state.ycbcr_conversion:
         ycbcr = tuple(i for i in range(len(state.texture_units)) if reads_texture(state, i))
         made = {unit: ycbcr_converted(r) if unit in ycbcr else r for unit, r in made.items()}
-    registers = Registers(samplers, fragments, bits, taps, otherwise, ycbcr)
-    registers.update({Register.TEXTURE0 + unit: register * grid for unit, register in made.items()})
-    registers[Register.PRIMARY_COLOR] = fragments.primary.T.astype(np.int64)
-    registers[Register.SECONDARY_COLOR] = fragments.secondary.T.astype(np.int64)
-    registers[Register.FOG] = _fog_register(state.fog, fragments.fog, profile, count, one) * grid
+    registers = Registers(samplers, fragments, bits, taps, ycbcr)
+    registers.update({Register.TEXTURE0 + unit: register for unit, register in made.items()})
+    registers[Register.PRIMARY_COLOR] = columns_of(fragments.primary)
+    registers[Register.SECONDARY_COLOR] = columns_of(fragments.secondary)
+    registers[Register.FOG] = _fog_register(state.fog, fragments.fog, profile, count, one)
     program, environments = state.register_combiners, state.register_combiners is None
     if environments:
         program = environment_program(state, textures, profile, has_color_sum(state))

@@ -27,12 +27,18 @@ from fixedpipe.pipeline.textures.images import (
 from fixedpipe.pipeline.textures.sampled import face_modes, key_unit, sampled_texture
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
+from fixedpipe.raster.columns.numbers import INTEGERS, NOISE, REALS
 from fixedpipe.raster.pixels.transfer import texture_color_table
 from fixedpipe.raster.witness import nobody
 
 LAMBDA_BITS = 8
-EXACT_BITS = 12  # more, and rounding does not show
-_REACH = 2.0**20  # of real texels: far beyond what a paper's tables hold, and filters of them are int64
+
+
+def _codes(level, one):
+    """Real texels in units of ``one``, those that a code stands for without the noise of the division."""
+    found = level * float(one)
+    whole = np.rint(found)
+    return np.where(np.abs(found - whole) < NOISE, whole, found)
 
 
 def unit_samplers(state, textures, profile, saw=nobody):
@@ -121,25 +127,25 @@ class UnitSampler:
         if (given := unit.color_table) is not None:
             self.table = table_entries(given, profile), ENTRY_COMPONENTS[given.base_format]
         base = BASE_FORMAT[texture.internal_format]
+        self.numbers, self.real_texels = INTEGERS, False
         self.border = self._as_signed(register_components(border[list(KEPT[base])], base, self.one))
 
-    def exactly(self, fraction_bits, levels=None):
-        """The same unit with EXACT_BITS more bits in a texel and ``fraction_bits`` of a filter's fraction:
-        nobody watches it. ``levels``: real texels for the texture's own, which need not lie in [0, 1]. None
-        where bytes mean something else than a number: signed components, depths, HILO, color tables.
+    def exactly(self, fraction_bits=None, levels=None):
+        """The same unit in real numbers, which nobody watches; its lambda keeps its bits.
+
+        fraction_bits   of a filter's fractions; None: they are not rounded either
+        levels          real texels for the texture's own, which need not lie in [0, 1]: then the reference of
+                        a depth comparison is not rounded either
+
+        None where that has no real numbers: of color tables, and of real depths beside depths of floats.
         """
-        if self.signed is not None or self.hilo or self.compares or self.table is not None:
+        if self.table is not None or (levels is not None and self.compares and self.words.form is not None):
             return None
-        unit, one = copy(self), self.one << EXACT_BITS
-        if levels is None:
-            unit.levels = tuple(level.astype(np.int64) << EXACT_BITS for level in self.levels)
-        else:
-            unit.levels = tuple(
-                np.floor(np.clip(np.nan_to_num(level), -_REACH, _REACH) * one + 0.5).astype(np.int64)
-                for level in levels[: len(self.levels)]
-            )
-        unit.one, unit.border, unit.fraction_bits = one, self.border << EXACT_BITS, fraction_bits
-        unit._saw = nobody
+        unit = copy(self)
+        unit.numbers, unit.fraction_bits, unit._saw = REALS, fraction_bits, nobody
+        if levels is not None:
+            unit.levels = tuple(_codes(level, self.one) for level in levels[: len(self.levels)])
+            unit.real_texels = True
         return unit
 
     def _signed(self):
@@ -156,8 +162,8 @@ class UnitSampler:
         return np.where(self.signed & (texels >= 1 << (self.bits - 1)), texels - (1 << self.bits), texels)
 
     def register(self, fragments, bits, tap=None):
-        """The unit's register, int64 [4, k] in units of ``bits``. ``tap``: of one texel of its filter,
-        (level, layer, row, column), 0 or 1 each.
+        """The unit's register, [4, k] in units of ``bits``, int64 unless it is in reals. ``tap``: of one
+        texel of its filter, (level, layer, row, column), 0 or 1 each.
         """
         self._saw("sampled", sampler=self, fragments=fragments, bits=bits)
         return self.as_register(self.filtered(fragments, tap)[:, :4], fragments, bits)
@@ -192,6 +198,12 @@ class UnitSampler:
             return None
         if self.sampler.compare_mode != TextureCompareMode.COMPARE_R_TO_TEXTURE:
             r = np.zeros(len(strq))
+        return self._reference(r)
+
+    def _reference(self, r):
+        """What depth texels are compared with: words, or where these are real the same as they are."""
+        if self.real_texels:
+            return np.clip(r * (self.depth_scale / self.words.largest), 0.0, 1.0) * self.one
         return sample.depth_reference(r * self.depth_scale, self.words.form, self.words.largest)
 
     def _limited(self, lod):
@@ -217,7 +229,7 @@ class UnitSampler:
         return self.sampler.min_filter.mipmap == C.MIPMAP_LINEAR
 
     def as_register(self, texel, fragments, bits):
-        """What the unit's register receives of its texels, int64 [4, k]."""
+        """What the unit's register receives of its texels, [4, k]."""
         if self.number == 0 and fragments.texel_alpha is not None:
             alpha = numbers.convert(fragments.texel_alpha.astype(np.int64), 255, self.one)
             texel = np.concatenate([texel[:, :3], alpha[:, None]], axis=1)
@@ -227,12 +239,12 @@ class UnitSampler:
             texel = np.where(self.signed, 2 * texel, texel)
         if self.colorless:
             texel = np.zeros_like(texel)
-        register = numbers.convert(texel, self.one, numbers.one_of(bits)).T
+        register = self.numbers.convert(texel, self.one, numbers.one_of(bits)).T
         self._saw("texture", unit=self.number, texel=texel, one=self.one, register=register)
         return register
 
     def filtered(self, fragments, tap=None):
-        """A texel of each fragment, int64 [k, 4] in the texture's units; of a ``tap`` with its fractions."""
+        """A texel of each fragment, [k, 4] in the texture's units; of a ``tap`` with its fractions."""
         strq = fragments.coordinates[:, self.number]
         divided = bool((strq[:, 3] != 1.0).any())
         if fragments.divided is not None:
@@ -244,7 +256,7 @@ class UnitSampler:
                 r = strq[:, 2]
                 if divided and self.texture.target != TextureTarget.TEXTURE_CUBE_MAP:
                     r = r / np.where(strq[:, 3] == 0.0, 1.0, strq[:, 3])
-            compared = sample.depth_reference(r * self.depth_scale, self.words.form, self.words.largest)
+            compared = self._reference(r)
         if self.texture.target == TextureTarget.TEXTURE_CUBE_MAP:
             divided = False
         lod = np.zeros(len(strq), np.int64)
@@ -264,7 +276,7 @@ class UnitSampler:
 
     def _assembled(self, footprint, str_, lifted, lod, compared):
         """The mean of a footprint's probes, cut."""
-        total, probes = np.zeros((len(str_), 4), np.int64), footprint[:, 2]
+        total, probes = np.zeros((len(str_), 4), self.numbers.dtype), footprint[:, 2]
         for probe in range(int(probes.max(initial=1.0))):
             used = probe < probes
             moved = str_.copy()
@@ -272,11 +284,11 @@ class UnitSampler:
             moved[:, :2] += distance[:, None] * footprint[:, :2]
             texel = self._levels(moved, False, lod, compared, lifted)
             total += np.where(used[:, None], texel, 0)
-        return total // probes.astype(np.int64)[:, None]
+        return self.numbers.shared(total, probes.astype(np.int64)[:, None])
 
     def _along(self, footprint, str_, lifted, lod, compared):
         """An anisotropically filtered texel: pairs of texels along the footprint."""
-        total = np.full((len(str_), 4), 128)
+        total = np.full((len(str_), 4), 128 if self.numbers.rounds else 0, self.numbers.dtype)
         for pair in range(int(np.ceil(float(self.sampler.max_anisotropy) * 0.5))):
             distance, weight = sample.taps(footprint[:, 2], pair)
             used = weight != 0  # the outermost pair takes what the others leave, or exceed
@@ -285,7 +297,7 @@ class UnitSampler:
                 moved[:, :2] += (side * distance)[:, None] * footprint[:, :2]
                 texel = self._levels(moved, False, lod, compared, lifted)
                 total += np.where(used[:, None], weight[:, None] * texel, 0)
-        return total >> 8
+        return self.numbers.shared(total, 256)
 
     def _levels(self, strq, divided, lod, compared, lifted=False, tap=None):
         """The level that lambda asks for, or two of them blended (section 7)."""
@@ -301,7 +313,7 @@ class UnitSampler:
         if s.min_filter == s.mag_filter:
             return level(0, magnifies_linear, every)
         linear = s.min_filter.is_linear
-        out = np.zeros((len(strq), 4 if tap is None else 8), np.int64)
+        out = np.zeros((len(strq), 4 if tap is None else 8), self.numbers.dtype)
         magnified = lod <= self.threshold
         if magnified.any():
             out[magnified] = level(0, magnifies_linear, magnified)
@@ -317,7 +329,7 @@ class UnitSampler:
         lower = (lod + 127) >> 8 if nearest else lod >> 8
         upper = lower if nearest else np.minimum(lower + 1, last)
         fraction = (lod & 255)[:, None]
-        pair = np.zeros((2, *out.shape), np.int64)
+        pair = np.zeros((2, *out.shape), out.dtype)
         for number in range(last + 1):
             for side, wanted in enumerate((lower, upper)):
                 chosen = minified & (wanted == number)
@@ -327,7 +339,7 @@ class UnitSampler:
             pair[..., 7:] = 0 if nearest else fraction
             out[minified] = pair[0 if nearest else tap[0], minified]
             return out
-        blended = pair[0] if nearest else numbers.lerp(pair[0], pair[1], fraction, LAMBDA_BITS)
+        blended = pair[0] if nearest else self.numbers.lerp(pair[0], pair[1], fraction, LAMBDA_BITS)
         self._saw("levels", unit=self.number, lower=lower, upper=upper, fraction=fraction, blended=minified)
         out[minified] = blended[minified]
         return out
@@ -347,11 +359,11 @@ class UnitSampler:
         read = None if self.signed is None else self._as_signed
         if reference is not None:
             read = sample.comparison(reference, s.compare_function, *self.compared)
-        elif self.hilo:
+        elif self.hilo and self.numbers.rounds:  # of real numbers a word's bytes are filtered as the word is
             return self._hilo(image, places, face, modes, linear, target)
         return sample.filter_level(
             image, places, face, modes, linear, target, self.border, self.fraction_bits, read, tap, self._saw,
-            self.texture.border,
+            self.texture.border, self.numbers,
         )  # fmt: skip
 
     def _hilo(self, image, places, face, modes, linear, target):

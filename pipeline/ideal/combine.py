@@ -20,6 +20,8 @@ from fixedpipe.pipeline.enums import (
 )
 from fixedpipe.pipeline.state import CombinerInput, RegisterCombiners
 from fixedpipe.raster import codes as C
+from fixedpipe.raster.columns.combine import coefficients
+from fixedpipe.raster.columns.future import real_function
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.witness import nobody
 
@@ -30,31 +32,9 @@ _SCALE = {
     CombinerScale.SCALE_BY_ONE_HALF: 0.5,
 }
 
-# The future board's: a register's range, and an exponent whose power is beyond it.
-_FARTHEST, _LARGEST_EXPONENT = 256.0, 21.0
-
-# An input mapping in real numbers is max(most, factor * max(least, x) + offset); of what a program saturates,
-# x is at most 1.
-# The mappings called unsigned yield nothing negative; none of the others has an upper clamp.
-# Source: NV_register_combiners, table 4.
-_ANY = -np.inf
-_MAPPINGS = {
-    Mapping.SIGNED_IDENTITY: (_ANY, 1.0, 0.0, _ANY),
-    Mapping.SIGNED_NEGATE: (_ANY, -1.0, 0.0, _ANY),
-    Mapping.UNSIGNED_IDENTITY: (0.0, 1.0, 0.0, _ANY),
-    Mapping.UNSIGNED_INVERT: (0.0, -1.0, 1.0, 0.0),
-    Mapping.EXPAND_NORMAL: (0.0, 2.0, -1.0, _ANY),
-    Mapping.EXPAND_NEGATE: (0.0, -2.0, 1.0, _ANY),
-    Mapping.HALF_BIAS_NORMAL: (0.0, 1.0, -0.5, _ANY),
-    Mapping.HALF_BIAS_NEGATE: (0.0, -1.0, 0.5, _ANY),
-}
-# Of a constant of both signs, as the notations store it.
-_SIGNED_CONSTANT = {
-    Mapping.EXPAND_NORMAL: (0.0, 2.0, -256 / 255, _ANY),
-    Mapping.EXPAND_NEGATE: (0.0, -2.0, 256 / 255, _ANY),
-    Mapping.HALF_BIAS_NORMAL: (0.0, 1.0, -128 / 255, _ANY),
-    Mapping.HALF_BIAS_NEGATE: (0.0, -1.0, 128 / 255, _ANY),
-}
+# One, what EXPAND_NORMAL subtracts and one half, as ``coefficients`` takes them; and those of a constant of
+# both signs, as the notations store it.
+_CONSTANTS, _SIGNED_CONSTANTS = (1.0, 1.0, 0.5), (1.0, 256 / 255, 128 / 255)
 
 _BLOCK = 64
 _REGISTERS = C.REGISTER_DISCARD  # those that a file holds come before it
@@ -291,8 +271,8 @@ def _plan_variables(variables, colors, row, numbers, read):
             raise ValueError(f"The ideal machine has no component usage {variable.usage.name}.")
         same = variable.register in colors
         row[2 * k : 2 * k + 2] = _SAME if same else variable.register, _COMPONENTS[variable.usage]
-        mappings = _SIGNED_CONSTANT if variable.meaning is Meaning.SIGNED_CONSTANT else _MAPPINGS
-        numbers[4 * k : 4 * k + 4] = mappings[variable.mapping]
+        constants = _SIGNED_CONSTANTS if variable.meaning is Meaning.SIGNED_CONSTANT else _CONSTANTS
+        numbers[4 * k : 4 * k + 4] = _mapping(variable.mapping, constants)
         numbers[_GREATEST + k] = 1.0 if variable.meaning is Meaning.SATURATED else np.inf
         if same:
             numbers[_COLORS + 4 * k : _COLORS + 4 * k + 4] = colors[variable.register]
@@ -316,18 +296,14 @@ def _plan_portion(portion, colors, row, numbers, read):
         read.add(Register.SPARE0)
 
 
-def _function(function, ab, cd):
-    """What the future board puts in the place of AB + CD; n / 0 is as far as its registers reach.
-
-    Source: docs/numbers.md, section 20.
+def _mapping(mapping, constants):
+    """(least, factor, offset, most): a mapping in real numbers is max(most, factor * max(least, x) + offset);
+    of what a program saturates, x is at most 1. The mappings called unsigned yield nothing negative; none of
+    the others has an upper clamp. Source: NV_register_combiners, table 4.
     """
-    if function is CombinerFunction.SQUARE_ROOT:
-        return np.sqrt(np.maximum(ab + cd, 0.0))
-    if function is CombinerFunction.EXPONENTIAL:
-        return np.exp(np.minimum(ab + cd, _LARGEST_EXPONENT))
-    if function is CombinerFunction.DIVIDE:
-        return np.where(cd == 0.0, np.sign(ab) * _FARTHEST, ab / np.where(cd == 0.0, 1.0, cd))
-    raise ValueError(f"The ideal machine has no combiner function {function.name}.")
+    signed, factor, offset = coefficients(mapping, *constants)
+    most = 0.0 if mapping is Mapping.UNSIGNED_INVERT else -np.inf
+    return -np.inf if signed else 0.0, factor, offset, most
 
 
 def constant_color(color):
@@ -364,7 +340,7 @@ def combine(plan, registers, look_up=None, saw=nobody):
             ab, cd, total = computed[portion * _COMPUTED :][_AB:_COMPUTED]
             if function is not CombinerFunction.NONE:
                 channels = slice(3, 4) if portion else slice(3)
-                total[channels] = _function(function, ab[channels], cd[channels])
+                total[channels] = real_function(function, ab[channels], cd[channels])
         if functions:
             _stage(file, rows, reals, 0, 1, computed)
         if stage.lookup is not None:

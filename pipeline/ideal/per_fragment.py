@@ -31,7 +31,7 @@ _FACTORS = {
     BlendFactor.CONSTANT_ALPHA: (_CONSTANT, _ALPHA, 0.0, 1.0),
     BlendFactor.ONE_MINUS_CONSTANT_ALPHA: (_CONSTANT, _ALPHA, 1.0, -1.0),
 }
-_EQUATIONS = {
+EQUATIONS = {
     BlendEquation.FUNC_ADD,
     BlendEquation.FUNC_SUBTRACT,
     BlendEquation.FUNC_REVERSE_SUBTRACT,
@@ -255,7 +255,7 @@ def _write_color(state, buffers, pixel, source):
         _write_combined(place, tuple(state.logic_op >> bit & 1 for bit in range(4)))
     elif state.blending is not None:
         blending = state.blending
-        if blending.equation not in _EQUATIONS:
+        if blending.equation not in EQUATIONS:
             raise ValueError(f"The ideal machine has no blend equation {blending.equation.name}.")
         factors = _FACTORS[blending.source], _FACTORS[blending.destination]
         _write_blended(place, int(blending.equation), *factors, tuple(map(float, blending.color)))

@@ -1,5 +1,5 @@
-"""What exact arithmetic makes of the numbers that the machine read: the column engine's own functions, on
-numbers with so many more bits that rounding does not show, and without clamps.
+"""What exact arithmetic makes of the numbers that the machine read: the column engine's own functions, in
+real numbers and without clamps.
 
 With the machine's constants, or with the exact ones: EXPAND_NORMAL takes 1/2 away, not 128/255.
 """
@@ -8,100 +8,61 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.pipeline.columns.combiners import read_components
-from fixedpipe.pipeline.enums import Mapping
+from fixedpipe.pipeline.columns.combiners import final_inputs, portion_products, sum_of_portion
 from fixedpipe.raster.columns import combine, numbers, per_fragment
 
-_FAR = 1 << 40  # beyond what any output of wide numbers reaches
-_FRACTION_BITS = 20
-WIDE_BITS = 24  # whose one is a multiple of those of 4, 6, 8 and 12 bits
+
+def _exact(a, constants=True):
+    """An Arithmetic of the machine's in real numbers, without clamps; ``constants``: with exact ones."""
+    found = replace(combine.unclamped(combine.in_reals(a)), holds=(-np.inf, np.inf))
+    return found if constants else replace(found, half=a.half, expanded=a.expanded)
 
 
-def _widened(a, exact):
-    """An Arithmetic of the machine's, with more bits and no clamps, and by how much wider it is."""
-    shift = WIDE_BITS - a.one.bit_length()
-    one = a.one << shift
-    return shift, replace(
-        a,
-        one=one,
-        half=one >> 1 if exact else a.half << shift,
-        expanded=one if exact else a.expanded << shift,
-        low=-_FAR,
-        high=_FAR,
-        holds=(-_FAR, _FAR),
-        per_product=False,
-        round_first=False,
-        clamps_final=False,
-        clamps_sum=False,
-    )
-
-
-def unclamped(register, portion, ab, cd, a):
-    """What an output would be if nothing clamped it, int64; None where a mux or a function makes it.
-
-    ``ab``, ``cd``: the portion's products, as the engine tells them.
-    """
+def _output(register, portion, ab, cd, select, spare0, a):
+    """What a portion writes to a register, of its products."""
     pairs = {portion.ab_output: ab, portion.cd_output: cd}
-    if register not in pairs and (portion.function or portion.mux_sum):
-        return None
-    free = replace(a, low=-combine.FAR, high=combine.FAR)
-    return combine.output(pairs.get(register, [*ab, *cd]), portion.scale, bool(portion.bias), free)
+    if register in pairs:
+        return combine.output(pairs[register], portion.scale, bool(portion.bias), a)
+    return sum_of_portion(portion, ab, cd, select, spare0, a)
 
 
-def portion_output(register, portion, read, alpha, a, exact):
-    """An output of a portion from its four variables' register components, float64; None where a mux or a
-    function makes it.
+def unclamped(register, *, portion, ab, cd, select, spare0, arithmetic, **_):
+    """What an output would be if nothing clamped it, int64; of what the engine tells of its portion."""
+    return _output(register, portion, ab, cd, select, spare0, combine.unclamped(arithmetic))
+
+
+def portion_output(register, exact, *, portion, read, alpha, select, spare0, arithmetic, **_):
+    """An output in real numbers, float64, of what the engine tells of its portion; ``exact``: with one half
+    where EXPAND_NORMAL means it.
     """
-    pairs = {portion.ab_output: 0, portion.cd_output: 1}
-    if register not in pairs and (portion.function or portion.mux_sum):
-        return None
-    shift, wide = _widened(a, exact)
-    variables = portion.a, portion.b, portion.c, portion.d
-    mapped = [combine.map_input(x << shift, v.mapping, wide) for x, v in zip(read, variables, strict=True)]
-    shape = 1 if alpha else 3, mapped[0].shape[1]
-    ab, cd = ([np.broadcast_to(mapped[i] * mapped[i + 1], shape)] for i in (0, 2))
-    if not alpha:
-        ab = combine.sum_of_three(ab) if portion.ab_dot_product else ab
-        cd = combine.sum_of_three(cd) if portion.cd_dot_product else cd
-    products = (ab, cd)[pairs[register]] if register in pairs else [*ab, *cd]
-    return combine.output(products, portion.scale, bool(portion.bias), wide) / wide.one
+    wide = _exact(arithmetic, exact)
+    _, ab, cd = portion_products(portion, read, alpha, wide)
+    return _output(register, portion, ab, cd, select, spare0, wide) / wide.one
 
 
 def final_color(final, registers, a):
     """The final combiner's colour from registers, float64 [4, k]."""
-    shift, wide = _widened(a, True)
-
-    def value(variable, alpha=False):
-        read = read_components(registers, variable, alpha)
-        return combine.map_final(read << shift, variable.mapping == Mapping.UNSIGNED_INVERT, wide)
-
-    count = next(iter(registers.values())).shape[1]
-    inputs = [np.broadcast_to(value(v), (3, count)) for v in (final.a, final.b, final.c, final.d)]
-    return combine.final_color(*inputs, value(final.g, alpha=True), wide) / wide.one
+    wide, count = _exact(a), next(iter(registers.values())).shape[1]
+    return combine.final_color(*final_inputs(final, registers, count, wide), wide) / wide.one
 
 
-def texture(sampler, fragments, ideal):
-    """What a unit filters, float64 [4] each: of the machine's texels by the machine's fractions, not rounded;
-    by exact fractions; of real texels by exact fractions. None where that is not known.
+def texture(sampler, fragments, ideal, bits):
+    """What a unit's register receives, float64 [4] each: of the machine's texels by the machine's fractions,
+    not rounded; by exact fractions; of real texels by exact fractions. None where that is not known.
 
-    ``ideal``: the texture's real texels, a level each, or None.
+    ``ideal``: the texture's real texels, a level each, or None; ``bits``: of the register.
     """
     found = []
-    for fraction_bits, levels in (
-        (sampler.fraction_bits, None),
-        (_FRACTION_BITS, None),
-        (_FRACTION_BITS, ideal),
-    ):
+    for fraction_bits, levels in ((sampler.fraction_bits, None), (None, None), (None, ideal)):
         unit = sampler.exactly(fraction_bits, levels)
         if unit is None:
             return None
-        texel = unit.filtered(fragments)[:, :4]
-        found.append(texel[0] / unit.one)
+        found.append(unit.register(fragments, bits)[:, 0] / numbers.one_of(bits))
     return found
 
 
 def blended(blending, colors, bits):
     """What blending makes of source, destination and constant in units of ``bits``, float64 [k, 4]."""
-    one, factors = numbers.one_of(WIDE_BITS), (blending.source, blending.destination)
-    wide = [color * (one // numbers.one_of(bits)) for color in colors]
-    return per_fragment.blend(blending.equation, factors, *wide, WIDE_BITS) / one
+    factors = blending.source, blending.destination
+    found = per_fragment.blend(blending.equation, factors, *colors, bits, numbers.REALS)
+    return found / numbers.one_of(bits)

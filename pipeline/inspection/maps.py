@@ -132,11 +132,9 @@ class _Drawn:
     def _outputs(self, alpha, values):
         if self.kind != "clamps" or self.at is None:
             return
-        portion, ab, cd, a = (self.begun[name] for name in ("portion", "ab", "cd", "arithmetic"))
         for register, codes in values:
-            free = unclamped(register, portion, ab, cd, a)
-            if free is not None:
-                np.add.at(self.maps[self.number].values, self.at, (free != codes).sum(axis=0))
+            free = unclamped(register, **self.begun)
+            np.add.at(self.maps[self.number].values, self.at, (free != codes).sum(axis=0))
 
 
 _TOLD = {

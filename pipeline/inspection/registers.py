@@ -137,10 +137,9 @@ class RegisterWitness:
         self.begun = columns
 
     def _outputs(self, alpha, values):
-        portion, ab, cd, a = (self.begun[name] for name in ("portion", "ab", "cd", "arithmetic"))
-        stage = f"general combiner {self.general}"
+        stage, a = f"general combiner {self.general}", self.begun["arithmetic"]
         for register, codes in values:
-            free = unclamped(register, portion, ab, cd, a)
+            free = unclamped(register, **self.begun)
             components, name = _ALPHA if alpha else _RGB, REGISTER_NAMES[register]
             self.add(stage, name, components, codes, (a.low, a.high, a.one), free)
 

@@ -25,7 +25,6 @@ from fixedpipe.pipeline.state import PassState
 from fixedpipe.raster.columns import combine, numbers
 
 _RGBA = "rgba"
-_WIDE = numbers.one_of(exact.WIDE_BITS)
 
 
 class FragmentWitness:
@@ -234,7 +233,9 @@ class _Reader:
         read, self.texels = (*self.texels, _coded("filtered", texel, one)), []
         quantity, parts = _coded(f"tex{unit}", register, self.one), None
         if self.sampler is not None and self.sampler.number == unit and self.ideal:
-            parts = exact.texture(self.sampler, self.sampled, self._real_texels(unit))
+            bits = self.one.bit_length()
+            levels = self._real_texels(unit, self.sampler.texture)
+            parts = exact.texture(self.sampler, self.sampled, levels, bits)
         causes = {}
         if parts is not None:
             cut, whole, full = parts
@@ -242,9 +243,11 @@ class _Reader:
         made = _beside(quantity, self._ideal_texture(unit), **causes)
         return Stage("texture", f"texture unit {unit}", "", read, (made,), number=unit)
 
-    def _real_texels(self, unit):
-        """What the texture that the ideal reads holds, where it is as large; else what this was made of."""
-        own, found = self.sampler.texture, self.ideal.get(("levels", unit))
+    def _real_texels(self, unit, own):
+        """What the texture that the ideal reads holds, where it is as large; else what the machine's ``own``
+        was made of.
+        """
+        found = self.ideal.get(("levels", unit))
         if found is None or [level.shape for level in found] != [level.shape for level in own.levels]:
             return own.ideal
         return found
@@ -297,10 +300,9 @@ class _Reader:
         """A general combiner begins."""
         self.general = number
 
-    def portion(self, alpha, portion, read, mapped, ab, cd, arithmetic):
+    def portion(self, **columns):
         """A portion's inputs and products: a Stage with its ``outputs``."""
-        self.begun = alpha, portion, read, mapped, ab, cd, arithmetic
-        self.chosen = ()
+        self.begun, self.chosen = columns, ()
 
     def mux(self, takes_cd, spare0):
         """What a mux took."""
@@ -309,7 +311,9 @@ class _Reader:
 
     def outputs(self, alpha, values):
         """A portion's outputs."""
-        alpha, portion, read, mapped, ab, cd, a = self.begun
+        portion, read, mapped, ab, cd, a = (
+            self.begun[name] for name in ("portion", "read", "mapped", "ab", "cd", "arithmetic")
+        )
         given, made, clamped, key = [], [], [], (self.general, bool(alpha))
         components = ("a",) if alpha else _RGBA[:3]
         usage = ComponentUsage.ALPHA if alpha else ComponentUsage.RGB
@@ -332,17 +336,12 @@ class _Reader:
         ]
         for register, value in values:
             name = REGISTER_NAMES[register] + (".a" if alpha else ".rgb")
-            whole = exact.unclamped(register, portion, ab, cd, a)
+            whole = exact.unclamped(register, **self.begun)
             quantity, ideal = _coded(name, value, a.one), self.ideal.get((*key, register), ())
-            if whole is None:
-                made.append(_beside(quantity, ideal))
-            else:
-                full, mapped = (
-                    exact.portion_output(register, portion, read, alpha, a, each) for each in (True, False)
-                )
-                causes = {"mapping": mapped, "rounding": whole / a.one, "clamp": None}
-                made.append(_beside(quantity, ideal, full, **causes))
-                clamped += _clamps(REGISTER_NAMES[register], components, whole, value, a.one)
+            full, mapped = (exact.portion_output(register, each, **self.begun) for each in (True, False))
+            causes = {"mapping": mapped, "rounding": whole / a.one, "clamp": None}
+            made.append(_beside(quantity, ideal, full, **causes))
+            clamped += _clamps(REGISTER_NAMES[register], components, whole, value, a.one)
         title = f"general combiner {self.general}, {'alpha' if alpha else 'RGB'} portion"
         if self.environments:
             title = f"texture environments, combiner {self.general}, {'alpha' if alpha else 'RGB'}"
@@ -435,7 +434,7 @@ class _Reader:
         )
         kept, ideal = np.clip(result, 0, one), self.ideal.get("blended", ())
         clamped = tuple(_clamps("blended", _RGBA, result, kept, one))
-        full = exact.blended(b, colors, self.color_bits) if _WIDE % one == 0 else None
+        full = exact.blended(b, colors, self.color_bits)
         made = _beside(_coded("blended", result, one), ideal, full, rounding=None)
         return Stage("blending", "blending", says, tuple(read), (made,), clamped)
 

@@ -12,7 +12,7 @@ from fixedpipe.pipeline.programs.texture_shader_rules import DISCARDING
 from fixedpipe.pipeline.state import CombinerInput
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.columns.mappings import mapping_lines
+from fixedpipe.raster.columns.combine import coefficients
 from fixedpipe.raster.columns.numbers import one_of
 
 
@@ -23,8 +23,9 @@ def _mappings(bits, expand_half):
     The addends of the EXPAND pair depend on ``expand_half``.
     """
     one, half = one_of(bits), 1 << (bits - 1)
-    lines = mapping_lines(one, half, one + 1 if expand_half == 128 else one)
-    return {mapping: (0 if positive else -one - 1, *line) for mapping, (positive, *line) in lines.items()}
+    expanded = one + 1 if expand_half == 128 else one
+    found = {mapping: coefficients(mapping, one, expanded, half) for mapping in Mapping}
+    return {m: (-one - 1 if signed else 0, factor, addend) for m, (signed, factor, addend) in found.items()}
 
 
 _ZERO_MAPPINGS = frozenset({Mapping.UNSIGNED_IDENTITY, Mapping.SIGNED_IDENTITY, Mapping.SIGNED_NEGATE})

@@ -1,17 +1,40 @@
-"""Register combiners at any width (docs/numbers.md, section 8), on int64 columns [components, k].
+"""Register combiners at any width (docs/numbers.md, section 8), on columns [components, k].
 
-What a register holds is a number in units of ``one``. Every clamp is a switch.
+What a register holds is a number in units of ``one``: int64, or float64 where a stage computes with reals.
+Every clamp is a switch.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.columns.numbers import quotient
+from fixedpipe.raster.columns.numbers import INTEGERS, REALS
 
 # How far a register reaches whose clamp is off: products of two, summed and scaled, stay below 2**62.
 FAR = 1 << 26
+
+# Of each input mapping: whether it reads numbers below 0, what it multiplies by, and how many of one, of what
+# EXPAND_NORMAL subtracts and of one half it adds. Source: NV_register_combiners table 4.
+MAPPINGS = {
+    C.MAPPING_UNSIGNED_IDENTITY: (False, 1, (0, 0, 0)),
+    C.MAPPING_UNSIGNED_INVERT: (False, -1, (1, 0, 0)),
+    C.MAPPING_EXPAND_NORMAL: (False, 2, (0, -1, 0)),
+    C.MAPPING_EXPAND_NEGATE: (False, -2, (0, 1, 0)),
+    C.MAPPING_HALF_BIAS_NORMAL: (False, 1, (0, 0, -1)),
+    C.MAPPING_HALF_BIAS_NEGATE: (False, -1, (0, 0, 1)),
+    C.MAPPING_SIGNED_IDENTITY: (True, 1, (0, 0, 0)),
+    C.MAPPING_SIGNED_NEGATE: (True, -1, (0, 0, 0)),
+}
+
+
+def coefficients(mapping, one, expanded, half):
+    """(whether a mapping reads numbers below 0, its factor, its addend) in units of ``one``."""
+    if mapping not in MAPPINGS:
+        raise ValueError(f"{mapping!r} is no input mapping.")
+    signed, factor, (ones, expansions, halves) = MAPPINGS[mapping]
+    return signed, factor, ones * one + expansions * expanded + halves * half
 
 
 @dataclass(frozen=True)
@@ -24,83 +47,102 @@ class Arithmetic:
     per_product, round_first   ``product_rounding`` PER_PRODUCT, ``round_before_scale``
     clamps_mapping, clamps_sum, clamps_final   which of the clamps are on
     holds                  (lowest, highest) that a register holds, by which mappings clamp
-    grid                   what is rounded becomes a multiple of so many units: 1, or of units that are finer
-                           than the machine's, how many of these make one of its own
+    numbers                INTEGERS, which are rounded, or REALS
     """
 
-    one: int
-    half: int
-    low: int
-    high: int
-    expanded: int
+    one: float
+    half: float
+    low: float
+    high: float
+    expanded: float
     per_product: bool
     round_first: bool
     clamps_mapping: bool
     clamps_sum: bool
     clamps_final: bool
-    holds: tuple[int, int]
-    grid: int = 1
+    holds: tuple[float, float]
+    numbers: Any = INTEGERS
+
+
+# The algorithm's own: only what the mappings and the final combiner clamp by their definitions is clamped.
+EXACT = Arithmetic(
+    one=1.0,
+    half=0.5,
+    low=-np.inf,
+    high=np.inf,
+    expanded=1.0,
+    per_product=False,
+    round_first=True,
+    clamps_mapping=True,
+    clamps_sum=False,
+    clamps_final=True,
+    holds=(-np.inf, np.inf),
+    numbers=REALS,
+)
+
+
+def in_reals(a):
+    """The same Arithmetic without rounding, and with one half where EXPAND_NORMAL means it."""
+    half = a.one / 2
+    return replace(a, half=half, expanded=a.one, per_product=False, round_first=True, numbers=REALS)
+
+
+def unclamped(a):
+    """The same Arithmetic without clamps of what stages make."""
+    far = FAR if a.numbers.rounds else np.inf
+    return replace(a, low=-far, high=far, clamps_final=False)
 
 
 def map_input(x, mapping, a):
     """Register components through an input mapping. Source: NV_register_combiners table 4."""
-    if mapping == C.MAPPING_SIGNED_IDENTITY:
-        return x
+    signed, factor, addend = coefficients(mapping, a.one, a.expanded, a.half)
+    if not a.clamps_mapping:
+        return factor * x + addend
+    value = factor * (x if signed else np.maximum(x, 0)) + addend
     if mapping == C.MAPPING_SIGNED_NEGATE:
-        return np.clip(-x, *a.holds) if a.clamps_mapping else -x
-    if a.clamps_mapping:
-        x = np.maximum(x, 0)
-    if mapping == C.MAPPING_UNSIGNED_IDENTITY:
-        return x
+        return np.clip(value, *a.holds)
     if mapping == C.MAPPING_UNSIGNED_INVERT:
-        return a.one - (np.minimum(x, a.one) if a.clamps_mapping else x)
-    if mapping == C.MAPPING_EXPAND_NORMAL:
-        return 2 * x - a.expanded
+        return np.maximum(value, 0)
     if mapping == C.MAPPING_EXPAND_NEGATE:
-        negated = a.expanded - 2 * x
-        return np.minimum(negated, a.holds[1]) if a.clamps_mapping else negated
-    if mapping == C.MAPPING_HALF_BIAS_NORMAL:
-        return x - a.half
-    if mapping == C.MAPPING_HALF_BIAS_NEGATE:
-        return a.half - x
-    raise ValueError(f"{mapping!r} is no input mapping.")
-
-
-def scaled(x, scale):
-    """Rounded values times an output scale. Measured: one half as ``(x + 1) >> 1``."""
-    if scale == C.SCALE_BY_ONE_HALF:
-        return (x + 1) >> 1
-    return x << scale
+        return np.minimum(value, a.holds[1])
+    return value  # of UNSIGNED_IDENTITY and the others: a register holds it
 
 
 def output(products, scale, biased, a):
     """One output of a portion from the exact sum of its products, or from each of them rounded."""
-    half, unit = a.half // a.grid if biased else 0, a.one * a.grid
+    half, numbers = a.half if biased else 0, a.numbers
     if a.per_product:
-        total = scaled(sum(quotient(n, unit) for n in products) - half, scale)
+        total = numbers.scaled(sum(numbers.quotient(n, a.one) for n in products) - half, scale)
     elif a.round_first:
-        total = scaled(quotient(sum(products), unit) - half, scale)
+        total = numbers.scaled(numbers.quotient(sum(products), a.one) - half, scale)
     else:
         n = sum(products)
-        total = (n + unit) // (2 * unit) if scale == C.SCALE_BY_ONE_HALF else quotient(n << scale, unit)
+        if scale == C.SCALE_BY_ONE_HALF:
+            total = (n + a.one) // (2 * a.one)
+        else:
+            total = numbers.quotient(n * (1 << scale), a.one)
         total = total - (2 * half if scale == C.SCALE_BY_TWO else half)
-    return np.clip(total * a.grid, a.low, a.high)
+    return np.clip(total, a.low, a.high)
 
 
 def function_output(value, scale, biased, a):
     """The output of a portion whose sum a function takes the place of, from the function's value."""
-    return np.clip(scaled(value - (a.half if biased else 0), scale), a.low, a.high)
+    return np.clip(a.numbers.scaled(value - (a.half if biased else 0), scale), a.low, a.high)
 
 
 def takes_cd(spare0_alpha, lowest_bit, a):
-    """Where a mux takes CD: SPARE0's alpha, clamped, has its highest bit, or its lowest, set."""
+    """Where a mux takes CD: SPARE0's alpha, clamped, has its highest bit, or its lowest, set. Real numbers
+    have no lowest bit, and are compared with one half.
+    """
     alpha = np.clip(spare0_alpha, 0, a.one)
-    return ((alpha + a.grid // 2) // a.grid & 1) == 1 if lowest_bit else alpha >= a.half
+    if lowest_bit and a.numbers.rounds:
+        return np.floor(alpha + 0.5).astype(np.int64) & 1 == 1
+    return alpha >= a.half
 
 
 def product(n, a):
     """A product of two numbers, or a sum of such, rounded."""
-    return quotient(n, a.one * a.grid) * a.grid
+    return a.numbers.quotient(n, a.one)
 
 
 def sum_of_three(products):

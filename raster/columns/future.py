@@ -5,11 +5,13 @@ that turn steadily. Exact integers, or float64 with + - * / and the square root 
 import numpy as np
 
 from fixedpipe.raster import codes as C
+from fixedpipe.raster.columns.numbers import INTEGERS
 
 _LN_2_HIGH, _LN_2_LOW = 0.6931471803691238, 1.9082149292705877e-10  # their sum is ln 2; the first has 33 bits
 _INVERSE_LN_2 = 1.4426950408889634
 _TERMS = 14  # of the exponential series, for |r| <= ln 2 / 2: beyond them is less than 2**-56
 _LARGEST_EXPONENT = 21.0  # e to this power is beyond every register
+_FARTHEST = 256.0  # Assumed: a register's range, as of the board's 16 bits
 _HALVINGS = 12  # of an arc: what is left of it is straight to 2**-40 of its length
 
 
@@ -59,8 +61,12 @@ def exponential(x, one, largest):
     return np.minimum(np.floor(value + 0.5), float(largest)).astype(np.int64)
 
 
-def applied(function, ab, cd, one, largest):
-    """What takes the place of the sum of two exact products, int64, in the registers' units of ``one``."""
+def applied(function, ab, cd, one, largest, numbers=INTEGERS):
+    """What takes the place of the sum of two products, in the registers' units of ``one``: int64 of exact
+    int64 products, or float64 where ``numbers`` are REALS.
+    """
+    if not numbers.rounds:
+        return one * real_function(function, ab / one / one, cd / one / one)
     if function == C.COMBINER_FUNCTION_SQUARE_ROOT:
         return np.minimum(square_root(ab + cd), largest)
     if function == C.COMBINER_FUNCTION_DIVIDE:
@@ -68,6 +74,17 @@ def applied(function, ab, cd, one, largest):
     if function == C.COMBINER_FUNCTION_EXPONENTIAL:
         x = (ab + cd).astype(np.float64) / float(one) / float(one)
         return exponential(x, one, largest)
+    raise ValueError(f"{function!r} is no combiner function that takes a sum's place.")
+
+
+def real_function(function, ab, cd):
+    """The same of real products, 1.0 = one; n / 0 is as far as the board's registers reach."""
+    if function == C.COMBINER_FUNCTION_SQUARE_ROOT:
+        return np.sqrt(np.maximum(ab + cd, 0.0))
+    if function == C.COMBINER_FUNCTION_EXPONENTIAL:
+        return np.exp(np.minimum(ab + cd, _LARGEST_EXPONENT))
+    if function == C.COMBINER_FUNCTION_DIVIDE:
+        return np.where(cd == 0.0, np.sign(ab) * _FARTHEST, ab / np.where(cd == 0.0, 1.0, cd))
     raise ValueError(f"{function!r} is no combiner function that takes a sum's place.")
 
 

@@ -7,7 +7,7 @@ pixels.
 import numpy as np
 
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.columns.numbers import quotient
+from fixedpipe.raster.columns.numbers import INTEGERS
 
 FAR = 1 << 30  # how far a colour reaches where blending does not clamp
 
@@ -75,8 +75,10 @@ def blend_factor(factor, source, destination, constant, one):
     raise ValueError(f"{factor!r} is no blend factor.")
 
 
-def blend(equation, factors, source, destination, constant, bits):
-    """Two colours [k, 4] blended, not clamped (section 4.1.6); ``factors``: source's, destination's."""
+def blend(equation, factors, source, destination, constant, bits, numbers=INTEGERS):
+    """Two colours [k, 4] blended, not clamped (section 4.1.6); ``factors``: source's, destination's. Reals
+    whose one is 1.0 have ``bits`` = 1.
+    """
     one = (1 << bits) - 1
     if equation == C.EQUATION_MIN:
         return np.minimum(source, destination)
@@ -88,11 +90,11 @@ def blend(equation, factors, source, destination, constant, bits):
     s = source * blend_factor(factors[0], source, destination, constant, one)
     d = destination * blend_factor(factors[1], source, destination, constant, one)
     if equation == C.EQUATION_FUNC_ADD:
-        return quotient(s + d, one)
+        return numbers.quotient(s + d, one)
     if equation == C.EQUATION_FUNC_SUBTRACT:
-        return quotient(s - d, one)
+        return numbers.quotient(s - d, one)
     if equation == C.EQUATION_FUNC_REVERSE_SUBTRACT:
-        return quotient(d - s, one)
+        return numbers.quotient(d - s, one)
     raise ValueError(f"{equation!r} is no blend equation.")
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import float_depths
 from fixedpipe.raster.columns.interpolate import major_axis, on_face
-from fixedpipe.raster.columns.numbers import lerp
+from fixedpipe.raster.columns.numbers import INTEGERS
 from fixedpipe.raster.columns.per_fragment import compare
 from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.witness import nobody
@@ -50,14 +50,19 @@ def index_of(i, mode, size, linear, beside=0):
 
 
 def along(texel, mode, size, linear, fraction_bits, beside=0):
-    """Indices along an axis, a list of one or two ``index_of``, and the fraction between them."""
+    """Indices along an axis, a list of one or two ``index_of``, and the fraction between them: of so many
+    bits, int64; with ``fraction_bits`` None float64.
+    """
     texel = wrapped(texel, mode, size, beside)
     if not linear:
         return [index_of(np.floor(texel).astype(np.int64), mode, size, False, beside)], None
-    position = np.floor((texel - 0.5) * float(1 << fraction_bits)).astype(np.int64)
-    i = position >> fraction_bits
-    pair = [index_of(k, mode, size, True, beside) for k in (i, i + 1)]
-    return pair, position & ((1 << fraction_bits) - 1)
+    if fraction_bits is None:
+        lower = np.floor(texel - 0.5)
+        i, fraction = lower.astype(np.int64), (texel - 0.5) - lower
+    else:
+        position = np.floor((texel - 0.5) * float(1 << fraction_bits)).astype(np.int64)
+        i, fraction = position >> fraction_bits, position & ((1 << fraction_bits) - 1)
+    return [index_of(k, mode, size, True, beside) for k in (i, i + 1)], fraction
 
 
 def positions(coordinates, target, divided, computed, size, flat=False):
@@ -87,16 +92,18 @@ def positions(coordinates, target, divided, computed, size, flat=False):
 
 
 def filter_level(
-    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, saw=nobody, beside=0
-):
-    """One filtered texel of each fragment, int64 [k, c].
+    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, saw=nobody, beside=0,
+    numbers=INTEGERS,
+):  # fmt: skip
+    """One filtered texel of each fragment, [k, c]: int64, or of REALS float64.
 
     ``places``: of ``positions``; ``modes``: of s, t and r; ``border`` int64 [c], the border colour;
     ``beside``: how many border texels the level has on either side; ``read``: None, or what is
     made of texels int64 [k, c] before they are filtered. ``tap``: None, or which of the filter's texels is
     wanted, 0 or 1 of layers, rows and columns: then int64 [k, c + 4], the texel, and the fractions
     between columns, rows and layers, and 0. ``saw``: is told where each axis reads, the fractions, and each
-    texel, by (layer, row, column) of the filter.
+    texel, by (layer, row, column) of the filter. ``fraction_bits``: None of REALS for
+    fractions that are not rounded.
     """
     layers, height, width = (extent - 2 * beside for extent in level.shape[:3])
     below, before = beside, 0  # border texels of the image below row 0 and before layer 0
@@ -115,7 +122,7 @@ def filter_level(
 
     def texel(plane, row, column):
         at = plane[0] + before, row[0] + below, column[0] + beside
-        stored = found = level[at].astype(np.int64)
+        stored = found = level[at].astype(np.float64 if level.dtype == np.float64 else np.int64)
         found = found if read is None else read(found)
         for outside in (plane[1], row[1], column[1]):
             if outside is not None:
@@ -133,27 +140,31 @@ def filter_level(
 
     def filtered_row(plane, row):
         taps = [texel(plane, row, column) for column in columns]
-        return taps[0] if len(taps) == 1 else lerp(taps[0], taps[1], across[:, None], fraction_bits)
+        return taps[0] if len(taps) == 1 else numbers.lerp(*taps, across[:, None], fraction_bits)
 
     def filtered_plane(plane):
         lines = [filtered_row(plane, row) for row in rows]
-        found = lines[0] if len(lines) == 1 else lerp(lines[0], lines[1], up[:, None], fraction_bits)
+        found = lines[0] if len(lines) == 1 else numbers.lerp(*lines, up[:, None], fraction_bits)
         if plane[1] is not None:  # the border's filter is the border
             found[plane[1]] = border
         return found
 
     parts = [filtered_plane(plane) for plane in planes]
-    return parts[0] if len(parts) == 1 else lerp(parts[0], parts[1], deep[:, None], fraction_bits)
+    return parts[0] if len(parts) == 1 else numbers.lerp(*parts, deep[:, None], fraction_bits)
 
 
 def comparison(reference, function, held, failed):
     """What makes depth texels, bytes [k, 4] with the lowest first, ``held`` or ``failed``, int64 [4].
 
-    ``reference`` int64 [k]: depth words. Measured: 48 captures (Texture_shadow_comparator).
+    ``reference`` int64 [k]: depth words. Measured: 48 captures (Texture_shadow_comparator). Real texels are
+    compared themselves, with a reference in their units.
     """
 
     def compared(texels):
-        words = texels[:, 0] | texels[:, 1] << 8 | texels[:, 2] << 16 | texels[:, 3] << 24
+        if texels.dtype == np.float64:
+            words = texels[:, 0]
+        else:
+            words = texels[:, 0] | texels[:, 1] << 8 | texels[:, 2] << 16 | texels[:, 3] << 24
         holds = compare(function, reference, words)
         return np.where(holds[:, None], held, failed)
 

@@ -16,12 +16,17 @@ from fixedpipe.pipeline.commands import Clear, Draw, HostStep, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     BlendFactor,
     CombinerScale,
+    ComparisonFunction,
     ComponentUsage,
+    InternalFormat,
     Mapping,
     Register,
+    TextureCompareMode,
     TextureFilter,
+    TextureTarget,
 )
 from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.framebuffers.texture_copies import depth_texture
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.inspection.history import json_schema, to_json
 from fixedpipe.pipeline.inspection.ideal import record_ideal
@@ -29,7 +34,7 @@ from fixedpipe.pipeline.inspection.inspect import history, inspect
 from fixedpipe.pipeline.inspection.page import history_page
 from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
 from fixedpipe.pipeline.inspection.recording import record
-from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, INFINITE_REALITY, NV2A, PROFILES
+from fixedpipe.pipeline.profiles import GEFORCE_3, GEFORCE_256, IDEAL, INFINITE_REALITY, NV2A, PROFILES
 from fixedpipe.pipeline.state import (
     Blending,
     CombinerInput,
@@ -42,6 +47,7 @@ from fixedpipe.pipeline.state import (
     RegisterCombiners,
     RGBPortion,
     Sampler,
+    SignedComponents,
     TextureUnit,
     VertexState,
 )
@@ -193,10 +199,10 @@ def test_a_single_rounding_is_the_roundings():
     col0 = CombinerInput(Register.PRIMARY_COLOR, Mapping.SIGNED_IDENTITY)
     # 51/255 times 51/255 is 10.2/255, and becomes 10/255.
     error, _, _ = error_of(combiner(a=col0, b=col0, sum_output=Register.SPARE0), (0.2, 0.2, 0.2, 1.0))
-    assert error.added["rounding"] == pytest.approx((-0.2,) * 3, abs=1e-4)  # 24 bits of exact arithmetic
+    assert error.added["rounding"] == pytest.approx((-0.2,) * 3, abs=1e-9)
     assert error.added["clamp"] == (0.0,) * 3
-    assert error.added["mapping"] == pytest.approx((0.0,) * 3, abs=1e-4)
-    assert error.brought == pytest.approx((0.0,) * 3, abs=1e-4)
+    assert error.added["mapping"] == pytest.approx((0.0,) * 3, abs=1e-9)
+    assert error.brought == pytest.approx((0.0,) * 3, abs=1e-9)
 
 
 def test_a_single_clamp_is_the_clamps():
@@ -206,7 +212,7 @@ def test_a_single_clamp_is_the_clamps():
     # 204/255 doubled is 408/255, and becomes 255/255.
     error, stage, fragment = error_of(combiner(**portion), (0.8, 0.8, 0.8, 1.0))
     assert error.added["clamp"] == pytest.approx((-153.0,) * 3)
-    assert error.added["rounding"] == error.brought == pytest.approx((0.0,) * 3, abs=1e-4)
+    assert error.added["rounding"] == error.brought == pytest.approx((0.0,) * 3, abs=1e-9)
     assert [each.name for each in stage.clamped] == ["spare0.r", "spare0.g", "spare0.b"]
     assert fragment.stages[fragment.first_clamped] is stage
     assert fragment.stages[fragment.worst] is stage
@@ -217,8 +223,8 @@ def test_a_mappings_constant_is_the_mappings():
     one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
     # 2 c - 256 where exact numbers take 255.
     error, _, _ = error_of(combiner(a=expanded, b=one, sum_output=Register.SPARE0), (0.8, 0.8, 0.8, 1.0))
-    assert error.added["mapping"] == pytest.approx((-1.0,) * 3, abs=1e-4)
-    assert error.added["rounding"] == pytest.approx((0.0,) * 3, abs=1e-4)
+    assert error.added["mapping"] == pytest.approx((-1.0,) * 3, abs=1e-9)
+    assert error.added["rounding"] == pytest.approx((0.0,) * 3, abs=1e-9)
 
 
 def test_a_filters_causes_add_up():
@@ -233,6 +239,51 @@ def test_a_filters_causes_add_up():
     assert any(added["filter fraction"]) and any(added["rounding"])
     # Three roundings of a half each, and one to the register.
     assert max(map(abs, added["rounding"])) <= 2.0
+
+
+def adds_up(error):
+    """An Error's causes, which add up to its total but for the noise of float64."""
+    assert np.add(error.brought, np.sum(list(error.added.values()), axis=0)) == pytest.approx(
+        np.array(error.total), abs=1e-6
+    )
+    return error.added
+
+
+def test_a_mux_is_its_branch_and_the_roundings():
+    col0 = CombinerInput(Register.PRIMARY_COLOR, Mapping.SIGNED_IDENTITY)
+    one = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
+    # SPARE0's alpha is that of a disabled unit, 1: CD, 51/255 times 51/255.
+    mux = combiner(a=one, b=one, c=col0, d=col0, mux_sum=True, sum_output=Register.SPARE0)
+    error, _, _ = error_of(mux, (0.2, 0.2, 0.2, 1.0))
+    assert adds_up(error)["rounding"] == pytest.approx((-0.2,) * 3, abs=1e-9)
+    assert error.brought == pytest.approx((0.0,) * 3, abs=1e-9)
+
+
+def test_signed_texels_and_depth_comparisons_have_their_causes():
+    linear = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR)
+    signed = replace(linear, signed_components=SignedComponents(True, True, True, True))
+    compared = replace(
+        linear,
+        compare_mode=TextureCompareMode.COMPARE_R_TO_TEXTURE,
+        compare_function=ComparisonFunction.GEQUAL,  # r is 0
+    )
+    depths = depth_texture(
+        TextureTarget.TEXTURE_2D,
+        InternalFormat.DEPTH_COMPONENT16,
+        np.random.default_rng(2).integers(0, 2, (8, 8)) * 1.0,
+    )
+    for sampler, image in ((signed, textured().image), (compared, depths)):
+        state = PassState(texture_units=(TextureUnit("t", sampler=sampler),))
+        commands = (TexImage(label="t", texture="t", image=image), triangle(state))
+        frame = record(commands, GEFORCE_3 if sampler is compared else NV2A, 64, 64)
+        beside, caused = record_ideal(commands, frame), set()
+        for x in range(14, 26):
+            fragment = history(frame, (x, 40), ideal=beside).touched[0].fragments[0]
+            (stage,) = [s for s in fragment.stages if s.kind == "texture"]
+            added = adds_up(stage.made[0].error)
+            assert max(map(abs, added["rounding"])) <= 2.5
+            caused |= {cause for cause, values in added.items() if any(values)}
+        assert caused == {"filter fraction", "rounding"}
 
 
 def test_texels_that_were_clamped_when_they_were_stored_are_their_textures_error():

@@ -8,7 +8,7 @@ import pytest
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.columns.otherwise import Otherwise
 from fixedpipe.pipeline.commands import Clear, Draw, HostStep, Mesh, TexImage
-from fixedpipe.pipeline.enums import CombinerScale, Mapping, Register, TextureFilter
+from fixedpipe.pipeline.enums import CombinerFunction, CombinerScale, Mapping, Register, TextureFilter
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.inspection.what_if import (
     attribution,
@@ -284,6 +284,20 @@ def test_an_exact_filter_is_rounded_before_a_conversion():
     assert own[1, 1, :3].tolist() == [255, 114, 78]  # N7.3, by hand
 
 
+def test_a_machine_of_sixteen_bits_has_exact_stages_too():
+    """0.09 is 5898 of 65535, whose root is 19660, and twice that 39320; twice the root of 0.09 is 39321."""
+    constant = CombinerInput(Register.CONSTANT_COLOR0)
+    root = RGBPortion(a=constant, b=ONE, function=CombinerFunction.SQUARE_ROOT)
+    draw, wide = (
+        two_stages(root, TWICE, ((0.09,) * 4, (0.0,) * 4)),
+        FUTURE.with_precision(framebuffer_bits=16),
+    )
+    own, _ = of_stages([draw], wide)
+    assert own.shown == pytest.approx(1 / 65535, rel=1e-9)
+    both = with_stages([draw], wide, 4, 4, exact=("constant colors", "general combiner 0"))
+    assert both.shown == pytest.approx(0.0, abs=1e-12)
+
+
 @pytest.mark.parametrize("wide", [False, True])
 def test_where_no_stage_is_named_the_bits_are_the_machines(wide):
     for seed in range(30):
@@ -306,7 +320,12 @@ def test_what_cannot_be_computed_otherwise_is_said():
         stage_attribution([Clear(label="c"), draw], GEFORCE_256, 4, 4, number=0)
     with pytest.raises(ValueError, match="primary color has no clamp of its own"):
         with_stages([draw], GEFORCE_256, 4, 4, unclamped=("primary color",))
-    with pytest.raises(ValueError, match="Future board has combiners of 16 bits"):
-        stage_attribution([draw], FUTURE, 4, 4)
+    stored = TexImage(label="t", texture="t", image=texture_2d(np.full((2, 2, 3), 0.5)))
+    unit = TextureUnit("t", sampler=Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR))
+    textured = combined(RGBPortion(a=CombinerInput(Register.TEXTURE0)), texture_units=(unit,))
+    for asked in ("evaluate_before_filtering", "spherical_primary_color"):
+        state = replace(textured.state, **{asked: True})
+        with pytest.raises(ValueError, match="combines colours before it filters them, or turns them"):
+            stage_attribution([stored, replace(textured, state=state)], FUTURE, 4, 4)
     with pytest.raises(ValueError, match="by the column engine alone"):
         Machine(GEFORCE_256, 4, 4, otherwise=lambda draw: None)
