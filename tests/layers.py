@@ -72,14 +72,14 @@ PACKAGES = {
         "raster": "codes floats rows kernel witness primitives portable columns",
         "pipeline": (
             "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
-            "native"
+            "native columns"
         ),
     },
     "pipeline/inspection": {
         "raster": "codes witness columns",
         "pipeline": (
-            "enums sentences state textures commands profiles notations description vertices framebuffers "
-            "validation native columns execution ideal"
+            "enums sentences state textures commands profiles programs notations description vertices "
+            "framebuffers validation native columns execution ideal"
         ),
     },
     "pipeline/selftest": {

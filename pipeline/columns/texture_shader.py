@@ -1,4 +1,12 @@
-"""Texture shaders in the column engine: the stages of a pass, one after the other, on fragments' columns."""
+"""Texture shaders: the stages of a pass, one after the other, on fragments' columns.
+
+What a stage computes with is a module of ``fixedpipe.raster.columns``: ``texture_shader``, a machine's
+numbers of a width, or ``real_texture_shader``, the ideal's. Both have the same functions.
+"""
+
+from copy import copy
+from dataclasses import astuple
+from functools import cache
 
 import numpy as np
 
@@ -7,7 +15,7 @@ from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, shader_stages
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.columns import numbers, texture_shader
+from fixedpipe.raster.columns import real_texture_shader, texture_shader
 from fixedpipe.raster.witness import nobody
 
 
@@ -15,109 +23,171 @@ def run_stages(fragments, state, profile, framebuffer, samplers, bits, saw=nobod
     """Every unit's register, by its number, int64 [4, k] in units of ``bits``, and the fragments' depths,
     below 0 where a stage discarded them (docs/numbers.md, section 12).
     """
-    run = _StageRun(fragments, state, profile, framebuffer, samplers, bits, saw)
-    for i in range(len(run.stages)):
-        run.stage(i)
-    return run.registers, np.where(run.alive, run.depth, -1)
+    largest = DEPTH_WORDS[framebuffer.depth_format].largest
+    run = StageRun(
+        shader_stages(state),
+        len(fragments.x),
+        lambda i: fragments.coordinates[:, i],
+        lambda i: fragments.sides[:, i],
+        [None if sampler is None else SampledUnit(sampler, fragments) for sampler in samplers],
+        profile,
+        bits,
+        (1.0 if profile.textures.depth_units_in_coordinates else float(largest), largest),
+        saw,
+    )
+    run.depth = fragments.depth
+    run.all_stages()
+    registers = {i: np.ascontiguousarray(register.T) for i, register in enumerate(run.registers)}
+    return registers, np.where(run.alive, run.depth, -1)
 
 
-class _StageRun:
-    """What stages have left so far: ``texels`` of each, 0..one of its ``widths``."""
+class SampledUnit:
+    """A texture unit at fragments, as a StageRun asks it: a UnitSampler's texels."""
 
-    def __init__(self, fragments, state, profile, framebuffer, samplers, bits, saw):
-        self._saw = saw
-        self.fragments, self.samplers, self.bits = fragments, samplers, bits
-        self.stages, self.real_bits = shader_stages(state), profile.arithmetic.texture_bits
-        self.largest = DEPTH_WORDS[framebuffer.depth_format].largest
-        self.depth_scale = 1.0 if profile.textures.depth_units_in_coordinates else float(self.largest)
+    def __init__(self, sampler, fragments):
+        self.unit, self.fragments, self.sampler = sampler, fragments, sampler.sampler
+        self.bits, self.sizes, self.target = sampler.bits, sampler.sizes, sampler.texture.target
+        self.at_level_zero, self.at_footprints = sampler.at_level_zero, sampler.at_footprints
+        self.signed = astuple(sampler.sampler.signed_components)
+
+    def filtered(self):
+        """The texel at the unit's own coordinates, [k, 4]."""
+        return self.unit.filtered(self.fragments)
+
+    def register(self, texel, bits):
+        """What the unit's register receives of a texel, [k, 4]."""
+        return self.unit.as_register(texel, self.fragments, bits).T
+
+
+class StageRun:
+    """What stages have left so far: ``texels`` of each, 0..one of its ``widths``.
+
+    stages      the pass's, of every unit
+    own         of a unit's number, its coordinates (s, t, r, q), float64 [k, 4]
+    sides       of a unit's number, float64 [k, 4]: of a lookup filtered by roughness, the pixel's steps in
+                texels to the right (s, t) and downwards
+    units       a SampledUnit, or what has its functions; None where nothing is read
+    bits        of the registers
+    depths      what a replaced depth is multiplied with, and the largest there is
+    arithmetic  ``texture_shader`` or ``real_texture_shader``
+    """
+
+    def __init__(
+        self, stages, count, own, sides, units, profile, bits, depths, saw=nobody, arithmetic=texture_shader
+    ):
+        self._saw, self.arithmetic = saw, arithmetic
+        self.stages, self.own, self.sides, self.units = stages, cache(own), sides, units
+        self.bits, self.real_bits, self.depths = bits, profile.arithmetic.texture_bits, depths
         self.largest_scale = 1.0 if profile.texture_shaders.offset_scale_clamped else np.inf
-        self.depth, self.alive = fragments.depth, np.ones(len(fragments.x), bool)
-        self.registers, self.texels, self.widths = {}, [], []
+        self.depth, self.alive = None, np.ones(count, bool)
+        self.registers, self.texels, self.widths = [], [], []
+
+    def in_reals(self):
+        """The same stages in real numbers, of the texels that there are."""
+        run, widths = copy(self), zip(self.texels, self.widths, strict=True)
+        run.arithmetic, run._saw = real_texture_shader, nobody
+        run.texels = [texel / self.arithmetic.one_of(width) for texel, width in widths]
+        return run
+
+    def with_unit(self, i, sampler):
+        """The same stages, which nobody watches, with another UnitSampler for unit i."""
+        run = copy(self)
+        run._saw, run.units = nobody, list(self.units)
+        run.units[i] = SampledUnit(sampler, self.units[i].fragments)
+        return run
+
+    def all_stages(self):
+        """Run them."""
+        for i in range(len(self.stages)):
+            self.stage(i)
 
     def stage(self, i):
         """Run stage i."""
-        operation, count, width = self.stages[i].operation, len(self.alive), self.real_bits
-        sampler, own = self.samplers[i], self.fragments.coordinates[:, i]
-        texel = register = np.zeros((count, 4), np.int64)
+        stage, operation, own = self.stages[i], self.stages[i].operation, self.own
+        unit, arithmetic, count, width = self.units[i], self.arithmetic, len(self.alive), self.real_bits
+        texel = register = np.zeros((count, 4), arithmetic.DTYPE)
         if operation == Operation.NONE:
-            register = np.broadcast_to(np.array([0, 0, 0, numbers.one_of(self.bits)]), (count, 4))
+            register = np.broadcast_to(np.array([0, 0, 0, arithmetic.one_of(self.bits)]), (count, 4))
         elif operation == Operation.PASS_THROUGH:
-            texel = texture_shader.real_texel(own, width)
-            register = numbers.convert(texel, numbers.one_of(width), numbers.one_of(self.bits))
+            texel = arithmetic.real_texel(own(i), width)
+            register = arithmetic.convert(texel, width, self.bits)
         elif operation == Operation.CULL_FRAGMENT:
-            self.alive &= texture_shader.kept(own, self.stages[i].cull_modes)
+            self.alive &= texture_shader.kept(own(i), stage.cull_modes)
         elif operation == Operation.DOT_PRODUCT_DEPTH_REPLACE:
             dots = self.dot_product(i - 1), self.dot_product(i)
-            self.depth, inside = texture_shader.replaced_depth(*dots, self.depth_scale, self.largest)
+            self.depth, inside = arithmetic.replaced_depth(*dots, *self.depths)
             self.alive &= inside
         elif operation != Operation.DOT_PRODUCT:
-            width = sampler.bits
-            texel = self._texel(i)
-            register = sampler.as_register(texel, self.fragments, self.bits).T
-            texel = texel & sampler.one
+            width = unit.bits
+            texel = self.texel(i)
+            register = unit.register(texel, self.bits)
+            texel = arithmetic.unsigned(texel, unit.signed, width)
             if operation in C.OPERATIONS_WITH_SCALE:
-                stage = self.stages[i]
                 of = stage.previous_texture_input
                 magnitude = self.texels[of][:, 0], self.widths[of]
                 factors = stage.offset_texture_scale, stage.offset_texture_bias, self.largest_scale
                 # Of the register alone: later stages read the texel.
-                shown = texture_shader.scaled(texel, width, *magnitude, *factors)
-                register = numbers.convert(shown, sampler.one, numbers.one_of(self.bits))
-        self._saw(
-            "texture shader", unit=i, stage=self.stages[i], coordinates=own, texel=texel, width=width,
-            register=register.T, depth=self.depth, alive=self.alive.copy(),
-        )  # fmt: skip
-        self.registers[i] = np.ascontiguousarray(register.T)
+                shown = arithmetic.scaled(texel, width, *magnitude, *factors)
+                register = arithmetic.convert(shown, width, self.bits)
+        if self._saw is not nobody:
+            self._saw(
+                "texture shader", unit=i, stage=stage, coordinates=own(i), texel=texel, width=width,
+                register=register.T, depth=self.depth, alive=self.alive.copy(), run=self,
+            )  # fmt: skip
+        self.registers.append(register)
         self.texels.append(texel)
         self.widths.append(width)
 
-    def _texel(self, i):
+    def texel(self, i):
         """A unit's filtered texel, its signed components below 0 where they are."""
-        operation, sampler = self.stages[i].operation, self.samplers[i]
-        own, target = self.fragments.coordinates[:, i], sampler.texture.target
-        cube_map = target == TextureTarget.TEXTURE_CUBE_MAP
+        stage, operation, unit = self.stages[i], self.stages[i].operation, self.units[i]
+        cube_map = unit.target == TextureTarget.TEXTURE_CUBE_MAP
         if operation not in CONVENTIONAL:
-            strq = self._made(i)
+            strq = self.made(i)
             self._saw("made coordinates", unit=i, strq=strq)
         elif operation == Operation.TEXTURE_CUBE_MAP and not cube_map:
-            strq = own[:, :3]
+            strq = self.own(i)[:, :3]
         else:
-            return sampler.filtered(self.fragments)
+            return unit.filtered()
+        return self.looked_up(i, strq, () if stage.roughness is None else self.footprint(i))
+
+    def looked_up(self, i, strq, footprint):
+        """A unit's texel at coordinates [k, 3] that were made."""
+        operation, unit, r = self.stages[i].operation, self.units[i], self.own(i)[:, 2]
+        cube_map = unit.target == TextureTarget.TEXTURE_CUBE_MAP
         if operation in C.OPERATIONS_OF_DIRECTIONS and not cube_map:
             strq = texture_shader.face_planes(strq)
-        if self.stages[i].roughness is not None:
-            return sampler.at_footprints(
-                strq, own[:, 2], operation not in C.OPERATIONS_WITH_OFFSET, *self._rough(i)
-            )
-        flat = cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D
-        return sampler.at_level_zero(strq, own[:, 2], operation not in C.OPERATIONS_WITH_OFFSET, flat)
+        lifted = operation not in C.OPERATIONS_WITH_OFFSET
+        if footprint:
+            return unit.at_footprints(strq, r, lifted, *footprint)
+        return unit.at_level_zero(strq, r, lifted, cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D)
 
-    def _rough(self, i):
-        """Stage i's footprints and lambdas, of the pixel and of the roughness that it reads."""
-        stage, sampler, coordinates = self.stages[i], self.samplers[i], self.fragments.coordinates
+    def footprint(self, i):
+        """What the pixel and the roughness that stage i reads cover, as ``at_footprints`` takes it."""
+        stage, unit = self.stages[i], self.units[i]
         of = stage.roughness
-        found = texture_shader.deviations(self.texels[of], self.widths[of], stage.roughness_scale)
+        found = self.arithmetic.deviations(self.texels[of], self.widths[of], stage.roughness_scale)
         if stage.operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
-            jacobian = tuple(coordinates[:, k, c] for k in (i - 1, i) for c in (0, 1))
+            jacobian = tuple(self.own(k)[:, c] for k in (i - 1, i) for c in (0, 1))
         else:
             a1, a2, a3, a4 = (float(a) for a in stage.offset_texture_matrix)
             jacobian = a1, a3, a2, a4
-        sides, most = self.fragments.sides[:, i], (sampler.sampler.max_probes, sampler.sampler.exact_probes)
-        return texture_shader.rough_footprint(sides, jacobian, found, sampler.sizes, *most)
+        most = unit.sampler.max_probes, unit.sampler.exact_probes
+        return self.arithmetic.rough_footprint(self.sides(i), jacobian, found, unit.sizes, *most)
 
-    def _made(self, i):
+    def made(self, i):
         """Coordinates (s, t, r) that stage i makes, float64 [k, 3]."""
-        stage, operation = self.stages[i], self.stages[i].operation
+        stage, operation, arithmetic = self.stages[i], self.stages[i].operation, self.arithmetic
         nothing, previous = np.zeros(len(self.alive)), stage.previous_texture_input
         if operation == Operation.BRDF_TEXTURE_3D:
-            made = texture_shader.brdf(self.texels[i - 2], self.texels[i - 1])
+            (theta, phi), (light_theta, light_phi) = map(arithmetic.words, self.texels[i - 2 : i])
+            made = theta / 65535.0, light_theta / 65535.0, (light_phi - phi) / 65536.0
         elif operation in C.OPERATIONS_WITH_OFFSET:
             given, width = self.texels[previous], self.widths[previous]
-            own = self.fragments.coordinates[:, i]
-            made = (*texture_shader.offset(own, given, stage.offset_texture_matrix, width), nothing)
+            made = (*arithmetic.offset(self.own(i), given, stage.offset_texture_matrix, width), nothing)
         elif operation in C.DEPENDENT_OPERATIONS:
             pair = (3, 0) if operation == Operation.DEPENDENT_AR_TEXTURE_2D else (1, 2)
-            one = float(numbers.one_of(self.widths[previous]))
+            one = float(arithmetic.one_of(self.widths[previous]))
             made = (*(self.texels[previous][:, k] / one for k in pair), nothing)
         elif operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
             made = self.dot_product(i - 1), self.dot_product(i), nothing
@@ -126,10 +196,11 @@ class _StageRun:
         elif operation in C.OPERATIONS_OF_THREE_DOT_PRODUCTS:
             made = tuple(self.dot_product(k) for k in (i - 2, i - 1, i))
             if operation == Operation.DOT_PRODUCT_REFLECT_CUBE_MAP:
-                eye = tuple(self.fragments.coordinates[:, k, 3] for k in (i - 2, i - 1, i))
-                made = texture_shader.reflected(made, eye)
+                eye = tuple(self.own(k)[:, 3] for k in (i - 2, i - 1, i))
+                made = texture_shader.reflected(made, eye, arithmetic.dot)
             elif operation == Operation.DOT_PRODUCT_CONST_EYE_REFLECT_CUBE_MAP:
-                made = texture_shader.reflected(made, tuple(float(e) for e in stage.constant_eye))
+                eye = tuple(float(e) for e in stage.constant_eye)
+                made = texture_shader.reflected(made, eye, arithmetic.dot)
         else:
             raise ValueError(f"{operation!r} makes no coordinates.")
         return np.stack(made, axis=1)
@@ -137,8 +208,8 @@ class _StageRun:
     def dot_product(self, i):
         """Unit i's dot product, float64 [k]."""
         previous, mapping = self.stages[i].previous_texture_input, self.stages[i].dot_product_mapping
-        own = self.fragments.coordinates[:, i].T
-        vector = texture_shader.vector(self.texels[previous], mapping, self.widths[previous])
-        found = texture_shader.dot(own, vector)
+        own = self.own(i).T
+        vector = self.arithmetic.vector(self.texels[previous], mapping, self.widths[previous])
+        found = self.arithmetic.dot(own, vector)
         self._saw("dot product", unit=i, of=previous, own=own, vector=vector, product=found)
         return found

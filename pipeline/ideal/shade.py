@@ -1,27 +1,45 @@
 """Colours of fragments before the per-fragment operations: values, texels, combiners, color sum and fog."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numba import float64, types, void
 
+from fixedpipe.pipeline.columns.texture_shader import StageRun
 from fixedpipe.pipeline.enums import FogMode, Register, ShadeModel, TextureCompareMode, TextureFilter
 from fixedpipe.pipeline.ideal.combine import combine, constant_color, plan_of
 from fixedpipe.pipeline.ideal.coordinates import made_place, place, reference_of, spherical, turned_place
 from fixedpipe.pipeline.ideal.sample import as_register, sample
-from fixedpipe.pipeline.ideal.texture_shader import Outcome, run_stages
+from fixedpipe.pipeline.ideal.signs import signed_flags
 from fixedpipe.pipeline.ideal.weights import fixed
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.programs.future import units_along
 from fixedpipe.pipeline.programs.texture_environment import environment_program
-from fixedpipe.pipeline.programs.texture_shader_rules import killing_units, reads_texture
+from fixedpipe.pipeline.programs.texture_shader_rules import killing_units, reads_texture, shader_stages
 from fixedpipe.pipeline.textures.images import with_signs
 from fixedpipe.pipeline.textures.sampled import key_unit, sampled_texture
+from fixedpipe.raster import codes as C
+from fixedpipe.raster.columns import real_texture_shader
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.witness import nobody
 
 _COLORS = types.Array(float64, 2, "C", readonly=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a texture shader, or color keys that end fragments, leave of k fragments.
+
+    registers  of each texture unit, float64 [k, 4]
+    alive      bool [k]: not discarded
+    depth      float64 [k], in [0, 1]: the depth that replaces the fragments'; or None
+    """
+
+    registers: list[np.ndarray]
+    alive: np.ndarray
+    depth: np.ndarray | None
 
 
 def shade(state, textures, primitives, plan, weights, saw=nobody):
@@ -86,7 +104,7 @@ def shade(state, textures, primitives, plan, weights, saw=nobody):
     given = state, textures, plan, *colors, distances
     alive = without_keys(state, textures, texel)
     if state.texture_shader is not None:
-        outcome = run_stages(state, textures, len(weights), own, texel, _sample_made, as_register, change)
+        outcome = _run_stages(state, textures, len(weights), own, texel, change)
         if alive is not None:
             outcome = replace(outcome, alive=outcome.alive & alive)
         return shade_colors(*given, lambda i, unit, texture: outcome.registers[i], saw), outcome
@@ -209,15 +227,60 @@ def _rgb_of_ycbcr(ycbcr):
     return np.clip(np.stack(rgb, axis=1) / 255.0, 0.0, 1.0)
 
 
-def _sample_made(i, unit, texture, str_, r, lifted, axes):
-    """Unit i's texel at coordinates [k, 3] that its texture shader stage made; ``r``: what is compared;
-    ``axes``: of what the lookup covers, float64 [2, k, 2], or None.
+class _Unit:
+    """A texture unit at fragments, as a StageRun asks it. ``conventional``: its texel at its coordinates."""
+
+    def __init__(self, unit, texture, internal_format, conventional):
+        self.unit, self.sampler, self.texture = unit, unit.sampler, texture
+        self.filtered, self.internal_format = conventional, internal_format
+        self.bits, self.target = texture.bits, texture.target
+        self.sizes, self.signed = (float(texture.width), float(texture.height)), signed_flags(unit.sampler)
+
+    def register(self, texel, bits):
+        """What the unit's register receives of a texel."""
+        return as_register(texel, self.unit, self.internal_format)
+
+    def at_level_zero(self, str_, r, lifted, flat):
+        """The texel at made coordinates [k, 3]; ``r``: what is compared."""
+        return self._at(made_place(self.texture, str_, lifted), r)
+
+    def at_footprints(self, str_, r, lifted, axes):
+        """The same; ``axes``: of what the lookup covers, float64 [2, k, 2]."""
+        return self._at(replace(made_place(self.texture, str_, lifted), dx=axes[0], dy=axes[1]), r)
+
+    def _at(self, where, r):
+        compares = self.sampler.compare_mode is not TextureCompareMode.NONE
+        return sample(self.texture, self.unit, where, r if compares else None)
+
+
+def _run_stages(state, textures, count, own, conventional, change):
+    """The Outcome of a pass's texture shader for ``count`` fragments.
+
+    own(i)                          unit i's coordinates (s, t, r, q), float64 [k, 4]
+    conventional(i, unit, texture)  its texel at these
+    change(i)                       how they change to the right and upwards, float64 [2, k, 4]
     """
-    compares = unit.sampler.compare_mode is not TextureCompareMode.NONE
-    where = made_place(texture, str_, lifted)
-    if axes is not None:
-        where = replace(where, dx=axes[0], dy=axes[1])
-    return sample(texture, unit, where, r if compares else None)
+    stages, units = shader_stages(state), []
+    for i, unit in enumerate(state.texture_units):
+        if unit is None or unit.texture is None:
+            units.append(None)
+            continue
+        texture = sampled_texture(unit, textures)
+        units.append(_Unit(unit, texture, texture.internal_format, partial(conventional, i, unit, texture)))
+
+    def sides(i):
+        """Texels to the right (s, t) and upwards that a lookup of unit i moves by."""
+        steps = change(i)[:, :, :2]
+        if stages[i].operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
+            steps = np.stack([change(k)[:, :, 2] for k in (i - 1, i)], axis=-1)
+        return np.concatenate(steps * np.array(units[i].sizes), axis=1)
+
+    run = StageRun(
+        stages, count, own, sides, units, IDEAL, IDEAL.arithmetic.texture_bits, (1.0, 1.0),
+        arithmetic=real_texture_shader,
+    )  # fmt: skip
+    run.all_stages()
+    return Outcome(run.registers, run.alive, run.depth)
 
 
 def fog_factor(fog, coordinate):

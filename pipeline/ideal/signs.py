@@ -2,19 +2,16 @@
 
 import numpy as np
 
-# Numbers: what float64 may lose of a whole number n by n / 255 * 255.
-NOISE = 1e-9
+from fixedpipe.raster.columns import numbers
+from fixedpipe.raster.columns.real_texture_shader import signed
+
+NOISE = numbers.NOISE
 
 
 def signed_flags(sampler):
     """Which components, RGBA, a sampler takes as two's complement."""
     flags = sampler.signed_components
     return flags.red, flags.green, flags.blue, flags.alpha
-
-
-def signed(numbers, bits):
-    """Numbers of ``bits`` bits, float64, as two's complement."""
-    return np.where(numbers >= 2.0 ** (bits - 1) - NOISE, numbers - 2.0**bits, numbers)
 
 
 def as_signed(components, sampler, bits):

@@ -9,7 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.pipeline.columns.combiners import final_inputs, portion_products, sum_of_portion
-from fixedpipe.raster.columns import combine, numbers, per_fragment
+from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL
+from fixedpipe.raster import codes as C
+from fixedpipe.raster.columns import combine, numbers, per_fragment, real_texture_shader
 
 
 def _exact(a, constants=True):
@@ -58,6 +60,39 @@ def texture(sampler, fragments, ideal, bits):
         if unit is None:
             return None
         found.append(unit.register(fragments, bits)[:, 0] / numbers.one_of(bits))
+    return found
+
+
+def shader_texture(run, i, ideal, bits):
+    """What stage i of a texture shader makes of the texels that the machine's stages before it left: as
+    ``texture``, and last of real texels at coordinates that are computed exactly. Float64 [4] each; None
+    where that is not known.
+
+    ``run``: the machine's StageRun. A footprint of roughness is the machine's.
+    """
+    stage, unit, found = run.stages[i], run.units[i], []
+    for fraction_bits, levels, exactly in (
+        (unit.unit.fraction_bits, None, False),
+        (None, None, False),
+        (None, ideal, False),
+        (None, ideal, True),
+    ):
+        sampler = unit.unit.exactly(fraction_bits, levels)
+        if sampler is None:
+            return None
+        of = run.with_unit(i, sampler)
+        if stage.operation in CONVENTIONAL:
+            texel = of.texel(i)
+        else:
+            footprint = () if stage.roughness is None else of.footprint(i)
+            texel = of.looked_up(i, (of.in_reals() if exactly else of).made(i), footprint)
+        register = sampler.as_register(texel, unit.fragments, bits).T / numbers.one_of(bits)
+        if stage.operation in C.OPERATIONS_WITH_SCALE:
+            magnitude = of.in_reals().texels[stage.previous_texture_input][:, 0]
+            factors = stage.offset_texture_scale, stage.offset_texture_bias, run.largest_scale
+            texel = texel / unit.unit.one
+            register = real_texture_shader.scaled(texel, unit.bits, magnitude, 0, *factors)
+        found.append(register[0])
     return found
 
 

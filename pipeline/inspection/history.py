@@ -40,7 +40,7 @@ class Error:
     brought  what exact arithmetic, without a clamp, makes of the machine's inputs, minus ideal: errors of
              earlier stages, and of a texture's coordinates
     added    what this stage adds, by cause: "mapping", the machine's constants, EXPAND_NORMAL's 128/255 for
-             1/2; "texels", the machine's for those
+             1/2; "coordinates", those that a texture shader stage makes; "texels", the machine's for those
              that the ideal reads, and a depth comparison's reference; "filter fraction"; "rounding", to the
              machine's numbers, of weights as well; "clamp"
     """

@@ -21,6 +21,7 @@ from fixedpipe.pipeline.inspection.history import Clamped, Error, Fragment, Quan
 from fixedpipe.pipeline.inspection.ideal_numbers import ideal_numbers
 from fixedpipe.pipeline.inspection.vertices import vertices_stage
 from fixedpipe.pipeline.notations.register_combiner_words import REGISTER_NAMES, format_input
+from fixedpipe.pipeline.programs.texture_shader_rules import reads_texture
 from fixedpipe.pipeline.state import PassState
 from fixedpipe.raster.columns import combine, numbers
 
@@ -259,13 +260,21 @@ class _Reader:
         """A unit is about to be sampled at the fragment's own coordinates."""
         self.sampler, self.sampled = sampler, fragments
 
-    def texture_shader(self, *, unit, stage, coordinates, texel, width, register, depth, alive):
+    def texture_shader(self, *, unit, stage, coordinates, texel, width, register, depth, alive, run):
         """A texture shader stage."""
+        ideal, parts, causes = self._ideal_texture(unit), None, {}
+        if ideal and reads_texture(self.state, unit):
+            levels = self._real_texels(unit, run.units[unit].unit.texture)
+            parts = exact.shader_texture(run, unit, levels, self.one.bit_length())
+        if parts is not None:
+            cut, whole, full, made = parts
+            causes = {"exact": made, "coordinates": full, "texels": whole, "filter fraction": cut}
+            causes["rounding"] = None
         says = shader_stage_equation(unit, stage)
         read = (_real(f"texture coordinates {unit} (s, t, r, q)", coordinates),)
         made = (
             _coded(f"texel {unit}", texel, numbers.one_of(width)),
-            _beside(_coded(f"tex{unit}", register, self.one), self._ideal_texture(unit)),
+            _beside(_coded(f"tex{unit}", register, self.one), ideal, **causes),
         )
         if not alive.all():
             self.fate = f"ended: texture shader stage {unit}"

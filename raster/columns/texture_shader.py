@@ -17,11 +17,23 @@ from fixedpipe.raster.columns.interpolate import (
     product_sum,
     signed_reciprocal,
 )
+from fixedpipe.raster.columns.numbers import convert as converted
 from fixedpipe.raster.columns.numbers import one_of
 
 WORD_BITS = 8  # of a texel that holds words of 16 bits
 WHOLE = 32768  # one, as the hemisphere's root takes it. Measured: 7 captures of Texture_cubemap
+DTYPE = np.int64  # of texels
 _GUARD_BITS = 4  # Measured: 12 fraction bits for bytes (BumpEnvMapLuminance); Assumed: as many more elsewhere
+
+
+def convert(texel, width, bits):
+    """A texel of ``width`` bits as a register of ``bits`` bits holds it."""
+    return converted(texel, one_of(width), one_of(bits))
+
+
+def unsigned(texel, signed_components, bits):
+    """A texel for later stages: two's complement where its components are signed, a flag each."""
+    return texel & one_of(bits)
 
 
 def signed(values, bits):
@@ -144,14 +156,10 @@ def scaled(texel, bits, magnitude, magnitude_bits, scale, bias, largest=np.inf):
     return np.concatenate([colors, texel[:, 3:]], axis=1)
 
 
-def brdf(eye, light):
-    """(s, t, r) of two texels that are directions: their theta, and the difference of their phi."""
-    (eye_theta, eye_phi), (light_theta, light_phi) = words(eye), words(light)
-    return eye_theta / 65535.0, light_theta / 65535.0, (light_phi - eye_phi) / 65536.0
-
-
-def reflected(normal, eye):
-    """``2 n (n e) - e (n n)`` of three columns each."""
+def reflected(normal, eye, dot=dot):
+    """``2 n (n e) - e (n n)`` of three columns each: the reflection vector times the square of the normal's
+    length.
+    """
     twice, square = 2.0 * dot(normal, eye), dot(normal, normal)
     return tuple(n * twice - e * square for n, e in zip(normal, eye, strict=True))
 

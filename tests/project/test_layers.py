@@ -124,7 +124,7 @@ NEVER = {
     "the readable engine does not know the fast one": ("raster/portable", {"raster/vector"}),
     "the column engine's arithmetic is not compiled": ("raster/columns", {"raster/kernel", "numba"}),
     "whole images are not compiled": ("raster/pixels", {"raster/kernel", "numba"}),
-    "the ideal runs on no machine": ("pipeline/ideal", {"pipeline/execution", "pipeline/columns"}),
+    "the ideal runs on no machine": ("pipeline/ideal", {"pipeline/execution"}),
     "reports need no command line": ("effects/reports", {"effects/cli", "click", "rich"}),
     "scenes light nothing": ("effects/scenes", {"effects/shadows", "effects/acceptance"}),
 }
@@ -233,6 +233,7 @@ WITHOUT = {
     "raster/columns": {"unit": "pipeline/columns/textures.py reads a unit's state"},
     "pipeline/ideal": {
         "interpolate": "weights, which are not interpolated but computed: weights.py",
+        "texture_shader": "the column engine's stages, in real numbers: shade.py",
         "unit": "sample.py reads a unit's state",
     },
     "tests/reference": {"unit": "sample.py reads a unit's state"},

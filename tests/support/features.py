@@ -268,7 +268,7 @@ _SHADERS = {
     "implementation": (
         "raster/portable/texture_shader.py",
         "raster/columns/texture_shader.py",
-        "pipeline/ideal/texture_shader.py",
+        "raster/columns/real_texture_shader.py",
     ),
     "tests": ("tests/raster/test_texture_shader.py", "tests/pipeline/ideal/test_texture_shader.py"),
 }
@@ -816,7 +816,7 @@ def _shaders():
         implementation=(
             "raster/portable/roughness.py",
             "raster/columns/texture_shader.py",
-            "pipeline/ideal/texture_shader.py",
+            "raster/columns/real_texture_shader.py",
         ),
         tests=("tests/raster/test_roughness.py",),
     )

@@ -18,12 +18,15 @@ from fixedpipe.pipeline.enums import (
     CombinerScale,
     ComparisonFunction,
     ComponentUsage,
+    DotProductMapping,
     InternalFormat,
     Mapping,
     Register,
     TextureCompareMode,
     TextureFilter,
+    TextureShaderOperation,
     TextureTarget,
+    WrapMode,
 )
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.framebuffers.texture_copies import depth_texture
@@ -48,6 +51,7 @@ from fixedpipe.pipeline.state import (
     RGBPortion,
     Sampler,
     SignedComponents,
+    TextureShaderStage,
     TextureUnit,
     VertexState,
 )
@@ -257,6 +261,44 @@ def test_a_mux_is_its_branch_and_the_roundings():
     error, _, _ = error_of(mux, (0.2, 0.2, 0.2, 1.0))
     assert adds_up(error)["rounding"] == pytest.approx((-0.2,) * 3, abs=1e-9)
     assert error.brought == pytest.approx((0.0,) * 3, abs=1e-9)
+
+
+def test_a_lookup_of_a_texture_shader_is_off_by_its_coordinates():
+    """EXPAND_NORMAL of 200 is 72/127 in the machine's dot product, and 145/255 in real numbers."""
+    ramp = texture_2d(np.tile(np.arange(256, dtype=np.uint8)[:, None], (1, 1, 4)))
+    linear = Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR, *(WrapMode.CLAMP_TO_EDGE,) * 2)
+    dot = {"dot_product_mapping": DotProductMapping.EXPAND_NORMAL}
+    state = PassState(
+        texture_units=(
+            TextureUnit("n"),
+            TextureUnit(None, coordinates=1),
+            TextureUnit("t", sampler=linear, coordinates=2),
+        ),
+        texture_shader=(
+            TextureShaderStage(TextureShaderOperation.TEXTURE_2D),
+            TextureShaderStage(TextureShaderOperation.DOT_PRODUCT, **dot),
+            TextureShaderStage(TextureShaderOperation.DOT_PRODUCT_TEXTURE_2D, **dot),
+        ),
+        register_combiners=combiner(
+            a=CombinerInput(Register.TEXTURE2), sum_output=Register.SPARE0
+        ).register_combiners,
+    )
+    mesh = triangle(state).mesh
+    sets = (mesh.texture_coordinates[0], np.array([[0.5, 0.0, 0.0]] * 3), np.zeros((3, 3)))
+    draw = replace(triangle(state), mesh=replace(mesh, texture_coordinates=sets))
+    stored = (
+        TexImage(label="normals", texture="n", image=texture_2d(np.full((1, 1, 4), 200, np.uint8))),
+        TexImage(label="ramp", texture="t", image=ramp),
+    )
+    found = inspect((*stored, draw), GEFORCE_3, 16, 16, (5, 9))
+    stages = [s for s in found.touched[0].fragments[0].stages if s.kind == "texture shader"]
+    added = adds_up(stages[2].made[1].error)
+    assert list(added) == ["coordinates", "texels", "filter fraction", "rounding"]
+    # 24 significant bits of the dot product, times 256 texels.
+    assert added["coordinates"] == pytest.approx((256 * 0.5 * (72 / 127 - 145 / 255),) * 4, abs=1e-4)
+    assert added["texels"] == (0.0,) * 4
+    assert stages[2].made[1].error.brought == pytest.approx((0.0,) * 4, abs=1e-4)
+    assert 0 < max(map(abs, added["filter fraction"])) <= 1 / 256 and max(map(abs, added["rounding"])) <= 1.0
 
 
 def test_signed_texels_and_depth_comparisons_have_their_causes():

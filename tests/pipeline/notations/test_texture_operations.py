@@ -6,16 +6,16 @@ from math import floor
 import numpy as np
 import pytest
 
-from fixedpipe.pipeline.ideal.texture_shader import run_stages
+from fixedpipe.pipeline.columns.texture_shader import StageRun
 from fixedpipe.pipeline.notations.programs import parse_program
 from fixedpipe.pipeline.notations.texture_shaders import INSTRUCTION_NAMES
-from fixedpipe.pipeline.profiles import GEFORCE_3, NV2A
+from fixedpipe.pipeline.profiles import GEFORCE_3, IDEAL, NV2A
+from fixedpipe.pipeline.programs.texture_shader_rules import shader_stages, texture_target
 from fixedpipe.pipeline.state import PassState, TextureUnit
-from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.raster.columns import real_texture_shader
 from tests.reference import texture_shader
 from tests.support.texture_operations import OPERATIONS, dot_products, evaluated
 
-_TEXTURES = {"t": texture_2d(np.zeros((1, 1, 4), np.uint8))}
 DEPTH_MAX = 65535
 _BY_NAME = {operation.words: operation for operation in OPERATIONS}
 
@@ -54,27 +54,43 @@ def of_the_machine(state, coordinates, texels, profile):
     return run.made, registers, alive, depth
 
 
+class _Unit:
+    """A texture unit of the ideal's stages that reads one texel everywhere, and notes where."""
+
+    bits, signed = 8, (False,) * 4
+
+    def __init__(self, number, operation, texel, found):
+        self.number, self.target, self.texel, self.found = number, texture_target(operation), texel, found
+
+    def filtered(self):
+        return np.array([self.texel]) / 255
+
+    def register(self, texel, bits):
+        return texel
+
+    def at_level_zero(self, strq, r, lifted, flat):
+        self.found[self.number] = tuple(strq[0])
+        return self.filtered()
+
+
 def of_the_ideal(state, coordinates, texels):
     """The same of the ideal."""
-    found = {}
-
-    def made(i, unit, texture, strq, r, lifted, axes):
-        found[i] = tuple(strq[0])
-        return np.array([texels[min(i, 1)]]) / 255
-
-    outcome = run_stages(
-        state,
-        _TEXTURES,
+    found, stages = {}, shader_stages(state)
+    units = [_Unit(i, stage.operation, texels[min(i, 1)], found) for i, stage in enumerate(stages)]
+    run = StageRun(
+        stages,
         1,
         lambda i: np.array([coordinates[i]]),
-        lambda i, unit, texture: np.array([texels[min(i, 1)]]) / 255,
-        made,
-        lambda texel, unit, internal_format: texel,
         None,
+        units,
+        IDEAL,
+        8,
+        (1.0, 1.0),
+        arithmetic=real_texture_shader,
     )
-    registers = [255 * register[0] for register in outcome.registers]
-    depth = None if outcome.depth is None else outcome.depth[0]
-    return found, registers, outcome.alive[0], depth
+    run.all_stages()
+    registers = [255 * register[0] for register in run.registers]
+    return found, registers, run.alive[0], None if run.depth is None else run.depth[0]
 
 
 @pytest.mark.parametrize("name", _BY_NAME)
