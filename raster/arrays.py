@@ -141,3 +141,15 @@ class Runs(NamedTuple):
 
 
 RUNS = type_of(Runs, _i32[::1], _i32[::1], _i32[::1], _i64)
+
+
+class Run(NamedTuple):
+    """One run: ``count`` pixels from (x, y) to the right, which fragments from ``start`` on are for."""
+
+    x: int
+    y: int
+    count: int
+    start: int
+
+
+RUN = type_of(Run, _i64, _i64, _i64, _i64)

@@ -1,4 +1,4 @@
-"""The one decorator every kernel wears, and the two promises a loop kernel can make to the compiler.
+"""The one decorator of every kernel, and the two promises that a loop kernel can make to the compiler.
 
 Numba's on-disk cache watches only the file a kernel is written in, not the kernels it calls in other files,
 so an edit could go unnoticed. The cache folder is therefore named after a digest of every source in
@@ -27,20 +27,20 @@ except ImportError:  # where files are locked in another way
     fcntl = None
 
 _SOURCES = Path(__file__).parent
-# NumPy, which no kernel calls, and who watches it: an edit of these makes no kernel stale.
+# Pure NumPy code and the tracing hooks. No kernel calls them, so an edit of these makes no kernel stale.
 _WITHOUT_KERNELS = {"columns", "pixels", "witness.py"}
 
 
 def kernel_sources(folder):
-    """Paths below a folder of sources, relative to it, in one order everywhere: all whose edit may change a
-    kernel.
+    """Paths of all sources whose edit may change a kernel: relative to their folder, in the same order on
+    every machine.
     """
     paths = (path.relative_to(folder) for path in folder.rglob("*.py"))
     return sorted((path for path in paths if path.parts[0] not in _WITHOUT_KERNELS), key=Path.as_posix)
 
 
 def source_digest(folder):
-    """What the cache folder of kernels made from a folder of sources is named after."""
+    """The name of the cache folder for kernels that are made from a folder of sources."""
     digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__}".encode())
     for path in kernel_sources(folder):
         digest.update(path.as_posix().encode())
@@ -55,15 +55,18 @@ numba.config.CACHE_DIR = str(CACHE_FOLDER)
 _of_one_signature = []  # kernels of the modules that are imported
 
 
-def kernel(signature=None, *, allocates=False):
+def kernel(signature=None, *, allocates=False, inlined=False):
     """Compile to machine code: ``@kernel`` or ``@kernel("signature")``.
 
     No ``fastmath``: it would let LLVM reorder sums and fuse multiply-adds, and either changes bits. ``numpy``
     error model: a division by zero gives infinity instead of raising. ``nogil``: bands run in threads.
     Only a kernel that makes arrays (``allocates``) counts references: the others borrow what they are given,
     and the atomic counting of every slice would cost a batch more than its arithmetic.
+    ``inlined``: a step of the kernels that call it. Numba copies its statements into each of them and never
+    compiles it alone. So a long kernel is written as short steps, and its machine code is that of one.
     """
     options = {"fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
+    options["inline"] = "always" if inlined else "never"
     if inspect.isfunction(signature):
         return _compiled_by_one_process(numba.njit(signature, **options))
 
@@ -75,11 +78,10 @@ def kernel(signature=None, *, allocates=False):
 
 
 def _compiled_by_one_process(dispatcher):
-    """A kernel that no two processes compile at once: one of them does, the others wait and then read it from
-    the cache.
+    """A kernel that one process compiles at a time. The others wait, and then read it from the cache.
 
-    None waits forever. A process that compiles a kernel waits only for kernels that this one calls, and no
-    kernel calls itself, by whatever way; a process that ends, however it does, holds none.
+    No process waits forever. While it compiles a kernel, it waits only for the kernels that this one calls,
+    and no kernel calls itself, directly or through others. A process that ends releases its locks.
     """
     compile_it, function = dispatcher.compile, dispatcher.py_func
     dispatcher._cache = KernelCache(function, CACHE_FOLDER, shared_folder(STATE))
@@ -96,7 +98,7 @@ def _compiled_by_one_process(dispatcher):
 
 @contextmanager
 def _locked(path):
-    """One process at a time is inside, for each path; where files cannot be locked, as many as come."""
+    """One process at a time is inside for each path; any number where files cannot be locked."""
     with ExitStack() as held:
         with suppress(OSError):  # a file system without locks, or a file of another user
             if fcntl is not None:
@@ -105,8 +107,8 @@ def _locked(path):
 
 
 def _compiled_when_called(dispatcher, signature):
-    """A kernel of one signature that is compiled, or read from the cache, when Python or another kernel's
-    compilation first calls it: what is only called by kernels that the cache has is never looked at.
+    """A kernel of one signature that is compiled, or read from the cache, when Python or the compilation of
+    another kernel first calls it. A kernel that only cached kernels call is never looked at.
 
     ``is_ready()`` tells whether a call would wait for a compiler; ``make_ready()`` compiles it.
     """

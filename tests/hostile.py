@@ -110,7 +110,7 @@ class Arrays(dict):
         record = np.zeros((0, 4), np.int32)
         drawn = draw_bands(arrays, bins, 0, 1, BATCH, tuple(buffers), record)
         jobs = np.zeros((2, JOB_SIZE), np.int64)
-        fill_clear(jobs, 0, *a["draw"][:4].tolist(), 7, 0, 0xFF00FF, 5, 6, 0xF0)
+        fill_clear(jobs, 0, tuple(a["draw"][:4].tolist()), 7, (0, 0xFF00FF, 5, 6, 0xF0))
         pairs = tuple(a["pairs"]), a["pair_levels"], a["units"]
         covered = fill_draw(jobs, 1, (state, a["plan"], triangles, vertices, pairs), bins)
         draw_frame(jobs, 1 + covered, np.zeros(1, np.int64), BATCH, buffers, SCRATCH)

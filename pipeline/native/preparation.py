@@ -34,7 +34,7 @@ def sort_into_bands(primitives, draw, height):
         while needed > len(order):
             order, ends = np.empty(needed, np.int32), np.empty(bands, np.int32)
             scratch = np.empty(len(p.x), np.int64), np.empty((4, CHUNK), np.int64), np.empty(count, np.int64)
-            needed = sort_triangles(p.triangles, p.x, p.y, draw, *scratch, ends, order)
+            needed = sort_triangles(p.triangles, p.x, p.y, draw, scratch, ends, order)
         return order[:needed], ends, 0
     counts, spans = np.empty(bands, np.int32), np.empty((count, 2), np.int32)
     dropped = count_bins(p.triangles, p.strokes, p.x, p.y, p.inverse_w, draw, counts, spans)

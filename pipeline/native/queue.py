@@ -95,7 +95,7 @@ class Queue:
             target.clear(command)
             return
         box, buffers, *words = target.clear_words(command)
-        fill_clear(self._job(target)[None], 0, *box, buffers, *words)
+        fill_clear(self._job(target)[None], 0, box, buffers, tuple(words))
         self._area += (box[2] - box[0]) * (box[3] - box[1])
 
     def outlive(self, texture):

@@ -93,10 +93,9 @@ def _planned(mesh, columns, plan, state, profile, bits):
     x, y, z, inverse_w = _window_columns(count)
     coordinates = np.empty((count, plan.units, 4))
     eye = np.empty((4 if plan.keeps_eye else 0, count))
-    found = transform_vertices(
-        plan.given, plan.sums, plan.coefficients, plan.results, plan.parameters, x, y, z, inverse_w,
-        coordinates, eye, np.empty((plan.rows, CHUNK)),
-    )  # fmt: skip
+    sums = plan.sums, plan.coefficients, plan.results, plan.parameters
+    made = x, y, z, inverse_w, coordinates, eye
+    found = transform_vertices(plan.given, sums, made, np.empty((plan.rows, CHUNK)))
     clipped = ()
     if found & CLIPPED:
         clipped = np.empty(len(plan.triangles), np.int32)
@@ -151,10 +150,10 @@ def _clipped(primitives, known, plan, chosen, colors, color_bits):
     n = len(vertices)
     x, y, z, inverse_w = _window_columns(n)
     clip_coordinates = np.empty((4, n))
-    transform_vertices(
-        np.take(plan.given, vertices, axis=1), plan.sums, plan.coefficients, plan.clip, plan.parameters, x, y,
-        z, inverse_w, np.empty((n, 0, 4)), clip_coordinates, np.empty((plan.rows, CHUNK)),
-    )  # fmt: skip
+    given = np.take(plan.given, vertices, axis=1)
+    sums = plan.sums, plan.coefficients, plan.clip, plan.parameters
+    made = x, y, z, inverse_w, np.empty((n, 0, 4)), clip_coordinates
+    transform_vertices(given, sums, made, np.empty((plan.rows, CHUNK)))
     units, in_columns = primitives.coordinates.shape[1], isinstance(colors, list)
     fog = 4 + (len(colors) if in_columns else colors.shape[1])
     corners = np.empty((n, fog + 1 + 4 * units))
@@ -172,9 +171,15 @@ def _clipped(primitives, known, plan, chosen, colors, color_bits):
     triangles = np.empty((len(plan.triangles) + most, 4), np.int32)
     scratch = np.empty((2, MOST_VERTICES, corners.shape[1]))
     rows, made, dropped, bits = clip_triangles(
-        plan.triangles, chosen, corners, plan.parameters, len(primitives.x), scratch, values, *window,
+        plan.triangles,
+        chosen,
+        corners,
+        plan.parameters,
+        len(primitives.x),
+        scratch,
+        (values, *window),
         triangles,
-    )  # fmt: skip
+    )
     values = values[:made]
     made_colors = values[:, 4:fog] if color_bits is None else color_byte(values[:, 4:fog], color_bits)
     stacked = np.empty((made, 2, 8), primitives.colors.dtype)

@@ -7,10 +7,11 @@ from numba import float64, int32, int64, uint32, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import RUNS, VERTICES
+from fixedpipe.raster.arrays import RUNS
 from fixedpipe.raster.kernel import float_of, kernel, separate_function, separate_loop
+from fixedpipe.raster.portable.arrays import PASS, SCRATCH
 from fixedpipe.raster.portable.footprint import probes_along
-from fixedpipe.raster.portable.level_of_detail import coordinates_at, iterated
+from fixedpipe.raster.portable.level_of_detail import coordinates_at, iterated_of, primitive_of
 from fixedpipe.raster.portable.sample import FAR, filter_unit, log2_q7
 from fixedpipe.raster.portable.texture_shader import copy_column
 
@@ -42,27 +43,20 @@ def block_footprint(draw, kind, source, row, sizes, bx, by):
     return along_s, along_t, ratio, (log2_q7(rho2) if rho2 > 0.0 else int32(-FAR))
 
 
-@kernel(
-    void(
-        int64[::1], RUNS, int32[:, ::1], int32[:, ::1], VERTICES, int64, int64[::1], int32[:, ::1],
-        float64[:, ::1], int32[:, ::1],
-    )
-)  # fmt: skip
-def footprints(draw, runs, triangles, strokes, vertices, unit, row, levels, floats, ints):
-    """ALONG_S, ALONG_T, RATIO (of footprint assembly: probes) of every fragment's block, and LOD.
-
-    Arguments as in level_of_detail.
-    """
+@kernel(void(PASS, int64, RUNS, SCRATCH))
+def footprints(p, unit, runs, scratch):
+    """ALONG_S, ALONG_T, RATIO (of footprint assembly: probes) of every fragment's block, and LOD."""
     separate_function()
+    draw, row, levels = p.state.draw, p.textures.units[unit], p.textures.levels[unit]
+    floats, ints = scratch.floats, scratch.ints
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0
     sizes = width, height
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     for k in range(runs.count):
-        t = ints[R.OWNER, k]
-        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
-        source = iterated(vertices, triangles[t, 0], triangles[t, 1], triangles[t, 2], unit)
+        t, kind = primitive_of(p, scratch, k)
+        source = iterated_of(p, t, unit)
         px, by, block = int64(runs.x[k]), int64(runs.y[k]) & ~1, int64(-1)
         along_s, along_t, ratio, value = 0.0, 0.0, 1.0, int32(0)
         for i in range(runs.starts[k], runs.starts[k + 1]):

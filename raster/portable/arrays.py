@@ -72,6 +72,7 @@ class Scratch(NamedTuple):
     shaded     uint32[batch]: those, packed
     depth      int32[batch]: depth words; -1: outside its limits
     alive      uint8[batch]: 1: the fragment has passed so far
+    spans      int64[MAX_COVER_SAMPLES, 2]: the pixels of a row where a primitive covers each sample
     """
 
     edges: Edges
@@ -86,7 +87,10 @@ class Scratch(NamedTuple):
     depth: np.ndarray
     alive: np.ndarray
     lists: np.ndarray
+    spans: np.ndarray
 
 
 _COLUMNS = (_f64[:, ::1], _i32[:, ::1], _u32[:, ::1], _i16[:, ::1], _i32[:, ::1], _i32[:, ::1], _i16[:, ::1])
-SCRATCH = type_of(Scratch, EDGES, *_COLUMNS, _u32[::1], _i32[::1], _u8[::1], _i32[:, ::1])
+SCRATCH = type_of(
+    Scratch, EDGES, *_COLUMNS, _u32[::1], _i32[::1], _u8[::1], _i32[:, ::1], types.int64[:, ::1]
+)

@@ -5,18 +5,66 @@ Registers are planes ``int16[REGISTERS * 4, batch]`` (red, green, blue, alpha of
 ``general_combiner`` and ``final_combiner`` decide which.
 """
 
-from numba import int16, int32, uint64
+from typing import NamedTuple
+
+import numpy as np
+from numba import int16, int32, int64, types, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import type_of
 from fixedpipe.raster.fixed import clamp, divide, one_of
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 
+_PLANES, _PRODUCTS = types.int16[:, ::1], types.int32[:, ::1]
+
+
+class Input(NamedTuple):
+    """What an input of a portion reads for one channel, and the packed coefficients of its mapping."""
+
+    plane: int
+    low: int
+    factor: int
+    addend: int
+
+
+INPUT = type_of(Input, int64, int32, int32, int32)
+
+
+class Output(NamedTuple):
+    """How a portion's outputs are finished: bias, scale, the clamp's lower limit, when they are rounded
+    (codes.ROUNDING_...).
+    """
+
+    bias: int
+    scale: int
+    low: int
+    rounding: int
+
+
+OUTPUT = type_of(Output, int32, int32, int32, int64)
+
+
+class Room(NamedTuple):
+    """Where a portion computes.
+
+    products  int32[8, batch]
+    total     int32[1, batch]
+    results   int16[12, batch]
+    """
+
+    products: np.ndarray
+    total: np.ndarray
+    results: np.ndarray
+
+
+ROOM = type_of(Room, _PRODUCTS, _PRODUCTS, _PLANES)
+
 
 @kernel
-def map_input(x, low, factor, addend, one):
-    """Table NV_register_combiners.4 with the packed coefficients of a mapping."""
-    return min(int32(int32(max(int32(x), low) * factor) + addend), one)
+def map_input(x, of, one):
+    """Table NV_register_combiners.4: a component, mapped as an Input says."""
+    return min(int32(int32(max(int32(x), of.low) * of.factor) + of.addend), one)
 
 
 @kernel
@@ -26,23 +74,18 @@ def scaled(value, scale):
     return half if scale == C.SCALE_BY_ONE_HALF else int32(value << scale)
 
 
-@kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i8,i8,i4[:,::1],i8,i8,i4)")
-def multiply(registers, a, b, count, row, input_a, input_b, products, out, per_product, bits):
-    """Product of planes a and b, mapped as the portion's inputs say; exact, or rounded at once."""
+@kernel(void(_PLANES, INPUT, INPUT, int64, _PRODUCTS, int64, int64, int32))
+def multiply(registers, a, b, count, products, out, per_product, bits):
+    """Product of two inputs; exact, or rounded at once."""
     separate_loop()
-    one = one_of(bits)
-    pa, pb, po = uint64(a), uint64(b), uint64(out)
-    la, fa, aa = row[input_a + 2], row[input_a + 3], row[input_a + 4]
-    lb, fb, ab = row[input_b + 2], row[input_b + 3], row[input_b + 4]
+    one, pa, pb, po = one_of(bits), uint64(a.plane), uint64(b.plane), uint64(out)
     if per_product:
         for i in range(count):
-            x = map_input(registers[pa, i], la, fa, aa, one)
-            y = map_input(registers[pb, i], lb, fb, ab, one)
+            x, y = map_input(registers[pa, i], a, one), map_input(registers[pb, i], b, one)
             products[po, i] = divide(int32(x * y), bits)
     else:
         for i in range(count):
-            x = map_input(registers[pa, i], la, fa, aa, one)
-            y = map_input(registers[pb, i], lb, fb, ab, one)
+            x, y = map_input(registers[pa, i], a, one), map_input(registers[pb, i], b, one)
             products[po, i] = int32(x * y)
 
 
@@ -77,16 +120,16 @@ def mux(products, ab, cd, registers, count, total, bit):
         total[0, i] = products[pc, i] if selected else products[pa, i]
 
 
-@kernel("void(i4[:,::1],i8,i8,i4,i4,i4,i8,i2[:,::1],i8,i4)")
-def finish(products, source, count, bias, scale, low, rounding, results, out, bits):
+@kernel(void(_PRODUCTS, int64, int64, OUTPUT, _PLANES, int64, int32))
+def finish(products, source, count, output, results, out, bits):
     """Rounding, bias, scale, clamp.
 
     Measured: bias before scale, saturation, one half of values >= 0 (combiner captures); low: a profile
     field.
     """
     separate_loop()
-    high = one_of(bits)
-    p, r = uint64(source), uint64(out)
+    bias, scale, low, rounding = output
+    p, r, high = uint64(source), uint64(out), one_of(bits)
     if rounding == C.ROUNDING_AFTER_SCALE and scale == C.SCALE_BY_ONE_HALF:
         # rn(x/2 / one), ties upwards: floor((x + one) / (2 one)) = floor(((x + one) >> 1) / one); ``divide``
         # adds the half that is taken off here.
@@ -108,38 +151,27 @@ def finish(products, source, count, bias, scale, low, rounding, results, out, bi
             results[r, i] = int16(clamp(value, low, high))
 
 
-@kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i4,i2[:,::1],i8,i4)")
-def one_product(registers, a, b, count, row, low, results, out, bits):
+@kernel(void(_PLANES, INPUT, INPUT, int64, OUTPUT, _PLANES, int64, int32))
+def one_product(registers, a, b, count, output, results, out, bits):
     """``finish(A B)`` in one loop (JOINT rounding before the scale)."""
     separate_loop()
-    pa, pb, po, n = uint64(a), uint64(b), uint64(out), R.INPUT_SIZE
-    la, fa, aa, lb, fb, ab = row[2], row[3], row[4], row[n + 2], row[n + 3], row[n + 4]
-    bias, scale, one = row[R.BIAS], row[R.SCALE], one_of(bits)
+    bias, scale, low, _rounding = output
+    one, pa, pb, po = one_of(bits), uint64(a.plane), uint64(b.plane), uint64(out)
     for i in range(count):
-        x, y = map_input(registers[pa, i], la, fa, aa, one), map_input(registers[pb, i], lb, fb, ab, one)
+        x, y = map_input(registers[pa, i], a, one), map_input(registers[pb, i], b, one)
         value = scaled(int32(divide(int32(x * y), bits) + bias), scale)
         results[po, i] = int16(clamp(value, low, one))
 
 
-@kernel("void(i2[:,::1],i8,i8,i8,i8,i8,i4[::1],i4,i2[:,::1],i8,i4)")
-def sum_of_products(registers, a, b, c, d, count, row, low, results, out, bits):
+@kernel(void(_PLANES, types.UniTuple(INPUT, 4), int64, OUTPUT, _PLANES, int64, int32))
+def sum_of_products(registers, inputs, count, output, results, out, bits):
     """``finish(A B + C D)`` in one loop: JOINT rounding before the scale, no mux, no dot product."""
     separate_loop()
-    pa, pb, pc, pd, po = uint64(a), uint64(b), uint64(c), uint64(d), uint64(out)
-    n = R.INPUT_SIZE
-    la, fa, aa, lb, fb, ab = row[2], row[3], row[4], row[n + 2], row[n + 3], row[n + 4]
-    lc, fc, ac, ld, fd, ad = (
-        row[2 * n + 2],
-        row[2 * n + 3],
-        row[2 * n + 4],
-        row[3 * n + 2],
-        row[3 * n + 3],
-        row[3 * n + 4],
-    )
-    bias, scale, one = row[R.BIAS], row[R.SCALE], one_of(bits)
+    (a, b, c, d), (bias, scale, low, _rounding), one = inputs, output, one_of(bits)
+    pa, pb, pc, pd, po = uint64(a.plane), uint64(b.plane), uint64(c.plane), uint64(d.plane), uint64(out)
     for i in range(count):
-        x, y = map_input(registers[pa, i], la, fa, aa, one), map_input(registers[pb, i], lb, fb, ab, one)
-        z, w = map_input(registers[pc, i], lc, fc, ac, one), map_input(registers[pd, i], ld, fd, ad, one)
+        x, y = map_input(registers[pa, i], a, one), map_input(registers[pb, i], b, one)
+        z, w = map_input(registers[pc, i], c, one), map_input(registers[pd, i], d, one)
         value = scaled(int32(divide(int32(int32(x * y) + int32(z * w)), bits) + bias), scale)
         results[po, i] = int16(clamp(value, low, one))
 
@@ -180,43 +212,56 @@ def plane_of(row, at, channel):
     return row[at] * 4 + (3 if usage == C.USAGE_ALPHA else 2)  # or USAGE_BLUE
 
 
-@kernel("void(i2[:,::1],i8,i8,i8,i4[::1],i4[::1],i4[:,::1],i4[:,::1],i2[:,::1],i4)")
-def combine_portion(registers, first, last, count, row, arithmetic, products, total, results, bits):
-    """One portion of a general combiner, ``row`` int32[PORTION_SIZE], over channels first..last-1.
+@kernel
+def input_at(row, at, plane):
+    """The Input that is packed at row[at], and reads a plane."""
+    return Input(int64(plane), row[at + 2], row[at + 3], row[at + 4])
 
-    The outputs AB, CD and sum go to planes 0.., 4.. and 8.. of ``results``.
+
+@kernel
+def input_of(row, number, channel):
+    """The Input of a portion's variable A, B, C or D (``number`` 0 to 3) for a channel."""
+    at = number * R.INPUT_SIZE
+    return input_at(row, at, plane_of(row, at, channel))
+
+
+@kernel
+def output_of(row, arithmetic):
+    """How a portion's outputs are finished."""
+    after = C.ROUNDING_BEFORE_SCALE if arithmetic[1] else C.ROUNDING_AFTER_SCALE
+    rounding = int64(C.ROUNDING_DONE if arithmetic[0] else after)
+    return Output(row[R.BIAS], row[R.SCALE], arithmetic[2], rounding)
+
+
+@kernel(void(_PLANES, types.UniTuple(int64, 2), int64, types.int32[::1], types.int32[::1], ROOM, int32))
+def combine_portion(registers, channels, count, row, arithmetic, room, bits):
+    """One portion of a general combiner, ``row`` int32[PORTION_SIZE], over channels from the first of two to
+    before the second.
+
+    The outputs AB, CD and sum go to planes 0.., 4.. and 8.. of ``room.results``.
     """
     separate_function()
-    per_product, low = arithmetic[0], arithmetic[2]
-    after = C.ROUNDING_BEFORE_SCALE if arithmetic[1] else C.ROUNDING_AFTER_SCALE
-    rounding = C.ROUNDING_DONE if per_product else after
-    bias, scale = row[R.BIAS], row[R.SCALE]
+    (first, last), (products, total, results) = channels, room
+    per_product, output = arithmetic[0], output_of(row, arithmetic)
     ab_dot, cd_dot = row[R.AB_DOT] != 0, row[R.CD_DOT] != 0
     ab_out, cd_out, sum_out = row[R.AB_OUTPUT] >= 0, row[R.CD_OUTPUT] >= 0, row[R.SUM_OUTPUT] >= 0
-    a, b, c, d = 0, R.INPUT_SIZE, 2 * R.INPUT_SIZE, 3 * R.INPUT_SIZE
-    if ab_out and not (cd_out or sum_out or ab_dot) and rounding == C.ROUNDING_BEFORE_SCALE:
+    joint = output.rounding == C.ROUNDING_BEFORE_SCALE
+    if joint and ab_out and not (cd_out or sum_out or ab_dot):
         for k in range(first, last):
-            pa, pb = plane_of(row, a, k), plane_of(row, b, k)
-            one_product(registers, pa, pb, count, row, low, results, k, bits)
+            one_product(registers, input_of(row, 0, k), input_of(row, 1, k), count, output, results, k, bits)
         return
-    products_alone = not (ab_out or cd_out or ab_dot or cd_dot or row[R.MUX])
-    if sum_out and products_alone and rounding == C.ROUNDING_BEFORE_SCALE:
+    if joint and sum_out and not (ab_out or cd_out or ab_dot or cd_dot or row[R.MUX]):
         for k in range(first, last):
-            pa, pb, pc, pd = (
-                plane_of(row, a, k),
-                plane_of(row, b, k),
-                plane_of(row, c, k),
-                plane_of(row, d, k),
-            )
-            sum_of_products(registers, pa, pb, pc, pd, count, row, low, results, 8 + k, bits)
+            inputs = input_of(row, 0, k), input_of(row, 1, k), input_of(row, 2, k), input_of(row, 3, k)
+            sum_of_products(registers, inputs, count, output, results, 8 + k, bits)
         return
     for k in range(first, last):
         if ab_out or sum_out:
-            pa, pb = plane_of(row, a, k), plane_of(row, b, k)
-            multiply(registers, pa, pb, count, row, a, b, products, k, per_product, bits)
+            a, b = input_of(row, 0, k), input_of(row, 1, k)
+            multiply(registers, a, b, count, products, k, per_product, bits)
         if cd_out or sum_out:
-            pc, pd = plane_of(row, c, k), plane_of(row, d, k)
-            multiply(registers, pc, pd, count, row, c, d, products, 4 + k, per_product, bits)
+            c, d = input_of(row, 2, k), input_of(row, 3, k)
+            multiply(registers, c, d, count, products, 4 + k, per_product, bits)
     if ab_dot and (ab_out or sum_out):
         sum_of_three(products, 0, count)
     if cd_dot and (cd_out or sum_out):
@@ -227,18 +272,18 @@ def combine_portion(registers, first, last, count, row, arithmetic, products, to
             if ab_dot and k > first:
                 copy_plane(results, 0, results, k, count)
             else:
-                finish(products, ab, count, bias, scale, low, rounding, results, k, bits)
+                finish(products, ab, count, output, results, k, bits)
         if cd_out:
             if cd_dot and k > first:
                 copy_plane(results, 4, results, 4 + k, count)
             else:
-                finish(products, cd, count, bias, scale, low, rounding, results, 4 + k, bits)
+                finish(products, cd, count, output, results, 4 + k, bits)
         if sum_out:
             if row[R.MUX]:
                 mux(products, ab, cd, registers, count, total, row[R.MUX])
             else:
                 add(products, ab, cd, count, total)
-            finish(total, 0, count, bias, scale, low, rounding, results, 8 + k, bits)
+            finish(total, 0, count, output, results, 8 + k, bits)
 
 
 @kernel("void(i2[:,::1],i4[:,::1],i8,i4[::1],i4[:,::1],i4[:,::1],i2[:,::1],i4)")
@@ -251,8 +296,9 @@ def general_combiner(registers, stage, count, arithmetic, products, total, resul
     products int32[8, batch], total int32[1, batch], results int16[12, batch]: scratch
     """
     separate_function()
-    combine_portion(registers, 0, 3, count, stage[0], arithmetic, products, total, results, bits)
-    combine_portion(registers, 3, 4, count, stage[1], arithmetic, products, total, results, bits)
+    room = Room(products, total, results)
+    combine_portion(registers, (int64(0), int64(3)), count, stage[0], arithmetic, room, bits)
+    combine_portion(registers, (int64(3), int64(4)), count, stage[1], arithmetic, room, bits)
     for output in range(3):
         rgb, alpha = stage[0, R.AB_OUTPUT + output], stage[1, R.AB_OUTPUT + output]
         if rgb >= 0:
@@ -271,11 +317,21 @@ def map_final(x, invert, one):
     return max(int32(one - positive), int32(0)) if invert else positive
 
 
-@kernel("void(i2[:,::1],i8,i8,i8,i8,i8,i2[:,::1],i8,i4)")
-def multiply_e_f(registers, e, f, count, invert_e, invert_f, out, plane, bits):
+@kernel
+def final_input(final, number, channel):
+    """(the plane, whether it is inverted) of the final combiner's variable A to G (``number`` 0 to 6)."""
+    return int64(plane_of(final[number], 0, channel)), final[number, 2]
+
+
+_FINAL_INPUT = types.Tuple((int64, int32))
+
+
+@kernel(void(_PLANES, _FINAL_INPUT, _FINAL_INPUT, int64, _PLANES, int64, int32))
+def multiply_e_f(registers, e, f, count, out, plane, bits):
     """E F, rounded. Measured: 136923 of 136923 pixels (combiner captures)."""
     separate_loop()
-    pe, pf, po, one = uint64(e), uint64(f), uint64(plane), one_of(bits)
+    pe, pf, po, one = uint64(e[0]), uint64(f[0]), uint64(plane), one_of(bits)
+    invert_e, invert_f = e[1], f[1]
     for i in range(count):
         x, y = map_final(registers[pe, i], invert_e, one), map_final(registers[pf, i], invert_f, one)
         out[po, i] = int16(divide(int32(x * y), bits))
@@ -302,13 +358,12 @@ def sum_colors(registers, channel, count, flags, out, plane, bits):
         out[po, i] = int16(min(total, limit))
 
 
-@kernel("void(i2[:,::1],i8,i8,i8,i8,i8,i4[:,::1],i2[:,::1],i8,i4)")
-def final_rgb(registers, a, b, c, d, count, final, out, plane, bits):
+@kernel(void(_PLANES, types.UniTuple(_FINAL_INPUT, 4), int64, _PLANES, int64, int32))
+def final_rgb(registers, inputs, count, out, plane, bits):
     """clamp(rn(A B + (one - A) C) + D, 0, one)."""
     separate_loop()
-    one = one_of(bits)
-    pa, pb, pc, pd, po = uint64(a), uint64(b), uint64(c), uint64(d), uint64(plane)
-    invert_a, invert_b, invert_c, invert_d = final[0, 2], final[1, 2], final[2, 2], final[3, 2]
+    (a, invert_a), (b, invert_b), (c, invert_c), (d, invert_d) = inputs
+    pa, pb, pc, pd, po, one = uint64(a), uint64(b), uint64(c), uint64(d), uint64(plane), one_of(bits)
     for i in range(count):
         ma = map_final(registers[pa, i], invert_a, one)
         ab = int32(ma * map_final(registers[pb, i], invert_b, one))
@@ -337,15 +392,15 @@ def final_combiner(registers, final, count, uses_e_times_f, uses_sum, color_sum,
         if uses_sum:
             sum_colors(registers, k, count, color_sum, out, 4 + k, bits)
         if uses_e_times_f:
-            e, f = plane_of(final[4], 0, k), plane_of(final[5], 0, k)
-            multiply_e_f(registers, e, f, count, final[4, 2], final[5, 2], out, 8 + k, bits)
+            e, f = final_input(final, 4, k), final_input(final, 5, k)
+            multiply_e_f(registers, e, f, count, out, 8 + k, bits)
     for k in range(3):
         if uses_sum:
             copy_plane(out, 4 + k, registers, C.REGISTER_SPARE0_PLUS_SECONDARY_COLOR * 4 + k, count)
         if uses_e_times_f:
             copy_plane(out, 8 + k, registers, C.REGISTER_E_TIMES_F * 4 + k, count)
     for k in range(3):
-        a, b = plane_of(final[0], 0, k), plane_of(final[1], 0, k)
-        c, d = plane_of(final[2], 0, k), plane_of(final[3], 0, k)
-        final_rgb(registers, a, b, c, d, count, final, out, k, bits)
+        a, b = final_input(final, 0, k), final_input(final, 1, k)
+        c, d = final_input(final, 2, k), final_input(final, 3, k)
+        final_rgb(registers, (a, b, c, d), count, out, k, bits)
     final_alpha(registers, plane_of(final[6], 0, 3), count, final[6, 2], out, 3, bits)

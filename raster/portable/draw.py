@@ -6,6 +6,8 @@ operations). A fragment's value depends on its primitive and pixel alone, so nei
 can change a bit.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import float64, int16, int32, int64, uint8, void
 
@@ -20,6 +22,7 @@ from fixedpipe.raster.arrays import (
     Segments,
     as_buffers,
     plain,
+    type_of,
 )
 from fixedpipe.raster.fixed import one_of, truncate_24
 from fixedpipe.raster.kernel import kernel, separate_function
@@ -33,6 +36,7 @@ from fixedpipe.raster.portable.combine import (
     general_combiner,
 )
 from fixedpipe.raster.portable.interpolate import (
+    Channel,
     color_weights,
     depth_words,
     emit_depth,
@@ -52,7 +56,7 @@ from fixedpipe.raster.portable.unit import sample_unit, unbound_texture
 from fixedpipe.raster.portable.w_slope import w_slope
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from fixedpipe.raster.primitives.strokes import (
-    along_line,
+    edges_of_line,
     line_run,
     open_run,
     stroke_bounds,
@@ -60,8 +64,11 @@ from fixedpipe.raster.primitives.strokes import (
     triangle_box,
 )
 from fixedpipe.raster.primitives.triangle import (
+    as_floats,
     corners_of,
     edge_tie,
+    edges_after,
+    edges_of,
     limited_offset,
     polygon_offset,
     reaches_infinity,
@@ -74,7 +81,7 @@ from fixedpipe.raster.primitives.triangle import (
 def stroke_span(draw, stroke, corners, row, first, last, right, down):
     """The pixels [from, to) of a row, first..last, that a line or a point draws: its bounds are linear.
 
-    ``right``, ``down``: where in a pixel that is asked, 1/16 pixel from its middle.
+    ``right``, ``down``: the sample of a pixel, 1/16 pixel from its middle.
     """
     sx, sy = first * 16 + 8 + right, row * 16 + 8 + down
     b0, b1, b2, b3 = stroke_bounds(draw, stroke, corners, sx, sy)
@@ -86,38 +93,8 @@ def stroke_span(draw, stroke, corners, row, first, last, right, down):
 
 
 @kernel
-def sample_spans(draw, strokes, t, corners, kind, row, first, last, n, right, down, spans):
-    """The pixels [from, to) of a row, first..last, of which a primitive covers each sample, into ``spans``;
-    returns the least that holds them all.
-
-    ``n``: a triangle's biased edge functions at the middle of pixel ``first``, which grow by ``right`` from
-    pixel to pixel and by ``down`` from row to row.
-    """
-    low, high = last + 1, first
-    for k in range(draw[R.COVER_SAMPLES]):
-        x, y = draw[R.COVER_SAMPLE + 2 * k], draw[R.COVER_SAMPLE + 2 * k + 1]
-        if kind == C.PRIMITIVE_TRIANGLE:
-            start, end = row_span(
-                n[0] + ((x * right[0] + y * down[0]) >> 4),
-                n[1] + ((x * right[1] + y * down[1]) >> 4),
-                n[2] + ((x * right[2] + y * down[2]) >> 4),
-                right[0],
-                right[1],
-                right[2],
-                first,
-                last,
-            )
-        else:
-            start, end = stroke_span(draw, strokes[t], corners, row, first, last, x, y)
-        spans[k, 0], spans[k, 1] = start, end
-        if start < end:
-            low, high = min(low, start), max(high, end)
-    return low, max(low, high)
-
-
-@kernel
 def samples_inside(spans, samples, x):
-    """Of how many samples the spans hold pixel x."""
+    """How many samples' spans hold pixel x."""
     count = int32(0)
     for k in range(samples):
         count += int32(spans[k, 0] <= x and x < spans[k, 1])
@@ -126,8 +103,8 @@ def samples_inside(spans, samples, x):
 
 @kernel
 def positive_weights(n, inverse_w, factors):
-    """Whether edge functions times 1/w have a sum that weights can be divided by, and so have those times
-    ``factors``.
+    """Whether edge functions times 1/w have a positive sum, and those times ``factors`` as well: weights are
+    divided by both.
     """
     total = (n[0] * inverse_w[0] + n[1] * inverse_w[1]) + n[2] * inverse_w[2]
     e0 = truncate_24(truncate_24(n[0]) * factors[0])
@@ -137,18 +114,19 @@ def positive_weights(n, inverse_w, factors):
 
 
 @kernel
-def covered_run(spans, samples, start, end, here, step, inverse_w, weighed):
-    """The first run [from, to) of pixels within [start, end) that cover some sample.
+def covered_run(spans, samples, start, end, here, step, weights):
+    """The first run [from, to) of pixels within [start, end) with a covered sample.
 
-    ``here``: edge functions at ``start``, which grow by ``step``. Assumed: a pixel outside its triangle whose
-    weights have no positive sum is left out.
+    ``here``: edge functions at ``start``, which grow by ``step``; ``weights``: what multiplies them, 1/w and
+    ``weight_factors``. Assumed: a pixel outside its triangle whose weights have no positive sum is left out.
     """
+    inverse_w, factors = weights
     low, first = start, start
     found = False
     while first < end:
         k = float64(first - start)
         n = here[0] + k * step[0], here[1] + k * step[1], here[2] + k * step[2]
-        inside = samples_inside(spans, samples, first) > 0 and positive_weights(n, inverse_w, weighed)
+        inside = samples_inside(spans, samples, first) > 0 and positive_weights(n, inverse_w, factors)
         if inside and not found:
             low, found = first, True
         elif found and not inside:
@@ -166,6 +144,55 @@ def keep_share(results, covered, count, samples):
     """
     for i in range(count):
         results[3, i] = int16(int32(int32(results[3, i]) * covered[i]) // int32(samples))
+
+
+class Primitive(NamedTuple):
+    """A primitive that is set up for a band.
+
+    number       its row of ``triangles``
+    kind         codes.PRIMITIVE_...
+    corners      primitives.triangle.Corners
+    left, right  first and last pixel of the rows of its box, as far as it lies in the band
+    first, last  first and last row
+    edges        primitives.triangle.Edges at pixel (left, first); a line's are how far along it a pixel lies
+    sides        what multiplies its edge functions for coverage (``side_of``)
+    inverse_w    of its vertices; 1 where they are equal
+    factors      what multiplies its edge functions for weights (``weight_factors``)
+    depths       of its vertices, units
+    offset       what is added to them
+    back         1: it shows its back colour
+    by_samples   whether it covers samples, or the middles of pixels
+    """
+
+    number: int
+    kind: int
+    corners: tuple
+    left: int
+    right: int
+    first: int
+    last: int
+    edges: tuple
+    sides: tuple
+    inverse_w: tuple
+    factors: tuple
+    depths: tuple
+    offset: float
+    back: int
+    by_samples: bool
+
+
+class Batch(NamedTuple):
+    """What a batch holds so far: how many fragments (``position``), segments and runs; ``drawn``: fragments
+    of the batches before it.
+    """
+
+    position: int
+    segments: int
+    runs: int
+    drawn: int
+
+
+BATCH = type_of(Batch, int64, int64, int64, int64)
 
 
 @kernel
@@ -187,15 +214,15 @@ def offset_of(state, vertices, v0, v1, v2):
 
 
 @kernel
-def iterate_four(draw, segments, triangles, colors, first, ints, edges, out, plane):
+def iterate_four(p, segments, first, scratch, out, plane):
     """Four colour channels from ``first`` on into four planes of ``out``."""
-    flat, bits = draw[R.FLAT], int32(draw[R.BITS])
+    draw = p.state.draw
     for c in range(4):
-        k, to = first + c, plane + c
+        channel = Channel(p.triangles, p.colors, int64(first + c), draw[R.FLAT], int32(draw[R.BITS]))
         if draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT:
-            iterate_exact_color(segments, triangles, colors, k, flat, edges, out, to, bits)
+            iterate_exact_color(segments, channel, scratch.edges, out, plane + c)
         else:
-            iterate_color(segments, triangles, colors, k, flat, ints, out, to, bits)
+            iterate_color(segments, channel, scratch.ints, out, plane + c)
 
 
 @kernel(void(PASS, int64, SEGMENTS, RUNS, SCRATCH))
@@ -205,7 +232,7 @@ def shade(p, count, segments, runs, scratch):
     A texture shader may change ``depth`` and ``alive``.
     """
     separate_function()
-    draw, triangles, colors, fog = p.state.draw, p.triangles, p.colors, p.fog
+    draw, triangles, fog = p.state.draw, p.triangles, p.fog
     bits = int32(draw[R.BITS])
     one = one_of(bits)
     edges, floats, ints, registers = scratch.edges, scratch.floats, scratch.ints, scratch.registers
@@ -217,14 +244,14 @@ def shade(p, count, segments, runs, scratch):
     if draw[R.NEEDS_WEIGHTS]:
         full_weights(edges, count, floats)
     if draw[R.DIRECT]:
-        iterate_four(draw, segments, triangles, colors, 0, ints, edges, results, 0)
+        iterate_four(p, segments, 0, scratch, results, 0)
         return
     if draw[R.NEEDS_PRIMARY]:
         plane = C.REGISTER_PRIMARY_COLOR * 4
-        iterate_four(draw, segments, triangles, colors, 0, ints, edges, registers, plane)
+        iterate_four(p, segments, 0, scratch, registers, plane)
     if draw[R.NEEDS_SECONDARY]:
         plane = C.REGISTER_SECONDARY_COLOR * 4
-        iterate_four(draw, segments, triangles, colors, 4, ints, edges, registers, plane)
+        iterate_four(p, segments, 4, scratch, registers, plane)
     if draw[R.FOG_ENABLED]:
         plane = C.REGISTER_FOG * 4 + 3
         if draw[R.FOG_ENABLED] == C.FOG_BY_TABLE:
@@ -281,9 +308,266 @@ def record_batch(record, recorded, runs, owners, alive, covered):
                 record[row, 4] = covered[i]
 
 
+# --------------------------------------------------------------------------------------------------- set-up
+
+
+@kernel(inlined=True)
+def set_up(p, t, top, bottom):
+    """The Primitive of row t of ``triangles``, in rows top..bottom."""
+    draw, vertices, strokes, inverse_w = p.state.draw, p.vertices, p.strokes, p.vertices.inverse_w
+    v0, v1, v2 = p.triangles[t, 0], p.triangles[t, 1], p.triangles[t, 2]
+    corners, kind = corners_of(vertices, v0, v1, v2), int64(C.PRIMITIVE_TRIANGLE)
+    x_low, y_low, x_high, y_high = triangle_box(draw, corners)
+    if draw[R.STROKES]:
+        kind = int64(strokes[t, 0])
+        if kind != C.PRIMITIVE_TRIANGLE:
+            x_low, y_low, x_high, y_high = stroke_box(draw, corners, kind)
+    triangle = kind == C.PRIMITIVE_TRIANGLE
+    first, last = max((y_low + 7) >> 4, top), min((y_high - 8) >> 4, bottom)
+    left, right = max((x_low + 7) >> 4, draw[R.X0]), min((x_high - 8) >> 4, draw[R.X1] - 1)
+    if triangle and reaches_infinity(inverse_w, v0, v1, v2):
+        first, last, left, right = top, bottom, draw[R.X0], draw[R.X1] - 1
+    edges = edges_of(corners, left, first)
+    if kind == C.PRIMITIVE_LINE:
+        edges = edges_of_line(draw, corners, left, first, edges.sign)
+    iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
+    side0, side1, side2 = int64(1), int64(1), int64(1)
+    if triangle:
+        side0, side1, side2 = side_of(iw0), side_of(iw1), side_of(iw2)
+    if iw0 == iw1 and iw1 == iw2:
+        iw0 = iw1 = iw2 = 1.0
+    back = int32(1) if draw[R.BACK_SIGN] == edges.sign * side0 * side1 * side2 else int32(0)
+    if not triangle:
+        back = strokes[t, 1]
+    z0, z1, z2, offset = 0.0, 0.0, 0.0, 0.0
+    if draw[R.NEEDS_DEPTH]:
+        z0, z1, z2 = vertices.z[v0], vertices.z[v1], vertices.z[v2]
+        if triangle and draw[R.POLYGON_OFFSET]:
+            offset = offset_of(p.state, vertices, v0, v1, v2)
+        elif not triangle and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
+            offset = offset_of(p.state, vertices, strokes[t, 2], strokes[t, 3], strokes[t, 4])
+    by_samples = draw[R.COVER_SAMPLES] > 0 and (draw[R.COVERAGE] >> kind) & 1 != 0
+    return Primitive(
+        t, kind, corners, left, right, first, last, edges, (side0, side1, side2), (iw0, iw1, iw2),
+        weight_factors(iw0, iw1, iw2), (z0, z1, z2), offset, back, by_samples,
+    )  # fmt: skip
+
+
+# --------------------------------------------------------------------------------------------------- coverage
+
+
+@kernel(inlined=True)
+def turned(sides, numbers):
+    """Edge functions, or their steps, as coverage takes them (``side_of``)."""
+    return sides[0] * numbers[0], sides[1] * numbers[1], sides[2] * numbers[2]
+
+
+@kernel(inlined=True)
+def biased_edges(primitive, n):
+    """(a triangle's edge functions ``n`` for coverage, >= 0 inside and on its own edges; their steps to the
+    right; down).
+    """
+    sides = primitive.sides
+    right, down = turned(sides, primitive.edges.right), turned(sides, primitive.edges.down)
+    n0, n1, n2 = turned(sides, n)
+    n0, n1 = n0 + edge_tie(right[0], down[0]), n1 + edge_tie(right[1], down[1])
+    return (n0, n1, n2 + edge_tie(right[2], down[2])), right, down
+
+
+@kernel(inlined=True)
+def cover(draw, strokes, primitive, n, row, spans):
+    """The pixels [from, to) of a row that a primitive draws; by samples: that hold all pixels of which it
+    covers a sample, and each sample's pixels into ``spans``.
+
+    ``n``: the edge functions at the first pixel of the row.
+    """
+    first, last = primitive.left, primitive.right
+    triangle = primitive.kind == C.PRIMITIVE_TRIANGLE
+    biased, right, down = biased_edges(primitive, n)
+    if not primitive.by_samples:
+        if triangle:
+            return row_span(biased[0], biased[1], biased[2], right[0], right[1], right[2], first, last)
+        return stroke_span(draw, strokes[primitive.number], primitive.corners, row, first, last, 0, 0)
+    low, high = last + 1, first
+    for k in range(draw[R.COVER_SAMPLES]):
+        x, y = draw[R.COVER_SAMPLE + 2 * k], draw[R.COVER_SAMPLE + 2 * k + 1]
+        if triangle:
+            n0 = biased[0] + ((x * right[0] + y * down[0]) >> 4)
+            n1 = biased[1] + ((x * right[1] + y * down[1]) >> 4)
+            n2 = biased[2] + ((x * right[2] + y * down[2]) >> 4)
+            start, end = row_span(n0, n1, n2, right[0], right[1], right[2], first, last)
+        else:
+            start, end = stroke_span(
+                draw, strokes[primitive.number], primitive.corners, row, first, last, x, y
+            )
+        spans[k, 0], spans[k, 1] = start, end
+        if start < end:
+            low, high = min(low, start), max(high, end)
+    return low, max(low, high)
+
+
+@kernel(inlined=True)
+def next_run(draw, strokes, primitive, n, row, start, end, spans):
+    """The next pixels within [start, end) of a row that are drawn together: (from, to, x, y, whether all take
+    the values of one sample); (x, y): the pixel whose sample gives the first its values.
+
+    ``n``: as in ``cover``.
+    """
+    kind, stop = primitive.kind, end
+    if draw[R.WINDOW_CLIP] != C.WINDOW_CLIP_NONE or draw[R.STIPPLE] != 0:
+        start, stop = open_run(draw, kind, row, start, end)
+    x, y, alike = start, row, int64(0)
+    wide = draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
+    if kind == C.PRIMITIVE_LINE and (wide or draw[R.LINE_FACTOR] != 0) and start < stop:
+        stroke, corners = strokes[primitive.number], primitive.corners
+        start, stop, x, y, alike = line_run(draw, stroke, corners, row, start, stop)
+    if primitive.by_samples and start < stop:
+        since, right = start, primitive.edges.right
+        here, step = as_floats(edges_after(n, right, start - primitive.left)), as_floats(right)
+        samples, weights = draw[R.COVER_SAMPLES], (primitive.inverse_w, primitive.factors)
+        start, stop = covered_run(spans, samples, start, stop, here, step, weights)
+        x += start - since
+    return start, stop, x, y, alike
+
+
+# ---------------------------------------------------------------------------------------------- interpolation
+
+
+@kernel(inlined=True)
+def count_samples(draw, primitive, start, n, position, scratch):
+    """How many samples of each pixel are covered, into COVERED; nothing in a Draw by pixels' middles."""
+    covered, samples, spans = scratch.ints[R.COVERED], draw[R.COVER_SAMPLES], scratch.spans
+    if primitive.by_samples:
+        for i in range(n):
+            covered[position + i] = samples_inside(spans, samples, start + i)
+    elif samples > 0:
+        for i in range(n):
+            covered[position + i] = int32(samples)
+
+
+@kernel(inlined=True)
+def emit(draw, primitive, position, n, here, step, scratch):
+    """Weights and depths of n fragments to the right of the one whose edge functions are ``here``."""
+    floats, factors, inverse_w = scratch.floats, primitive.factors, primitive.inverse_w
+    needs_depth, w_buffering = draw[R.NEEDS_DEPTH] != 0, draw[R.W_BUFFERING] != 0
+    (z0, z1, z2), offset = primitive.depths, primitive.offset
+    if draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT:
+        emit_weights(scratch.edges, position, n, here, step, inverse_w)
+    if draw[R.NEEDS_ITERATION_WEIGHTS] or (needs_depth and w_buffering):
+        emit_iteration_weights(floats, position, n, here, step, factors)
+    if needs_depth and w_buffering:
+        emit_w(floats, position, n, (z0, z1, z2), offset)
+    elif needs_depth and primitive.kind == C.PRIMITIVE_LINE:
+        # A line's first vertex is its row's second and third (``primitives.strokes``).
+        back_here, back_step = (here[2], here[1], here[0]), (step[2], step[1], step[0])
+        emit_depth(floats, position, n, back_here, back_step, (z2, z1, z0), offset)
+    elif needs_depth:
+        emit_depth(floats, position, n, here, step, (z0, z1, z2), offset)
+
+
+@kernel(inlined=True)
+def add_run(draw, primitive, batch, start, row, n, scratch):
+    """The batch with n fragments of a primitive from pixel (start, row) on; not yet their values."""
+    ints, lists, position, t = scratch.ints, scratch.lists, batch.position, primitive.number
+    segments, runs = batch.segments, batch.runs
+    if segments == 0 or lists[R.OWNERS, segments - 1] != t:
+        lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
+        lists[R.BACKS, segments] = primitive.back
+        segments += 1
+    lists[R.RUN_STARTS, runs] = int32(position)
+    lists[R.RUN_X, runs], lists[R.RUN_Y, runs] = int32(start), int32(row)
+    ints[R.OWNER, runs] = t
+    return Batch(position + n, segments, runs + 1, batch.drawn)
+
+
+# ------------------------------------------------------------------------------------- shading and writing
+
+
+@kernel(BATCH(PASS, BATCH, SCRATCH, BUFFERS, int32[:, ::1]))
+def finish_batch(p, batch, scratch, target, record):
+    """Shade a batch's fragments, write them, and record them; returns the empty batch that follows."""
+    separate_function()
+    draw, ints, lists, results = p.state.draw, scratch.ints, scratch.lists, scratch.results
+    depth, alive, samples = scratch.depth, scratch.alive, draw[R.COVER_SAMPLES]
+    position, segments, runs = batch.position, batch.segments, batch.runs
+    lists[R.STARTS, segments] = lists[R.RUN_STARTS, runs] = int32(position)
+    in_rows = Runs(lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs)
+    if draw[R.NEEDS_DEPTH]:
+        depth_words(scratch.floats, position, draw, p.state.draw_float, depth)
+    if draw[R.NEEDS_COLOR]:
+        owned = Segments(lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS], segments)
+        shade(p, position, owned, in_rows, scratch)
+        if samples > 1:
+            keep_share(results, ints[R.COVERED], position, samples)
+        if draw[R.BITS] != draw[R.BUFFER_BITS]:
+            narrow(results, position, draw)
+    per_fragment(p.state, position, in_rows, results, scratch.shaded, depth, alive, target)
+    record_batch(record, batch.drawn, in_rows, ints[R.OWNER], alive, ints[R.COVERED])
+    return Batch(int64(0), int64(0), int64(0), batch.drawn + position)
+
+
+# --------------------------------------------------------------------------------------------- the pipeline
+
+
+@kernel(int64(PASS, int32[::1], int64, int64, SCRATCH, BUFFERS, int32[:, ::1], int64))
+def draw_band(p, members, number, capacity, scratch, target, record, drawn):
+    """Draw the primitives ``members`` in band ``number``; returns how many fragments there are with the
+    ``drawn`` ones before them.
+
+    Primitives are set up, covered row by row, and interpolated in draw order, and their fragments fill a
+    batch of ``capacity`` columns; a full batch is shaded and written (``finish_batch``).
+    """
+    separate_function()
+    draw, strokes = p.state.draw, p.strokes
+    top, bottom = max(number * BAND_HEIGHT, draw[R.Y0]), min((number + 1) * BAND_HEIGHT, draw[R.Y1]) - 1
+    batch = Batch(int64(0), int64(0), int64(0), drawn)
+    for k in range(members.shape[0]):
+        primitive = set_up(p, members[k], top, bottom)
+        n, right, down = primitive.edges.n, primitive.edges.right, primitive.edges.down
+        for row in range(primitive.first, primitive.last + 1):
+            start, end = cover(draw, strokes, primitive, n, row, scratch.spans)
+            while start < end:
+                start, stop, x, y, alike = next_run(
+                    draw, strokes, primitive, n, row, start, end, scratch.spans
+                )
+                if start == stop:
+                    continue
+                position, count = batch.position, min(stop - start, capacity - batch.position)
+                batch = add_run(draw, primitive, batch, start, row, count, scratch)
+                at = edges_after(edges_after(n, right, x - primitive.left), down, y - row)
+                step = (0.0, 0.0, 0.0) if alike else as_floats(right)
+                count_samples(draw, primitive, start, count, position, scratch)
+                emit(draw, primitive, position, count, as_floats(at), step, scratch)
+                start += count
+                if batch.position == capacity:
+                    batch = finish_batch(p, batch, scratch, target, record)
+            n = edges_after(n, down, 1)
+    if batch.position > 0:
+        batch = finish_batch(p, batch, scratch, target, record)
+    return batch.drawn
+
+
+@kernel(void(PASS, int64, SCRATCH))
+def begin_registers(p, capacity, scratch):
+    """What registers and columns hold that no batch of a Draw changes."""
+    separate_function()
+    draw, registers, constants = p.state.draw, scratch.registers, p.combiners.constants
+    one, samples = one_of(int32(draw[R.BITS])), int32(draw[R.COVER_SAMPLES])
+    for i in range(capacity):
+        scratch.ints[R.COVERED, i] = samples
+    for c in range(8):
+        fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, capacity, int32(constants[0, c]))
+    for c in range(3):
+        fill_plane(registers, C.REGISTER_FOG * 4 + c, capacity, int32(draw[R.FOG_RED + c]))
+    fill_plane(registers, C.REGISTER_FOG * 4 + 3, capacity, one)
+    for u in range(4):
+        unbound_texture(registers, u, capacity, one)
+
+
 @kernel(int64(plain(PASS), plain(BANDS), int64, int64, int64, plain(BUFFERS), int32[:, ::1]), allocates=True)
-def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
-    """Draw bands first_band, first_band + band_step, ... of the framebuffer, ``batch`` fragments at a time.
+def draw_bands(arrays, bands, first_band, band_step, capacity, buffers, record):
+    """Draw bands first_band, first_band + band_step, ... of the framebuffer, in batches of ``capacity``
+    fragments.
 
     ``arrays``, ``bands``, ``buffers``: those of a Pass, Bands and Buffers, in plain tuples. ``record``
     int32[n, 5] takes (primitive, x, y, passed, covered samples, 0 of a draw by pixels' middles) of every
@@ -291,213 +575,31 @@ def draw_bands(arrays, bands, first_band, band_step, batch, buffers, record):
     nothing is drawn, where rows or columns would lead a kernel outside an array
     (``fixedpipe.raster.portable.check``).
     """
-    p, target = as_pass(arrays), as_buffers(buffers)
+    p, target, (order, ends) = as_pass(arrays), as_buffers(buffers), bands
     height, words = target.color.shape
-    if batch < 16 or band_step < 1 or not usable(p, height, words):
+    if capacity < 16 or band_step < 1 or not usable(p, height, words):
         return int64(-1)
     if record.shape[0] > 0 and record.shape[1] < 5:
         return int64(-1)
-    edges = Edges(np.empty(batch, np.float64), np.empty(batch, np.float64), np.empty(batch, np.float64))
-    floats, ints = np.empty((R.FLOAT_COLUMNS, batch), np.float64), np.empty((R.INT_COLUMNS, batch), np.int32)
-    packed, registers = (
-        np.empty((R.PACKED_COLUMNS, batch), np.uint32),
-        np.zeros((R.REGISTERS * 4, batch), np.int16),
-    )
-    products, total = np.empty((8, batch), np.int32), np.empty((1, batch), np.int32)
-    results, shaded = np.empty((12, batch), np.int16), np.empty(batch, np.uint32)
-    depth, alive = np.empty(batch, np.int32), np.empty(batch, np.uint8)
-    lists = np.empty((R.LISTS, batch + 1), np.int32)
     scratch = Scratch(
-        edges, floats, ints, packed, registers, products, total, results, shaded, depth, alive, lists
+        edges=Edges(np.empty(capacity), np.empty(capacity), np.empty(capacity)),
+        floats=np.empty((R.FLOAT_COLUMNS, capacity)),
+        ints=np.empty((R.INT_COLUMNS, capacity), np.int32),
+        packed=np.empty((R.PACKED_COLUMNS, capacity), np.uint32),
+        registers=np.zeros((R.REGISTERS * 4, capacity), np.int16),
+        products=np.empty((8, capacity), np.int32),
+        total=np.empty((1, capacity), np.int32),
+        results=np.empty((12, capacity), np.int16),
+        shaded=np.empty(capacity, np.uint32),
+        depth=np.empty(capacity, np.int32),
+        alive=np.empty(capacity, np.uint8),
+        lists=np.empty((R.LISTS, capacity + 1), np.int32),
+        spans=np.empty((R.MAX_COVER_SAMPLES, 2), np.int64),
     )
-    state, triangles, strokes, vertices = p.state, p.triangles, p.strokes, p.vertices
-    draw, draw_float, factors, constants = state.draw, state.draw_float, state.factors, p.combiners.constants
-    z, inverse_w = vertices.z, vertices.inverse_w
-    needs_depth = draw[R.NEEDS_DEPTH]
-    needs_full_weights = draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT
-    needs_iteration_weights = draw[R.NEEDS_ITERATION_WEIGHTS] or (needs_depth and draw[R.W_BUFFERING])
-    has_strokes, has_offset = draw[R.STROKES], draw[R.POLYGON_OFFSET]
-    holes = draw[R.WINDOW_CLIP] != C.WINDOW_CLIP_NONE or draw[R.STIPPLE] != 0
-    cut_lines = draw[R.LINE_FACTOR] != 0 or (
-        draw[R.LINE_STEPS] == C.LINE_IN_DIAMONDS and draw[R.LINE_WIDTH] > R.PIXEL_WIDE
-    )
-    samples, spans = draw[R.COVER_SAMPLES], np.empty((R.MAX_COVER_SAMPLES, 2), np.int64)
-    for i in range(batch):
-        ints[R.COVERED, i] = int32(samples)
-    for c in range(8):
-        fill_plane(registers, C.REGISTER_CONSTANT_COLOR0 * 4 + c, batch, int32(constants[0, c]))
-    for c in range(3):
-        fill_plane(registers, C.REGISTER_FOG * 4 + c, batch, int32(draw[R.FOG_RED + c]))
-    one = one_of(int32(draw[R.BITS]))
-    fill_plane(registers, C.REGISTER_FOG * 4 + 3, batch, one)
-    for u in range(4):
-        unbound_texture(registers, u, batch, one)
-    (order, ends), recorded = bands, int64(0)
+    begin_registers(p, capacity, scratch)
+    drawn = int64(0)
     for band in range(first_band, ends.shape[0], band_step):
         begin, end = int64(ends[band - 1]) if band > 0 else int64(0), int64(ends[band])
-        if begin == end:
-            continue
-        members = order[begin:end]
-        top, bottom = max(band * BAND_HEIGHT, draw[R.Y0]), min((band + 1) * BAND_HEIGHT, draw[R.Y1])
-        position, segments, runs = int64(0), int64(0), int64(0)
-        for k in range(members.shape[0] + 1):
-            finished = k == members.shape[0]
-            t = members[k] if not finished else members[0]
-            v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
-            corners = corners_of(vertices, v0, v1, v2)
-            x0, y0, x1, y1, x2, y2 = corners
-            kind = int64(C.PRIMITIVE_TRIANGLE)
-            x_low, y_low, x_high, y_high = triangle_box(draw, corners)
-            if has_strokes and not finished:
-                kind = int64(strokes[t, 0])
-                if kind != C.PRIMITIVE_TRIANGLE:
-                    x_low, y_low, x_high, y_high = stroke_box(draw, corners, kind)
-            by_samples = samples > 0 and (draw[R.COVERAGE] >> kind) & 1 != 0
-            first_row, last_row = max((y_low + 7) >> 4, top), min((y_high - 8) >> 4, bottom - 1)
-            left, right = max((x_low + 7) >> 4, draw[R.X0]), min((x_high - 8) >> 4, draw[R.X1] - 1)
-            if kind == C.PRIMITIVE_TRIANGLE and reaches_infinity(inverse_w, v0, v1, v2):
-                first_row, last_row, left, right = top, bottom - 1, draw[R.X0], draw[R.X1] - 1
-            if finished:
-                last_row = first_row  # one turn of the row loop, to flush
-            # Edge functions n1 and n2 step by these from pixel to pixel and row to row; the rest of the area
-            # is n0.
-            area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
-            sign = int64(-1) if area < 0 else int64(1)
-            area *= sign
-            right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
-            right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
-            right0, down0 = -(right1 + right2), -(down1 + down2)
-            sx, sy = left * 16 + 8, first_row * 16 + 8
-            n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
-            n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
-            n0 = area - n1 - n2
-            if kind == C.PRIMITIVE_LINE:
-                n0, n2 = along_line(draw, x0, y0, x1, y1, sx, sy)
-                ahead0, _ = along_line(draw, x0, y0, x1, y1, sx + 16, sy)
-                below0, _ = along_line(draw, x0, y0, x1, y1, sx, sy + 16)
-                area, n1 = n0 + n2, int64(0)
-                right0, down0 = ahead0 - n0, below0 - n0
-                right1, down1, right2, down2 = int64(0), int64(0), -right0, -down0
-            iw0, iw1, iw2 = inverse_w[v0], inverse_w[v1], inverse_w[v2]
-            side0, side1, side2 = int64(1), int64(1), int64(1)
-            if kind == C.PRIMITIVE_TRIANGLE:
-                side0, side1, side2 = side_of(iw0), side_of(iw1), side_of(iw2)
-            tie0 = edge_tie(side0 * right0, side0 * down0)
-            tie1 = edge_tie(side1 * right1, side1 * down1)
-            tie2 = edge_tie(side2 * right2, side2 * down2)
-            if iw0 == iw1 and iw1 == iw2:
-                iw0 = iw1 = iw2 = 1.0
-            back = int32(1) if draw[R.BACK_SIGN] == sign * side0 * side1 * side2 else int32(0)
-            if kind != C.PRIMITIVE_TRIANGLE:
-                back = strokes[t, 1]
-            z0, z1, z2, offset = 0.0, 0.0, 0.0, 0.0
-            weighed = weight_factors(iw0, iw1, iw2)
-            if needs_depth and not finished:
-                z0, z1, z2 = z[v0], z[v1], z[v2]
-                if has_offset and kind == C.PRIMITIVE_TRIANGLE:
-                    offset = offset_of(state, vertices, v0, v1, v2)
-                elif kind != C.PRIMITIVE_TRIANGLE and strokes[t, 2] >= 0 and stroke_offset(draw, kind):
-                    a0, a1, a2 = strokes[t, 2], strokes[t, 3], strokes[t, 4]
-                    offset = offset_of(state, vertices, a0, a1, a2)
-            for row in range(first_row, last_row + 1):
-                start, end = left, left
-                if by_samples and not finished:
-                    biased = side0 * n0 + tie0, side1 * n1 + tie1, side2 * n2 + tie2
-                    right_by = side0 * right0, side1 * right1, side2 * right2
-                    down_by = side0 * down0, side1 * down1, side2 * down2
-                    start, end = sample_spans(
-                        draw, strokes, t, corners, kind, row, left, right, biased, right_by, down_by, spans
-                    )
-                elif not finished and kind == C.PRIMITIVE_TRIANGLE:
-                    start, end = row_span(
-                        side0 * n0 + tie0,
-                        side1 * n1 + tie1,
-                        side2 * n2 + tie2,
-                        side0 * right0,
-                        side1 * right1,
-                        side2 * right2,
-                        left,
-                        right,
-                    )
-                elif not finished:
-                    start, end = stroke_span(draw, strokes[t], corners, row, left, right, 0, 0)
-                while start < end or (finished and position > 0):
-                    stop = end
-                    if holes and start < end:
-                        start, stop = open_run(draw, kind, row, start, end)
-                    column, line, alike = start, row, int64(0)
-                    if cut_lines and kind == C.PRIMITIVE_LINE and start < stop:
-                        start, stop, column, line, alike = line_run(
-                            draw, strokes[t], corners, row, start, stop
-                        )
-                    if by_samples and start < stop:
-                        since = start
-                        here = (
-                            float64(n0 + (start - left) * right0),
-                            float64(n1 + (start - left) * right1),
-                            float64(n2 + (start - left) * right2),
-                        )
-                        step = float64(right0), float64(right1), float64(right2)
-                        start, stop = covered_run(
-                            spans, samples, start, stop, here, step, (iw0, iw1, iw2), weighed
-                        )
-                        column += start - since
-                    if start < stop:
-                        n = min(stop - start, batch - position)
-                        if by_samples:
-                            for i in range(n):
-                                ints[R.COVERED, position + i] = samples_inside(spans, samples, start + i)
-                        elif samples > 0:
-                            for i in range(n):
-                                ints[R.COVERED, position + i] = int32(samples)
-                        if segments == 0 or lists[R.OWNERS, segments - 1] != t:
-                            lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
-                            lists[R.BACKS, segments] = back
-                            segments += 1
-                        lists[R.RUN_STARTS, runs] = int32(position)
-                        lists[R.RUN_X, runs], lists[R.RUN_Y, runs] = int32(start), int32(row)
-                        ints[R.OWNER, runs] = t
-                        runs += 1
-                        ahead, below = column - left, line - row
-                        here = (
-                            float64(n0 + ahead * right0 + below * down0),
-                            float64(n1 + ahead * right1 + below * down1),
-                            float64(n2 + ahead * right2 + below * down2),
-                        )
-                        step = 0.0, 0.0, 0.0
-                        if not alike:
-                            step = float64(right0), float64(right1), float64(right2)
-                        if needs_full_weights:
-                            emit_weights(edges, position, n, here, step, (iw0, iw1, iw2))
-                        if needs_iteration_weights:
-                            emit_iteration_weights(floats, position, n, here, step, weighed)
-                        if needs_depth and draw[R.W_BUFFERING]:
-                            emit_w(floats, position, n, (z0, z1, z2), offset)
-                        elif needs_depth and kind == C.PRIMITIVE_LINE:
-                            # Its first vertex, the row's second and third, comes before the other.
-                            back_here, back_step = (here[2], here[1], here[0]), (step[2], step[1], step[0])
-                            emit_depth(floats, position, n, back_here, back_step, (z2, z1, z0), offset)
-                        elif needs_depth:
-                            emit_depth(floats, position, n, here, step, (z0, z1, z2), offset)
-                        position += n
-                        start += n
-                    if position == batch or finished:
-                        lists[R.STARTS, segments] = lists[R.RUN_STARTS, runs] = int32(position)
-                        in_rows = Runs(lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs)
-                        if needs_depth:
-                            depth_words(floats, position, draw, draw_float, depth)
-                        if draw[R.NEEDS_COLOR]:
-                            owned = Segments(lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS], segments)
-                            shade(p, position, owned, in_rows, scratch)
-                            if samples > 1:
-                                keep_share(results, ints[R.COVERED], position, samples)
-                            if draw[R.BITS] != draw[R.BUFFER_BITS]:
-                                narrow(results, position, draw)
-                        per_fragment(draw, position, in_rows, results, shaded, depth, alive, factors, target)
-                        record_batch(record, recorded, in_rows, ints[R.OWNER], alive, ints[R.COVERED])
-                        recorded += position
-                        position, segments, runs = int64(0), int64(0), int64(0)
-                n0 += down0
-                n1 += down1
-                n2 += down2
-    return recorded
+        if begin < end:
+            drawn = draw_band(p, order[begin:end], band, capacity, scratch, target, record, drawn)
+    return drawn

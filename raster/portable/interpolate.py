@@ -6,12 +6,14 @@ LLVM from vectorising. A batch's fragments are columns, which belong to triangle
 are their edge functions times 1/w.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import float32, float64, int16, int32, int64, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import SEGMENTS, THREE
+from fixedpipe.raster.arrays import SEGMENTS, THREE, type_of
 from fixedpipe.raster.fixed import (
     clamp,
     float_depth,
@@ -57,7 +59,9 @@ def depth_difference(z, base):
 
 @kernel
 def depth_sum(base, a, b):
-    """A vertex's depth and what the two others add to it at 29 bits from the largest's highest, cut to 24."""
+    """A vertex's depth plus what the two others add to it, each with 29 bits from the largest term's highest;
+    the sum is cut to 24 bits.
+    """
     unit = power_below(max(max(abs(base), TINY), max(abs(a), abs(b)))) * 2.0**-28
     scale = 1.0 / unit
     return truncate_24((base + float64(int32(a * scale)) * unit) + float64(int32(b * scale)) * unit)
@@ -109,8 +113,8 @@ def with_sign(size, sign):
 
 @kernel
 def weight_factors(iw0, iw1, iw2):
-    """What edge functions are multiplied with for weights: for 1/w the product of the two others' w, in 24
-    bits, with the sign of w; 1 where the three are equal.
+    """What edge functions are multiplied with for weights: not a vertex's 1/w, but the product of the two
+    others' w, in 24 bits, with the sign of its w; 1 where the three are equal.
 
     Measured: rows of WBuf24F_FloorQuad and RoofQuad, 980 pixels that change where such a product's exponent
     does. Assumed: what keeps it above 0.
@@ -130,7 +134,7 @@ def weight_sum(e0, e1, e2):
     """The sum of weights before they are divided: each is cut one bit below the 24 of the largest, and what
     they add up to is cut to 24.
 
-    Measured: WBuf24F_TriH, 48 depths of which one bit less or two bits more lose some.
+    Measured: WBuf24F_TriH, 48 depths; with one bit less or two bits more, some are wrong.
     """
     power = power_below(max(max(abs(e0), TINY), max(abs(e1), abs(e2))))
     unit, units = power * 2.0**-24, 2.0**24 / power
@@ -139,8 +143,8 @@ def weight_sum(e0, e1, e2):
 
 @kernel
 def rest_of(a, b):
-    """What two weights leave of one, as an adder makes it that keeps two bits below the last of one's 24: of
-    both the bits from 2**-26 on are lost, and what is left is cut to 24.
+    """What two weights leave of one. The adder keeps two bits below the last of one's 24: both weights lose
+    their bits from 2**-26 on, and the result is cut to 24 bits.
 
     Measured: 66 of 77 captures of Shade_model are exact, with 24 bits 60, with 26 or more 61; of W_param's
     prog_w_zero_inf__bitri_w-2.00 3 pixels are wrong, with 24 bits 154, with 26 131; of Swath_width's
@@ -258,7 +262,7 @@ def product_step(a0, b0, a1, b1, a2, b2):
     """The unit that three products are cut to, 2**-23 of the largest product of two factors' highest bits,
     and how many of it make one. A number alone is one times itself.
 
-    Measured: ClipPlane, whose last 3 pixels the products' own highest bits lose.
+    Measured: ClipPlane; with the highest bits of the products themselves, its last 3 pixels are wrong.
     """
     power = max(power_below(a0) * power_below(b0), power_below(a1) * power_below(b1))
     return step_24(max(max(power, power_below(a2) * power_below(b2)), SMALLEST))
@@ -302,11 +306,28 @@ def color_weights(floats, count, ints, bits):
         ints[R.W2, i] = int32(min(max(floats[R.Q2, i] * whole, -MOST_WEIGHT), MOST_WEIGHT))
 
 
-_COLORS = int16[:, :, ::1]
+class Channel(NamedTuple):
+    """A colour channel of a Draw.
+
+    triangles  int32[n, 4]
+    colors     int16[n, 2, 8]: the vertices'
+    number     0 to 7
+    flat       whether a triangle takes its provoking vertex's colour
+    bits       of a component
+    """
+
+    triangles: np.ndarray
+    colors: np.ndarray
+    number: int
+    flat: int
+    bits: int
 
 
-@kernel(void(SEGMENTS, int32[:, ::1], _COLORS, int64, int64, int32[:, ::1], int16[:, ::1], int64, int32))
-def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane, bits):
+CHANNEL = type_of(Channel, int32[:, ::1], int16[:, :, ::1], int64, int64, int32)
+
+
+@kernel(void(SEGMENTS, CHANNEL, int32[:, ::1], int16[:, ::1], int64))
+def iterate_color(segments, channel, ints, out, plane):
     """One colour channel of ``bits`` bits into a plane of ``out``, or the provoking vertex's. Of eight:
     ``(w0 c0 + w1 c1 + w2 c2 + 128) >> 8``, within the vertices' least and greatest.
 
@@ -315,16 +336,17 @@ def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane, 
     (Smoothing_control).
     """
     separate_loop()
+    triangles, colors, k, flat, bits = channel
     p, starts, owners, backs = uint64(plane), segments.starts, segments.owners, segments.backs
     for s in range(segments.count):
         t = owners[s]
         side = backs[s]
         at, count = uint64(starts[s]), starts[s + 1] - starts[s]
-        c0 = int32(colors[triangles[t, 0], side, channel])
-        c1 = int32(colors[triangles[t, 1], side, channel])
-        c2 = int32(colors[triangles[t, 2], side, channel])
+        c0 = int32(colors[triangles[t, 0], side, k])
+        c1 = int32(colors[triangles[t, 1], side, k])
+        c2 = int32(colors[triangles[t, 2], side, k])
         if flat:
-            c0 = c1 = c2 = int32(colors[triangles[t, 3], side, channel])
+            c0 = c1 = c2 = int32(colors[triangles[t, 3], side, k])
         if c0 == c1 and c1 == c2:  # the weights sum to 1: the sum below is then exactly c0
             for i in range(count):
                 out[p, at + uint64(i)] = int16(c0)
@@ -334,13 +356,13 @@ def iterate_color(segments, triangles, colors, channel, flat, ints, out, plane, 
             d2 = int32(c2 - c1)
             base = int32(int32(c1 << bits) + int32(int32(1) << int32(bits - 1)))
             for i in range(count):
-                k = at + uint64(i)
-                total = int32(base + int32(int32(ints[R.W0, k] * d0) + int32(ints[R.W2, k] * d2)))
-                out[p, k] = int16(clamp(int32(total >> bits), low, high))
+                here = at + uint64(i)
+                total = int32(base + int32(int32(ints[R.W0, here] * d0) + int32(ints[R.W2, here] * d2)))
+                out[p, here] = int16(clamp(int32(total >> bits), low, high))
 
 
-@kernel(void(SEGMENTS, int32[:, ::1], _COLORS, int64, int64, EDGES, int16[:, ::1], int64, int32))
-def iterate_exact_color(segments, triangles, colors, channel, flat, edges, out, plane, bits):
+@kernel(void(SEGMENTS, CHANNEL, EDGES, int16[:, ::1], int64))
+def iterate_exact_color(segments, channel, edges, out, plane):
     """One colour channel into a plane of ``out``, rounded to nearest:
     ``floor((2 ((e0 c0 + e1 c1) + e2 c2) + D) / (2 D))`` with ``D = (e0 + e1) + e2``.
 
@@ -348,24 +370,25 @@ def iterate_exact_color(segments, triangles, colors, channel, flat, edges, out, 
     its quotient lies further from the next integer than float64 rounds it.
     """
     separate_loop()
-    p, one, (e0, e1, e2) = uint64(plane), float64(one_of(bits)), edges
+    (triangles, colors, k, flat, bits), (e0, e1, e2) = channel, edges
+    p, one = uint64(plane), float64(one_of(bits))
     starts, owners, backs = segments.starts, segments.owners, segments.backs
     for s in range(segments.count):
         t = owners[s]
         side = backs[s]
         at, count = uint64(starts[s]), starts[s + 1] - starts[s]
-        c0 = float64(colors[triangles[t, 0], side, channel])
-        c1 = float64(colors[triangles[t, 1], side, channel])
-        c2 = float64(colors[triangles[t, 2], side, channel])
+        c0 = float64(colors[triangles[t, 0], side, k])
+        c1 = float64(colors[triangles[t, 1], side, k])
+        c2 = float64(colors[triangles[t, 2], side, k])
         if flat:
-            c0 = c1 = c2 = float64(colors[triangles[t, 3], side, channel])
+            c0 = c1 = c2 = float64(colors[triangles[t, 3], side, k])
         for i in range(count):
-            k = at + uint64(i)
-            total = (e0[k] * c0 + e1[k] * c1) + e2[k] * c2
-            whole = (e0[k] + e1[k]) + e2[k]
+            here = at + uint64(i)
+            total = (e0[here] * c0 + e1[here] * c1) + e2[here] * c2
+            whole = (e0[here] + e1[here]) + e2[here]
             value = np.floor((2.0 * total + whole) / (2.0 * whole))
             value = value if value > 0.0 else 0.0  # lines reach beyond their ends; no number becomes 0
-            out[p, k] = int16(value if value < one else one)
+            out[p, here] = int16(value if value < one else one)
 
 
 @kernel(void(SEGMENTS, int32[:, ::1], float64[:, :, ::1], int64, int64, float64[:, ::1], int64))

@@ -7,8 +7,9 @@ from numba import float64, int32, int64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import RUNS, VERTICES
+from fixedpipe.raster.arrays import RUNS
 from fixedpipe.raster.kernel import kernel, separate_function
+from fixedpipe.raster.portable.arrays import PASS, SCRATCH
 from fixedpipe.raster.portable.sample import FAR, log2_q7, major_axis, on_face
 from fixedpipe.raster.primitives.strokes import along_line
 from fixedpipe.raster.primitives.triangle import Corners, corners_of
@@ -145,28 +146,37 @@ def block_lambda(draw, kind, source, row, sizes, bx, by):
     return log2_q7(rho2)
 
 
-@kernel(
-    void(
-        int64[::1], RUNS, int32[:, ::1], int32[:, ::1], VERTICES, int64, int64[::1], int32[:, ::1],
-        int32[:, ::1],
-    )
-)  # fmt: skip
-def level_of_detail(draw, runs, triangles, strokes, vertices, unit, row, levels, ints):
-    """Lambda plus bias of every fragment, limited, 8 fraction bits, into LOD. A run is of one primitive,
-    which is in OWNER.
+@kernel(inlined=True)
+def primitive_of(p, scratch, run):
+    """(row of ``triangles``, codes.PRIMITIVE_...) of the primitive that a run is of."""
+    t, kind = scratch.ints[R.OWNER, run], int64(C.PRIMITIVE_TRIANGLE)
+    if p.state.draw[R.STROKES]:
+        kind = int64(p.strokes[t, 0])
+    return t, kind
+
+
+@kernel(inlined=True)
+def iterated_of(p, t, unit):
+    """What a unit's coordinates are iterated from in primitive t."""
+    return iterated(p.vertices, p.triangles[t, 0], p.triangles[t, 1], p.triangles[t, 2], unit)
+
+
+@kernel(void(PASS, int64, RUNS, SCRATCH))
+def level_of_detail(p, unit, runs, scratch):
+    """Lambda plus bias of every fragment, limited, 8 fraction bits, into LOD.
 
     Measured: one value per 2x2 block (Texture_anisotropy), axis steps (LODBias 61440 of 61440).
     """
     separate_function()
+    draw, row, levels, ints = p.state.draw, p.textures.units[unit], p.textures.levels[unit], scratch.ints
     width, height, depth = float64(levels[0, 1]), float64(levels[0, 2]), float64(row[R.LAYERS])
     if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0
     sizes = width, height, depth
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     for k in range(runs.count):
-        t = ints[R.OWNER, k]
-        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
-        source = iterated(vertices, triangles[t, 0], triangles[t, 1], triangles[t, 2], unit)
+        t, kind = primitive_of(p, scratch, k)
+        source = iterated_of(p, t, unit)
         block, value = int64(-1), int32(0)
         px = int64(runs.x[k])
         by = int64(runs.y[k]) & ~1

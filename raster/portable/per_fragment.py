@@ -5,13 +5,16 @@ over it may be vectorised; runs follow each other in draw order. Colour is ``uin
 the low byte; where components are wider, ``uint32[height, 4 * width]``.
 """
 
-from numba import int16, int32, int64, uint8, uint32, uint64, void
+from numba import int32, int64, types, uint8, uint32, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import BUFFERS, RUNS
+from fixedpipe.raster.arrays import BUFFERS, RUN, RUNS, STATE, Run
 from fixedpipe.raster.fixed import clamp, divide, one_of
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
+
+_U8, _I32, _I64, _U32 = types.uint8[::1], types.int32[::1], types.int64[::1], types.uint32[::1]
+_WORDS, _COLORS, _FACTORS = types.uint32[:, ::1], types.int16[:, ::1], types.int32[:, ::1]
 
 
 @kernel
@@ -45,11 +48,11 @@ def stencil_result(stored, mask, xor, addend, low, high):
     return int32(min(max(value, low), high) & int32(255))
 
 
-@kernel("void(u1[:,::1],u4[:,::1],i8,i8,i8,u1[::1],i8,i4[::1],i8[::1])")
-def stencil_run(stencil, depth_buffer, y, x, count, alive, start, depth, draw):
+@kernel(void(types.uint8[:, ::1], _WORDS, RUN, _U8, _I32, _I64))
+def stencil_run(stencil, depth_buffer, run, alive, depth, draw):
     """Stencil test, then depth test, of one run; ``alive`` in and out."""
     separate_loop()
-    row, at, here = uint64(y), uint64(x), uint64(start)
+    row, at, here = uint64(run.y), uint64(run.x), uint64(run.start)
     function, mask = int32(draw[R.STENCIL_FUNCTION]), int32(draw[R.STENCIL_MASK])
     reference = int32(int32(draw[R.STENCIL_REFERENCE]) & mask)
     write = int32(draw[R.STENCIL_WRITE_MASK])
@@ -78,7 +81,7 @@ def stencil_run(stencil, depth_buffer, y, x, count, alive, start, depth, draw):
         int32(draw[p + 3]),
         int32(draw[p + 4]),
     )
-    for i in range(count):
+    for i in range(run.count):
         k = uint64(i)
         stored = int32(stencil[row, at + k])
         living = int32(alive[here + k])
@@ -98,12 +101,12 @@ def stencil_run(stencil, depth_buffer, y, x, count, alive, start, depth, draw):
         alive[here + k] = uint8(both)
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,u1[::1],i8,i4[::1],i4,i8)")
-def depth_run(depth_buffer, y, x, count, alive, start, depth, function, write):
+@kernel(void(_WORDS, RUN, _U8, _I32, int32, int64))
+def depth_run(depth_buffer, run, alive, depth, function, write):
     """Depth test of one run without stencil; ``alive`` in and out. Measured: Depth_buffer captures."""
     separate_loop()
-    row, at, here = uint64(y), uint64(x), uint64(start)
-    for i in range(count):
+    row, at, here = uint64(run.y), uint64(run.x), uint64(run.start)
+    for i in range(run.count):
         k = uint64(i)
         value, old = depth[here + k], int32(depth_buffer[row, at + k])
         passed = int32(int32(alive[here + k]) & int32(passes(function, value, old)))
@@ -196,13 +199,13 @@ def merge(packed, old, mask, living):
     return masked if living != uint8(0) else old
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,i4[:,::1],i8,u4)")
-def blend_run(color, y, x, count, source, alive, start, factors, equation, mask):
+@kernel(void(_WORDS, RUN, _U32, _U8, _FACTORS, int64, uint32))
+def blend_run(color, run, source, alive, factors, equation, mask):
     """Blend one run into the framebuffer. factors int32[2, 4 * FACTOR_SIZE]: source, destination."""
     separate_loop()
-    row, at, here = uint64(y), uint64(x), uint64(start)
+    row, at, here = uint64(run.y), uint64(run.x), uint64(run.start)
     fs, fd = factors[0], factors[1]
-    for i in range(count):
+    for i in range(run.count):
         s, d = source[here + uint64(i)], color[row, at + uint64(i)]
         sr, sg, sb, sa = byte_of(s, 0), byte_of(s, 8), byte_of(s, 16), byte_of(s, 24)
         dr, dg, db, da = byte_of(d, 0), byte_of(d, 8), byte_of(d, 16), byte_of(d, 24)
@@ -235,44 +238,44 @@ def blend_run(color, y, x, count, source, alive, start, factors, equation, mask)
         color[row, at + uint64(i)] = merge(packed, d, mask, alive[here + uint64(i)])
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,u4)")
-def write_run(color, y, x, count, source, alive, start, mask):
+@kernel(void(_WORDS, RUN, _U32, _U8, uint32))
+def write_run(color, run, source, alive, mask):
     """Replace one run of the framebuffer."""
     separate_loop()
-    row, at, here = uint64(y), uint64(x), uint64(start)
-    for i in range(count):
+    row, at, here = uint64(run.y), uint64(run.x), uint64(run.start)
+    for i in range(run.count):
         old = color[row, at + uint64(i)]
         color[row, at + uint64(i)] = merge(source[here + uint64(i)], old, mask, alive[here + uint64(i)])
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,u4)")
-def add_run(color, y, x, count, source, alive, start, mask):
+@kernel(void(_WORDS, RUN, _U32, _U8, uint32))
+def add_run(color, run, source, alive, mask):
     """Blending with ONE, ONE, FUNC_ADD."""
     separate_loop()
-    row, at, here = uint64(y), uint64(x), uint64(start)
-    for i in range(count):
+    row, at, here = uint64(run.y), uint64(run.x), uint64(run.start)
+    for i in range(run.count):
         old = color[row, at + uint64(i)]
         total = saturating_add(source[here + uint64(i)], old)
         color[row, at + uint64(i)] = merge(total, old, mask, alive[here + uint64(i)])
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,i8,u4)")
-def logic_run(color, y, x, count, source, alive, start, operation, mask):
+@kernel(void(_WORDS, RUN, _U32, _U8, int64, uint32))
+def logic_run(color, run, source, alive, operation, mask):
     """Logic operation."""
     separate_loop()
-    row, at, here = uint64(y), uint64(x), uint64(start)
-    for i in range(count):
+    row, at, here = uint64(run.y), uint64(run.x), uint64(run.start)
+    for i in range(run.count):
         old = color[row, at + uint64(i)]
         result = logic(operation, source[here + uint64(i)], old)
         color[row, at + uint64(i)] = merge(result, old, mask, alive[here + uint64(i)])
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],i8)")
-def store_run(color, y, x, count, source, start):
+@kernel(void(_WORDS, RUN, _U32))
+def store_run(color, run, source):
     """Write one run in which every fragment lives, unmasked."""
     separate_loop()
-    row, at, here = uint64(y), uint64(x), uint64(start)
-    for i in range(count):
+    row, at, here = uint64(run.y), uint64(run.x), uint64(run.start)
+    for i in range(run.count):
         color[row, at + uint64(i)] = source[here + uint64(i)]
 
 
@@ -319,42 +322,47 @@ def any_equation(equation, s, fs, d, fd, bits):
 
 
 @kernel
-def blend_channel(equation, fs, fd, at, s, d, sa, da, saturate, bits):
-    """One channel of a blended colour; fs, fd int32[4 * FACTOR_SIZE]: factors of source and destination."""
-    source = blend_factor(fs, at, s, d, sa, da, saturate)
-    destination = blend_factor(fd, at, s, d, sa, da, saturate)
+def blend_channel(equation, factors, at, s, d, terms, bits):
+    """One channel of a blended colour.
+
+    ``factors``: int32[4 * FACTOR_SIZE] of the source and of the destination; ``terms``: what they select
+    beside the channel itself, both alphas and the saturate term.
+    """
+    sa, da, saturate = terms
+    source = blend_factor(factors[0], at, s, d, sa, da, saturate)
+    destination = blend_factor(factors[1], at, s, d, sa, da, saturate)
     return any_equation(equation, s, source, d, destination, bits)
 
 
 @kernel
-def blended(s, d, fs, fd, equation):
+def blended(s, d, factors, equation):
     """Two packed colours blended by any equation, into a packed colour."""
     sa, da, one, bits, size = byte_of(s, 24), byte_of(d, 24), int32(255), int32(8), R.FACTOR_SIZE
-    low = min(sa, int32(one - da))
-    red = blend_channel(equation, fs, fd, 0, byte_of(s, 0), byte_of(d, 0), sa, da, low, bits)
-    green = blend_channel(equation, fs, fd, size, byte_of(s, 8), byte_of(d, 8), sa, da, low, bits)
-    blue = blend_channel(equation, fs, fd, 2 * size, byte_of(s, 16), byte_of(d, 16), sa, da, low, bits)
-    alpha = blend_channel(equation, fs, fd, 3 * size, sa, da, sa, da, one, bits)
+    terms = sa, da, min(sa, int32(one - da))
+    red = blend_channel(equation, factors, 0, byte_of(s, 0), byte_of(d, 0), terms, bits)
+    green = blend_channel(equation, factors, size, byte_of(s, 8), byte_of(d, 8), terms, bits)
+    blue = blend_channel(equation, factors, 2 * size, byte_of(s, 16), byte_of(d, 16), terms, bits)
+    alpha = blend_channel(equation, factors, 3 * size, sa, da, (sa, da, one), bits)
     lower = uint32(uint32(red) | uint32(uint32(green) << uint32(8)))
     return uint32(lower | uint32(uint32(uint32(blue) << uint32(16)) | uint32(uint32(alpha) << uint32(24))))
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,u4[::1],u1[::1],i8,i4[:,::1],i8[::1])")
-def surface_run(color, y, x, count, source, alive, start, factors, draw):
+@kernel(void(_WORDS, RUN, _U32, _U8, _FACTORS, _I64))
+def surface_run(color, run, source, alive, factors, draw):
     """Write, blend or combine by a logic operation one run of a surface that does not keep four bytes, or
     blend by a signed equation.
     """
     separate_loop()
-    row, at, here = uint64(y), uint64(x), uint64(start)
-    fs, fd = factors[0], factors[1]
+    row, at, here = uint64(run.y), uint64(run.x), uint64(run.start)
+    both = factors[0], factors[1]
     mode, equation, operation = draw[R.BLEND], draw[R.BLEND_EQUATION], draw[R.LOGIC_OPERATION]
     mask, keep, pad = uint32(draw[R.COLOR_MASK]), uint32(draw[R.SURFACE_KEEP]), uint32(draw[R.SURFACE_PAD])
     alpha = draw[R.SURFACE_ALPHA]
-    for i in range(count):
+    for i in range(run.count):
         s, old = source[here + uint64(i)], color[row, at + uint64(i)]
         if mode == C.BLEND_GENERAL:
             cut = uint32(s & uint32(keep | uint32(0xFF000000)))
-            result = to_surface(blended(cut, read_surface(old, alpha), fs, fd, equation), keep, pad, alpha)
+            result = to_surface(blended(cut, read_surface(old, alpha), both, equation), keep, pad, alpha)
         else:
             result = to_surface(s, keep, pad, alpha)
             if mode == C.BLEND_LOGIC:
@@ -369,30 +377,30 @@ def put_component(color, row, at, value, mask, living):
         color[row, at] = uint32(value)
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,i2[:,::1],u1[::1],i8,i8)")
-def wide_write_run(color, y, x, count, colors, alive, start, mask):
+@kernel(void(_WORDS, RUN, _COLORS, _U8, int64))
+def wide_write_run(color, run, colors, alive, mask):
     """Replace one run of a buffer whose pixels are four words, a component each."""
     separate_loop()
-    row, here = uint64(y), uint64(start)
-    for i in range(count):
-        k, at, living = here + uint64(i), uint64(4 * (x + i)), int64(alive[here + uint64(i)])
+    row, here = uint64(run.y), uint64(run.start)
+    for i in range(run.count):
+        k, at, living = here + uint64(i), uint64(4 * (run.x + i)), int64(alive[here + uint64(i)])
         put_component(color, row, at, colors[0, k], mask, living)
         put_component(color, row, at + uint64(1), colors[1, k], mask >> 8, living)
         put_component(color, row, at + uint64(2), colors[2, k], mask >> 16, living)
         put_component(color, row, at + uint64(3), colors[3, k], mask >> 24, living)
 
 
-@kernel("void(u4[:,::1],i8,i8,i8,i2[:,::1],u1[::1],i8,i4[:,::1],i8[::1])")
-def wide_blend_run(color, y, x, count, colors, alive, start, factors, draw):
+@kernel(void(_WORDS, RUN, _COLORS, _U8, _FACTORS, _I64))
+def wide_blend_run(color, run, colors, alive, factors, draw):
     """Blend one run into such a buffer, or combine it by a logic operation."""
     separate_loop()
-    row, here, size = uint64(y), uint64(start), R.FACTOR_SIZE
-    fs, fd = factors[0], factors[1]
+    row, here, size = uint64(run.y), uint64(run.start), R.FACTOR_SIZE
+    both = factors[0], factors[1]
     mode, equation, operation = draw[R.BLEND], draw[R.BLEND_EQUATION], draw[R.LOGIC_OPERATION]
     bits, mask = int32(draw[R.BUFFER_BITS]), draw[R.COLOR_MASK]
     one = one_of(bits)
-    for i in range(count):
-        k, at = here + uint64(i), uint64(4 * (x + i))
+    for i in range(run.count):
+        k, at = here + uint64(i), uint64(4 * (run.x + i))
         sr, sg, sb, sa = int32(colors[0, k]), int32(colors[1, k]), int32(colors[2, k]), int32(colors[3, k])
         dr, dg = int32(color[row, at]), int32(color[row, at + uint64(1)])
         db, da = int32(color[row, at + uint64(2)]), int32(color[row, at + uint64(3)])
@@ -403,11 +411,11 @@ def wide_blend_run(color, y, x, count, colors, alive, start, factors, draw):
             sr, sg = logic_of(operation, sr, dr, one), logic_of(operation, sg, dg, one)
             sb, sa = logic_of(operation, sb, db, one), logic_of(operation, sa, da, one)
         else:  # BLEND_GENERAL
-            low = min(sa, int32(one - da))
-            sr = blend_channel(equation, fs, fd, 0, sr, dr, sa, da, low, bits)
-            sg = blend_channel(equation, fs, fd, size, sg, dg, sa, da, low, bits)
-            sb = blend_channel(equation, fs, fd, 2 * size, sb, db, sa, da, low, bits)
-            sa = blend_channel(equation, fs, fd, 3 * size, sa, da, sa, da, one, bits)
+            terms = sa, da, min(sa, int32(one - da))
+            sr = blend_channel(equation, both, 0, sr, dr, terms, bits)
+            sg = blend_channel(equation, both, size, sg, dg, terms, bits)
+            sb = blend_channel(equation, both, 2 * size, sb, db, terms, bits)
+            sa = blend_channel(equation, both, 3 * size, sa, da, (sa, da, one), bits)
         living = int64(alive[k])
         put_component(color, row, at, sr, mask, living)
         put_component(color, row, at + uint64(1), sg, mask >> 8, living)
@@ -423,18 +431,15 @@ def all_alive(alive, count):
         alive[i] = uint8(1)
 
 
-@kernel(
-    void(int64[::1], int64, RUNS, int16[:, ::1], uint32[::1], int32[::1], uint8[::1], int32[:, ::1], BUFFERS)
-)
-def per_fragment(draw, count, runs, colors, packed, depth, alive, factors, buffers):
+@kernel(void(STATE, int64, RUNS, _COLORS, _U32, _I32, _U8, BUFFERS))
+def per_fragment(state, count, runs, colors, packed, depth, alive, buffers):
     """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch.
 
     colors int16[4, batch] (0..one), depth int32[batch] (-1: outside its limits); scratch: packed
     uint32[batch]; alive uint8[batch]: what shading left where it DISCARDS, afterwards which fragments passed.
-    factors int32[2, 4 * FACTOR_SIZE]: the blend factors of source and destination.
     """
     separate_function()
-    color, depth_buffer, stencil = buffers
+    (color, depth_buffer, stencil), draw, factors = buffers, state.draw, state.factors
     if not draw[R.DISCARDS]:
         all_alive(alive, count)
     if draw[R.ALPHA_TEST]:
@@ -449,30 +454,28 @@ def per_fragment(draw, count, runs, colors, packed, depth, alive, factors, buffe
     mask = uint32(draw[R.COLOR_MASK])
     mode = draw[R.BLEND]
     for k in range(runs.count):
-        start, x, y = runs.starts[k], runs.x[k], runs.y[k]
-        n = runs.starts[k + 1] - start
+        start = int64(runs.starts[k])
+        run = Run(int64(runs.x[k]), int64(runs.y[k]), int64(runs.starts[k + 1]) - start, start)
         if draw[R.STENCIL_TEST]:
-            stencil_run(stencil, depth_buffer, y, x, n, alive, start, depth, draw)
+            stencil_run(stencil, depth_buffer, run, alive, depth, draw)
             tested = True
         elif draw[R.NEEDS_DEPTH]:
-            depth_run(
-                depth_buffer, y, x, n, alive, start, depth, int32(draw[R.DEPTH_FUNCTION]), draw[R.DEPTH_WRITE]
-            )
+            depth_run(depth_buffer, run, alive, depth, int32(draw[R.DEPTH_FUNCTION]), draw[R.DEPTH_WRITE])
             tested = True
         if writes:
             if wide and mode == C.BLEND_REPLACE:
-                wide_write_run(color, y, x, n, colors, alive, start, draw[R.COLOR_MASK])
+                wide_write_run(color, run, colors, alive, draw[R.COLOR_MASK])
             elif wide:
-                wide_blend_run(color, y, x, n, colors, alive, start, factors, draw)
+                wide_blend_run(color, run, colors, alive, factors, draw)
             elif draw[R.SURFACE]:
-                surface_run(color, y, x, n, packed, alive, start, factors, draw)
+                surface_run(color, run, packed, alive, factors, draw)
             elif mode == C.BLEND_GENERAL:
-                blend_run(color, y, x, n, packed, alive, start, factors, draw[R.BLEND_EQUATION], mask)
+                blend_run(color, run, packed, alive, factors, draw[R.BLEND_EQUATION], mask)
             elif mode == C.BLEND_ADD:
-                add_run(color, y, x, n, packed, alive, start, mask)
+                add_run(color, run, packed, alive, mask)
             elif mode == C.BLEND_LOGIC:
-                logic_run(color, y, x, n, packed, alive, start, draw[R.LOGIC_OPERATION], mask)
+                logic_run(color, run, packed, alive, draw[R.LOGIC_OPERATION], mask)
             elif tested or mask != uint32(0xFFFFFFFF):  # BLEND_REPLACE, as what follows
-                write_run(color, y, x, n, packed, alive, start, mask)
+                write_run(color, run, packed, alive, mask)
             else:
-                store_run(color, y, x, n, packed, start)
+                store_run(color, run, packed)

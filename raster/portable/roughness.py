@@ -7,10 +7,11 @@ from numba import float64, int32, int64, uint32, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import RUNS, VERTICES
+from fixedpipe.raster.arrays import RUNS
 from fixedpipe.raster.kernel import float_of, kernel, separate_function
+from fixedpipe.raster.portable.arrays import PASS, SCRATCH
 from fixedpipe.raster.portable.footprint import probes_along
-from fixedpipe.raster.portable.level_of_detail import coordinates_at, iterated
+from fixedpipe.raster.portable.level_of_detail import coordinates_at, iterated_of, primitive_of
 from fixedpipe.raster.portable.sample import FAR, log2_q7
 
 
@@ -69,18 +70,15 @@ def rough_footprint(good, steps, jacobian, deviations, sizes, row):
     return (x * side) / width, (y * side) / height, probes, lod
 
 
-@kernel(
-    void(
-        int64[::1], RUNS, int32[:, ::1], int32[:, ::1], VERTICES, int64, int64[::1], int32[:, ::1],
-        float64[:, ::1], uint32[:, ::1], int32[:, ::1],
-    )
-)  # fmt: skip
-def rough_footprints(draw, runs, triangles, strokes, vertices, unit, row, levels, floats, packed, ints):
+@kernel(void(PASS, int64, RUNS, SCRATCH))
+def rough_footprints(p, unit, runs, scratch):
     """ALONG_S, ALONG_T, RATIO (the number of probes) and LOD of every fragment.
 
-    Arguments as in level_of_detail; of two dot products s and t of both units are in COORDINATE0 and on.
+    For two dot products, s and t of both units are in COORDINATE0 and the columns behind it.
     """
     separate_function()
+    draw, row, levels = p.state.draw, p.textures.units[unit], p.textures.levels[unit]
+    floats, packed, ints = scratch.floats, scratch.packed, scratch.ints
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     sizes, stage = (width, height), R.STAGE0 + row[R.ROUGHNESS] - 1
     dotted = row[R.OPERATION] in C.OPERATIONS_OF_TWO_DOT_PRODUCTS
@@ -90,10 +88,8 @@ def rough_footprints(draw, runs, triangles, strokes, vertices, unit, row, levels
     bias, low, high = int32(row[R.LOD_BIAS]), int32(row[R.MIN_LOD]), int32(row[R.MAX_LOD])
     before = max(unit - 1, 0)
     for k in range(runs.count):
-        t = ints[R.OWNER, k]
-        kind = int64(strokes[t, 0]) if draw[R.STROKES] else int64(C.PRIMITIVE_TRIANGLE)
-        first = iterated(vertices, triangles[t, 0], triangles[t, 1], triangles[t, 2], before)
-        second = iterated(vertices, triangles[t, 0], triangles[t, 1], triangles[t, 2], unit)
+        t, kind = primitive_of(p, scratch, k)
+        first, second = iterated_of(p, t, before), iterated_of(p, t, unit)
         px, py, block = int64(runs.x[k]), int64(runs.y[k]) & ~1, int64(-1)
         good, steps = False, (0.0, 0.0, 0.0, 0.0)
         for i in range(runs.starts[k], runs.starts[k + 1]):

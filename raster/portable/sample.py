@@ -6,11 +6,14 @@ order. Every fragment has its own level, so the size of a level is a column too.
 one with a fraction of zero.
 """
 
+from typing import NamedTuple
+
 import numpy as np
-from numba import float64, int32, int64, uint32, uint64
+from numba import float64, int32, int64, uint32, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import type_of
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS, TAU
 from fixedpipe.raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.combine import convert_plane
@@ -355,14 +358,33 @@ def fill_int(ints, column, count, value):
         ints[p, i] = value
 
 
-@kernel("void(u4[::1],i4[:,::1],i8,i8,u4,i8,u4,u4,i8,u4[:,::1],i8)")
-def fetch_and_filter(texels, ints, linear, bordered, border, function, held, failed, count, packed, out):
-    """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column.
+class Fetch(NamedTuple):
+    """How texels are fetched.
 
-    ``function``: of a shadow comparison, or one of UNCOMPARED. ``held``, ``failed``: what a
-    comparison gives.
+    linear    whether four are, and filtered, or one
+    bordered  whether some may lie outside
+    border    what those are, packed
+    function  of a shadow comparison, or one of UNCOMPARED
+    held      what a comparison gives where it holds
+    failed    and where it fails
     """
+
+    linear: int
+    bordered: int
+    border: int
+    function: int
+    held: int
+    failed: int
+
+
+FETCH = type_of(Fetch, int64, int64, uint32, int64, uint32, uint32)
+
+
+@kernel(void(uint32[::1], int32[:, ::1], FETCH, int64, uint32[:, ::1], int64))
+def fetch_and_filter(texels, ints, fetch, count, packed, out):
+    """The texel at (I0, J0), or the linear filter of the four at I0, I1, J0, J1, into a packed column."""
     separate_function()
+    linear, bordered, border, function, held, failed = fetch
     if not linear:
         if bordered:
             fetch_bordered(texels, ints, count, R.I0, R.J0, border, packed, out)
@@ -395,10 +417,22 @@ def reads_border(mode, linear):
     return mode == C.WRAP_CLAMP_TO_BORDER or (linear and mode == C.WRAP_CLAMP)
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i8,i8,i8,f8[:,::1],i4[:,::1],u4[:,::1],i8)")
-def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed, out):
+class Columns(NamedTuple):
+    """Columns of a batch (``rows``)."""
+
+    floats: np.ndarray
+    ints: np.ndarray
+    packed: np.ndarray
+
+
+COLUMNS = type_of(Columns, float64[:, ::1], int32[:, ::1], uint32[:, ::1])
+
+
+@kernel(void(uint32[::1], int32[:, ::1], int64[::1], int64, int64, int64, COLUMNS, int64))
+def sample_level(texels, levels, unit, count, linear, many, columns, out):
     """One filtered texel per fragment into a packed column: from level 0, or (``many``) from its LEVEL."""
     separate_function()
+    floats, ints, packed = columns
     target = unit[R.TARGET]
     flat, cube, layered = target == C.TARGET_1D, target == C.TARGET_CUBE_MAP, target == C.TARGET_3D
     if layered:
@@ -437,14 +471,14 @@ def sample_level(texels, levels, unit, count, linear, many, floats, ints, packed
         words = texels[word * (texels.shape[0] // 2) :]  # the second words lie behind all the first
         border, to = uint32(unit[R.BORDER + word]), out + word * R.WIDE
         if not layered:
-            fetch_and_filter(words, ints, linear, bordered, border, function, held, failed, count, packed, to)
+            fetch = Fetch(linear, int64(bordered), border, function, held, failed)
+            fetch_and_filter(words, ints, fetch, count, packed, to)
             continue
         for k in range(2 if linear else 1):
             layer, column = (R.K1, R.LAYER_1) if k == 1 else (R.K0, to)
             layer_base(levels, ints, layer, count)
-            fetch_and_filter(
-                words, ints, linear, bordered, border, plain, held, failed, count, packed, column
-            )
+            fetch = Fetch(linear, int64(bordered), border, plain, held, failed)
+            fetch_and_filter(words, ints, fetch, count, packed, column)
             if reads_border(wrap_r, linear):
                 border_layer(ints, layer, border, count, packed, column)
         if linear:
@@ -459,22 +493,23 @@ def filter_unit(texels, levels, unit, count, floats, ints, packed):
     the FACE for a cube map and LOD for filters that need it filled in.
     """
     separate_function()
+    columns = Columns(floats, ints, packed)
     levels_count = int32(unit[R.LEVELS])
     mipmap, mag_linear, min_linear = unit[R.MIPMAP], unit[R.MAG_LINEAR], unit[R.MIN_LINEAR]
     fill_int(ints, R.LEVEL, count, int32(0))
     wide = unit[R.TEXEL_BITS] != R.BITS_OF_BYTES
     words = 2 * R.WIDE if wide else R.WIDE
     if mipmap == C.MIPMAP_NONE and mag_linear == min_linear:
-        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.TEXEL_0)
+        sample_level(texels, levels, unit, count, mag_linear, 0, columns, R.TEXEL_0)
     else:
-        sample_level(texels, levels, unit, count, mag_linear, 0, floats, ints, packed, R.MAGNIFIED)
+        sample_level(texels, levels, unit, count, mag_linear, 0, columns, R.MAGNIFIED)
         if mipmap != C.MIPMAP_NONE:
             rounding = int32(127) if mipmap == C.MIPMAP_NEAREST else int32(0)
             select_level(ints, levels_count, rounding, int32(0), count)
-        sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_0)
+        sample_level(texels, levels, unit, count, min_linear, 1, columns, R.TEXEL_0)
         if mipmap == C.MIPMAP_LINEAR:
             select_level(ints, levels_count, int32(0), int32(1), count)
-            sample_level(texels, levels, unit, count, min_linear, 1, floats, ints, packed, R.TEXEL_1)
+            sample_level(texels, levels, unit, count, min_linear, 1, columns, R.TEXEL_1)
             level_fraction(ints, levels_count, count)
             for word in range(0, words, R.WIDE):
                 blend(packed, ints, R.TEXEL_0 + word, R.TEXEL_1 + word, R.FRACTION, wide, count)

@@ -54,8 +54,8 @@ def convert_ycbcr(registers, plane, count):
 def sample_unit(p, u, count, segments, runs, scratch):
     """Texture unit ``u`` of a batch into its register: coordinates, texture shader stage, filter."""
     separate_function()
-    draw, triangles, strokes, vertices = p.state.draw, p.triangles, p.strokes, p.vertices
-    coordinates, units = vertices.coordinates, p.textures.units
+    draw, triangles = p.state.draw, p.triangles
+    coordinates, units = p.vertices.coordinates, p.textures.units
     texels, levels = p.textures.texels[u], p.textures.levels[u]
     floats, ints, packed, registers = scratch.floats, scratch.ints, scratch.packed, scratch.registers
     row = units[u]
@@ -103,20 +103,20 @@ def sample_unit(p, u, count, segments, runs, scratch):
                 iterate_coordinate(
                     segments, triangles, coordinates, u - 1 + k // 2, k % 2, floats, R.COORDINATE0 + k
                 )
-        rough_footprints(draw, runs, triangles, strokes, vertices, u, row, levels, floats, packed, ints)
+        rough_footprints(p, u, runs, scratch)
         if row[R.PROBES] > 1:
             assemble_probes(texels, levels, row, count, floats, ints, packed)
         else:
             filter_unit(texels, levels, row, count, floats, ints, packed)
     elif row[R.ANISOTROPY] or row[R.PROBES] > 1:
-        footprints(draw, runs, triangles, strokes, vertices, u, row, levels, floats, ints)
+        footprints(p, u, runs, scratch)
         if row[R.PROBES] > 1:
             assemble_probes(texels, levels, row, count, floats, ints, packed)
         else:
             filter_along(texels, levels, row, count, floats, ints, packed)
     else:
         if row[R.MIPMAP] != C.MIPMAP_NONE or row[R.MAG_LINEAR] != row[R.MIN_LINEAR]:
-            level_of_detail(draw, runs, triangles, strokes, vertices, u, row, levels, ints)
+            level_of_detail(p, u, runs, scratch)
         filter_unit(texels, levels, row, count, floats, ints, packed)
     unpack_unit(row, count, packed, registers, (C.REGISTER_TEXTURE0 + u) * 4, int32(draw[R.BITS]))
     if draw[R.TEXTURE_SHADER]:

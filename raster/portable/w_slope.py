@@ -8,7 +8,15 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import reciprocal_24, truncate_24
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.interpolate import depth_difference, weight_factors, weight_sum
-from fixedpipe.raster.primitives.triangle import corners_of, edge_tie, reaches_infinity, row_span, side_of
+from fixedpipe.raster.primitives.triangle import (
+    corners_of,
+    edge_tie,
+    edges_at,
+    edges_of,
+    reaches_infinity,
+    row_span,
+    side_of,
+)
 
 TILE = 4  # pixels
 NOWHERE = 1 << 40  # tiles: farther than any
@@ -62,16 +70,13 @@ def _covered(draw, n, right, down, sides, ties, x, y):
 
 @kernel
 def w_slope(draw, vertices, v0, v1, v2):
-    """The slope in w a pixel; 0 of a triangle that draws nothing between X0, Y0, X1 and Y1 of ``draw``."""
-    x0, y0, x1, y1, x2, y2 = corners_of(vertices, v0, v1, v2)
-    area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
-    if area == 0 or draw[R.X0] >= draw[R.X1] or draw[R.Y0] >= draw[R.Y1]:
+    """The slope in w per pixel; 0 for a triangle that draws nothing between X0, Y0, X1 and Y1 of ``draw``."""
+    corners = corners_of(vertices, v0, v1, v2)
+    x0, y0, x1, y1, x2, y2 = corners
+    edges = edges_of(corners, int64(0), int64(0))
+    if edges.area == 0 or draw[R.X0] >= draw[R.X1] or draw[R.Y0] >= draw[R.Y1]:
         return 0.0
-    sign = int64(-1) if area < 0 else int64(1)
-    right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
-    right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
-    right, down = (-(right1 + right2), right1, right2), (-(down1 + down2), down1, down2)
-    inverse_w = vertices.inverse_w
+    right, down, inverse_w = edges.right, edges.down, vertices.inverse_w
     sides = side_of(inverse_w[v0]), side_of(inverse_w[v1]), side_of(inverse_w[v2])
     ties = (
         edge_tie(sides[0] * right[0], sides[0] * down[0]),
@@ -95,7 +100,7 @@ def w_slope(draw, vertices, v0, v1, v2):
     for row in range(top // TILE, last_row // TILE + 1):
         column, distance = int64(0), int64(NOWHERE)
         for y in range(max(TILE * row, int64(draw[R.Y0])), min(TILE * (row + 1), int64(draw[R.Y1]))):
-            n = _edges(x0, y0, x1, y1, x2, y2, area, sign, left, y)
+            n = edges_at(edges, left, y)
             first, end = row_span(
                 sides[0] * n[0] + ties[0],
                 sides[1] * n[1] + ties[1],
@@ -112,7 +117,7 @@ def w_slope(draw, vertices, v0, v1, v2):
                 if away < distance or (away == distance and k < column):
                     column, distance = k, away
         if distance < NOWHERE:
-            n = _edges(x0, y0, x1, y1, x2, y2, area, sign, TILE * column, TILE * row)
+            n = edges_at(edges, TILE * column, TILE * row)
             drawn = _covered(draw, n, right, down, sides, ties, TILE * column, TILE * row)
             upper, z = row == 0 and y_top < 0, vertices.z
             factors = weight_factors(inverse_w[v0], inverse_w[v1], inverse_w[v2])
@@ -122,18 +127,9 @@ def w_slope(draw, vertices, v0, v1, v2):
 
 
 @kernel
-def _edges(x0, y0, x1, y1, x2, y2, area, sign, x, y):
-    """A pixel's edge functions."""
-    sx, sy = x * 16 + 8, y * 16 + 8
-    n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
-    n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
-    return area * sign - n1 - n2, n1, n2
-
-
-@kernel
 def _nearest_slope(factors, d0, d2, n, right, down, drawn, upper):
-    """The slope of the tile's block with a drawn pixel that lies nearest to the eye, of equal ones the last;
-    ``upper``: of the upper two alone, if there is one.
+    """The slope of the tile's block that lies nearest to the eye, among those with a drawn pixel; the last of
+    equal ones. ``upper``: among the upper two blocks, if either has a drawn pixel.
     """
     found, nearest, slope = False, 0.0, 0.0
     for j in range(2):

@@ -1,6 +1,6 @@
 """Sorting primitives into bands of rows, in draw order; a band is what one thread draws at a time."""
 
-from numba import int32, int64, uint32, uint64
+from numba import int32, int64, types, uint32, uint64
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -118,9 +118,13 @@ def _collect(triangles, first, n, points, a, b, c):
 
 
 @kernel
-def _bands(n, a, b, c, x_first, x_last, y_first, y_last, positive, negative, bands):
-    """2**16 times the first band of every triangle plus its last, -1 if none: ``band_range``, no branches."""
+def _bands(n, corners, box, drawn_faces, bands):
+    """2**16 times the first band of every triangle plus its last, -1 if none: ``band_range``, no branches.
+
+    ``drawn_faces``: whether triangles of a positive area are drawn, and of a negative one.
+    """
     separate_loop()
+    (a, b, c), (x_first, x_last, y_first, y_last), (positive, negative) = corners, box, drawn_faces
     for i in range(n):
         x0, x1, x2 = int32(a[i]), int32(b[i]), int32(c[i])
         y0, y1, y2 = int32(a[i] >> int64(32)), int32(b[i] >> int64(32)), int32(c[i] >> int64(32))
@@ -170,15 +174,19 @@ def _fill(left, ends, order):
     return needed
 
 
-@kernel("i8(i4[:,::1],i4[::1],i4[::1],i8[::1],i8[::1],i8[:,::1],i8[::1],i4[::1],i4[::1])")
-def sort_triangles(triangles, x, y, draw, points, corners, left, ends, order):
+_INTS, _SCRATCH = types.int32[::1], types.Tuple((types.int64[::1], types.int64[:, ::1], types.int64[::1]))
+
+
+@kernel(int64(types.int32[:, ::1], _INTS, _INTS, types.int64[::1], _SCRATCH, _INTS, _INTS))
+def sort_triangles(triangles, x, y, draw, scratch, ends, order):
     """What ``count_bins`` and ``fill_bins`` do together, of triangles alone, all of whose indices, positions
     and 1/w are known to be usable (``fixedpipe.pipeline.vertices.primitives.WindowPrimitives.orderly``).
 
-    ``points`` int64[vertices], ``corners`` int64[4, CHUNK], ``left`` int64[triangles]: scratch. Returns how
-    many entries ``order`` needs; where it has fewer, it is not written and ``ends`` is void.
+    ``scratch``: int64[vertices], int64[4, CHUNK], int64[triangles]. Returns how many entries ``order`` needs;
+    where it has fewer, it is not written and ``ends`` is void.
     """
-    positive, negative = draw[R.CULL_POSITIVE] == 0, draw[R.CULL_NEGATIVE] == 0
+    points, corners, left = scratch
+    drawn_faces = draw[R.CULL_POSITIVE] == 0, draw[R.CULL_NEGATIVE] == 0
     x_first, x_last = int32(draw[R.X0]), int32(draw[R.X1] - 1)
     y_first = int32(max(draw[R.Y0], 0))
     y_last = int32(min(max(draw[R.Y1], 0), ends.shape[0] << BAND_SHIFT) - 1)
@@ -188,6 +196,6 @@ def sort_triangles(triangles, x, y, draw, points, corners, left, ends, order):
     for first in range(0, triangles.shape[0], CHUNK):
         n = min(CHUNK, triangles.shape[0] - first)
         _collect(triangles, first, n, points, a, b, c)
-        _bands(n, a, b, c, x_first, x_last, y_first, y_last, positive, negative, bands)
+        _bands(n, (a, b, c), (x_first, x_last, y_first, y_last), drawn_faces, bands)
         count = _gather_left(n, first, bands, left, count)
     return _fill(left[:count], ends, order)

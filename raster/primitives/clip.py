@@ -4,7 +4,7 @@
 microseconds for one triangle as for a thousand, and mostly it is a few.
 """
 
-from numba import int32, int64
+from numba import int32, int64, types
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.kernel import kernel
@@ -80,13 +80,14 @@ def find_clipped(triangles, inverse_w, found):
     return n
 
 
-@kernel(
-    "UniTuple(i8,4)(i4[:,::1],i4[::1],f8[:,::1],f8[::1],i8,f8[:,:,::1],f8[:,::1],i4[::1],i4[::1],f8[::1],f8[::1],"
-    "i4[:,::1])"
-)
-def clip_triangles(
-    triangles, chosen, corners, parameters, vertex_count, scratch, values, x, y, z, inverse_w, result
-):
+_INTS, _FLOATS, _TRIANGLES = types.int32[::1], types.float64[::1], types.int32[:, ::1]
+_COLUMNS = types.float64[:, ::1]
+_MADE = types.Tuple((_COLUMNS, _INTS, _INTS, _FLOATS, _FLOATS))
+_CLIPPED = types.UniTuple(int64, 4)
+
+
+@kernel(_CLIPPED(_TRIANGLES, _INTS, _COLUMNS, _FLOATS, int64, types.float64[:, :, ::1], _MADE, _TRIANGLES))
+def clip_triangles(triangles, chosen, corners, parameters, vertex_count, scratch, new, result):
     """Triangles with those that cross a clipping plane clipped, in draw order.
 
     triangles     int32[k, 4]: three vertices and the provoking vertex
@@ -97,14 +98,16 @@ def clip_triangles(
     parameters    float64[PARAMETERS] of ``fixedpipe.raster.primitives.vertices``
     vertex_count  the number of the first vertex that is made
     scratch       float64[2, MOST_VERTICES, a]
-    values        float64[MOST_VERTICES * j, a]: receives the vertices that are made, as ``corners``
-    x ...         [MOST_VERTICES * j]: their window coordinates, as ``transform_vertices`` makes them; where
-                  there are none, 1/w is 1
+    new           (values, x, y, z, inverse_w), which receive the vertices that are made:
+                  float64[MOST_VERTICES * j, a], as ``corners``;
+                  [MOST_VERTICES * j] each: their window coordinates, as ``transform_vertices`` makes them;
+                  where there are none, 1/w is 1
     result        int32[k + MOST_VERTICES * j, 4]: receives the triangles
 
     Returns how many triangles there are and how many vertices were made, how many of the chosen were dropped
     because a position is not usable, and the bit UNUSUAL_W as ``transform_vertices`` does.
     """
+    values, x, y, z, inverse_w = new
     count, made, dropped, bits = int64(0), int64(0), int64(0), int64(0)
     unclipped = int64(0)
     for j in range(chosen.shape[0]):
@@ -143,12 +146,12 @@ def clip_triangles(
 
         usable = True
         for i in range(n):
-            v, new = scratch[at, i], made + i
+            v, number = scratch[at, i], made + i
             for k in range(corners.shape[1]):
-                values[new, k] = v[k]
-            x[new], y[new], z[new], w, drawable = to_window(v[0], v[1], v[2], v[3], parameters)
+                values[number, k] = v[k]
+            x[number], y[number], z[number], w, drawable = to_window(v[0], v[1], v[2], v[3], parameters)
             usable &= drawable
-            inverse_w[new] = w if drawable else 1.0
+            inverse_w[number] = w if drawable else 1.0
             bits |= int64(UNUSUAL_W) if drawable and is_unusual(w) else int64(0)
         if n >= 3 and usable:
             for i in range(n - 2):

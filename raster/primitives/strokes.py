@@ -12,6 +12,7 @@ from numba import int64
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.kernel import kernel, separate_function
+from fixedpipe.raster.primitives.triangle import Edges
 
 POINT_REACH = 8  # half sides of its square that the outer two of a point's row lie away
 
@@ -30,8 +31,8 @@ def moved(draw, dx, dy, x, y):
 def lowest_pixel(draw, x0, y0, x1, y1, step):
     """The row (or column) of the lowest (or leftmost) pixel that a line draws in column (or row) ``step``.
 
-    Source: OpenGL 1.2.1 sections 3.4.1 and 3.4.2: of the diamonds in the column it crosses one, ends apart;
-    what passes between two is moved left, and up as far as nothing, which is not as far.
+    Source: OpenGL 1.2.1 sections 3.4.1 and 3.4.2. Away from its ends a line crosses one of the diamonds in a
+    column. A line that passes exactly between two is moved to the left, and up by still less.
     """
     dx, dy = x0 - x1, y0 - y1
     x, y = moved(draw, dx, dy, x1, y1)
@@ -58,8 +59,8 @@ def stippled_away(draw, stroke, step):
 
 @kernel
 def line_run(draw, stroke, corners, row, first, end):
-    """The first run of pixels of a row, within [first, end), of which stipple leaves all and which take their
-    values alike: (from, to, x, y, 1 where all take those of one sample), (x, y) the pixel whose sample gives
+    """The first run of pixels of a row, within [first, end), that stipple leaves and that take their values
+    together: (from, to, x, y, 1 where all take those of one sample). (x, y) is the pixel whose sample gives
     the first its values.
     """
     separate_function()
@@ -104,6 +105,18 @@ def along_line(draw, x0, y0, x1, y1, sx, sy):
     else:
         n0 = (sy + 8 - y1) if dy > 0 else (y1 - (sy - 8))
     return n0, max(abs(dx), abs(dy)) - n0
+
+
+@kernel
+def edges_of_line(draw, corners, x, y, sign):
+    """``primitives.triangle.Edges`` of a line at pixel (x, y): how far along it lies, 0, and the rest."""
+    x0, y0, x1, y1, _x2, _y2 = corners
+    sx, sy = x * 16 + 8, y * 16 + 8
+    n0, n2 = along_line(draw, x0, y0, x1, y1, sx, sy)
+    ahead, _ = along_line(draw, x0, y0, x1, y1, sx + 16, sy)
+    below, _ = along_line(draw, x0, y0, x1, y1, sx, sy + 16)
+    right, down, zero = ahead - n0, below - n0, int64(0)
+    return Edges((n0, zero, n2), (right, zero, -right), (down, zero, -down), n0 + n2, sign)
 
 
 @kernel

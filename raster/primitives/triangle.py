@@ -29,6 +29,56 @@ def corners_of(vertices, v0, v1, v2):
     return Corners(int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1]), int64(x[v2]), int64(y[v2]))
 
 
+class Edges(NamedTuple):
+    """A triangle's three edge functions, int64, in 1/256 square pixel: edge k's grows toward vertex k.
+
+    n            at the middle of a pixel
+    right, down  what they grow by from pixel to pixel and from row to row
+    area         their sum, at every pixel; not negative
+    sign         -1: they are negated, because the corners turn the other way; else 1
+    """
+
+    n: tuple
+    right: tuple
+    down: tuple
+    area: int
+    sign: int
+
+
+@kernel(inlined=True)
+def edges_of(corners, x, y):
+    """The Edges of three corners at pixel (x, y)."""
+    x0, y0, x1, y1, x2, y2 = corners
+    area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
+    sign = int64(-1) if area < 0 else int64(1)
+    area *= sign
+    right1, down1 = (y2 - y0) * 16 * sign, -(x2 - x0) * 16 * sign
+    right2, down2 = -(y1 - y0) * 16 * sign, (x1 - x0) * 16 * sign
+    right0, down0 = -(right1 + right2), -(down1 + down2)
+    sx, sy = x * 16 + 8, y * 16 + 8
+    n1 = ((sx - x0) * (y2 - y0) - (x2 - x0) * (sy - y0)) * sign
+    n2 = ((x1 - x0) * (sy - y0) - (sx - x0) * (y1 - y0)) * sign
+    return Edges((area - n1 - n2, n1, n2), (right0, right1, right2), (down0, down1, down2), area, sign)
+
+
+@kernel(inlined=True)
+def edges_after(n, step, times):
+    """Edge functions ``times`` pixels, or rows, further on."""
+    return n[0] + times * step[0], n[1] + times * step[1], n[2] + times * step[2]
+
+
+@kernel(inlined=True)
+def edges_at(edges, x, y):
+    """Edge functions at pixel (x, y), from the Edges at pixel (0, 0)."""
+    return edges_after(edges_after(edges.n, edges.right, x), edges.down, y)
+
+
+@kernel(inlined=True)
+def as_floats(numbers):
+    """Three integers as float64."""
+    return float64(numbers[0]), float64(numbers[1]), float64(numbers[2])
+
+
 @kernel
 def reaches_infinity(inverse_w, v0, v1, v2):
     """Whether a vertex has a negative w: the triangle goes through infinity, and may be anywhere."""

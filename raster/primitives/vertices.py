@@ -5,7 +5,7 @@ same in NumPy, column by column, for every mesh. These kernels take vertices ins
 nearly all are.
 """
 
-from numba import float32, float64, int32, int64
+from numba import float32, float64, int32, int64, types
 
 from fixedpipe.raster.floats import LEAST_SINGLE
 from fixedpipe.raster.kernel import kernel, separate_loop
@@ -68,8 +68,9 @@ def _sum_3(out, a, b, c, c0, c1, c2):
 
 
 @kernel
-def _sum_4(out, a, b, c, d, c0, c1, c2, c3):
+def _sum_4(out, a, b, c, d, coefficients):
     separate_loop()
+    c0, c1, c2, c3 = coefficients
     for i in range(out.shape[0]):
         out[i] = ((a[i] * c0 + b[i] * c1) + c[i] * c2) + d[i] * c3
 
@@ -105,9 +106,10 @@ def is_unusual(w):
 
 
 @kernel
-def _project(clip_x, clip_y, clip_z, clip_w, parameters, x, y, z, inverse_w):
+def _project(clip, parameters, x, y, z, inverse_w):
     """Window coordinates of a chunk; returns the bits CLIPPED and UNUSUAL_W."""
     separate_loop()
+    clip_x, clip_y, clip_z, clip_w = clip
     half_x, half_y = parameters[HALF_X], parameters[HALF_Y]
     low_x, high_x = parameters[LOW_X], parameters[HIGH_X]
     low_y, high_y = parameters[LOW_Y], parameters[HIGH_Y]
@@ -145,30 +147,34 @@ def _interleave(out, unit, first, n, a, b, c, d):
     return projective
 
 
-@kernel(
-    "i8(Array(float64,2,'C',readonly=True),i4[:,::1],f8[:,::1],i4[::1],f8[::1],i4[::1],i4[::1],f8[::1],f8[::1],"
-    "f8[:,:,::1],f8[:,::1],f8[:,::1])"
-)
-def transform_vertices(
-    given, sums, coefficients, results, parameters, x, y, z, inverse_w, coordinates, kept, columns
-):
+_GIVEN = types.Array(types.float64, 2, "C", readonly=True)
+_INTS, _FLOATS = types.int32[::1], types.float64[::1]
+_PLAN = types.Tuple((types.int32[:, ::1], types.float64[:, ::1], _INTS, _FLOATS))
+_MADE = types.Tuple((_INTS, _INTS, _FLOATS, _FLOATS, types.float64[:, :, ::1], types.float64[:, ::1]))
+
+
+@kernel(int64(_GIVEN, _PLAN, _MADE, types.float64[:, ::1]))
+def transform_vertices(given, plan, made, columns):
     """Window coordinates and texture coordinates of all vertices.
 
-    given         float64[k, n]: columns of the mesh, the rows FIRST_GIVEN ... of a chunk's columns
-    sums          int32[m, 6]: weighted sums in order: the row of the result, how many terms, their rows
-    coefficients  float64[m, 4]: of the terms; none is 0
-    results       int32[4 + 4 * units + j]: rows of clip x, y, z, w, of s, t, r, q of every unit of
-                  ``coordinates``, and of ``kept``
-    parameters    float64[PARAMETERS]
-    x, y          int32[n]; z, inverse_w: float64[n]; as WindowPrimitives has them
-    coordinates   float64[n, units, 4]
-    kept          float64[j, n]: columns that the caller asks for
-    columns       float64[rows, CHUNK]: scratch
+    given    float64[k, n]: columns of the mesh, the rows FIRST_GIVEN ... of a chunk's columns
+    plan     (sums, coefficients, results, parameters):
+             int32[m, 6]: weighted sums in order: the row of the result, how many terms, their rows;
+             float64[m, 4]: of the terms; none is 0;
+             int32[4 + 4 * units + j]: rows of clip x, y, z, w, of s, t, r, q of every unit, and of what is
+             kept;
+             float64[PARAMETERS]
+    made     (x, y, z, inverse_w, coordinates, kept), which receive them:
+             int32[n] twice and float64[n] twice, as WindowPrimitives has them;
+             float64[n, units, 4];
+             float64[j, n]: columns that the caller wants
+    columns  float64[rows, CHUNK]: scratch
 
     Returns bits: CLIPPED if some vertices lie outside a clipping plane or have no usable window coordinates:
     their ``inverse_w`` is 0; UNUSUAL_W if the 1/w of another is too large or too small to be drawn; from
     FIRST_PROJECTIVE on, one for each unit some of whose q are not 1.
     """
+    (sums, coefficients, results, parameters), (x, y, z, inverse_w, coordinates, kept) = plan, made
     vertices, units = x.shape[0], coordinates.shape[1]
     for i in range(CHUNK):
         columns[ZEROS, i], columns[ONES, i] = 0.0, 1.0
@@ -188,11 +194,10 @@ def transform_vertices(
             elif terms == 3:
                 _sum_3(out, a, b, columns[sums[k, 4]], c[0], c[1], c[2])
             else:
-                _sum_4(out, a, b, columns[sums[k, 4]], columns[sums[k, 5]], c[0], c[1], c[2], c[3])
-        bits |= _project(
-            columns[results[0]], columns[results[1]], columns[results[2]], columns[results[3]], parameters,
-            x[first:last], y[first:last], z[first:last], inverse_w[first:last],
-        )  # fmt: skip
+                _sum_4(out, a, b, columns[sums[k, 4]], columns[sums[k, 5]], (c[0], c[1], c[2], c[3]))
+        clip = columns[results[0]], columns[results[1]], columns[results[2]], columns[results[3]]
+        of_chunk = x[first:last], y[first:last], z[first:last], inverse_w[first:last]
+        bits |= _project(clip, parameters, *of_chunk)
         for unit in range(units):
             r = results[4 + 4 * unit : 8 + 4 * unit]
             projective = _interleave(

@@ -286,10 +286,10 @@ def combine(registers, plan, count, scratch, packed):
         elif operation == C.PLAN_PACK:
             pack(registers, row, count, packed)
         elif operation == C.PLAN_MULTIPLY:
-            a, b = OPERANDS, OPERANDS + R.INPUT_SIZE
+            a = portable.input_at(row, OPERANDS, row[OPERANDS])
+            b = portable.input_at(row, OPERANDS + R.INPUT_SIZE, row[OPERANDS + R.INPUT_SIZE])
             rounded = int64(1 if row[ROUNDING] == C.ROUNDING_DONE else 0)
-            to = row[TARGET]
-            portable.multiply(registers, row[a], row[b], count, row, a, b, scratch, to, rounded, BITS)
+            portable.multiply(registers, a, b, count, scratch, row[TARGET], rounded, BITS)
         elif operation == C.PLAN_SUM_OF_THREE:
             portable.sum_of_three(scratch, row[TARGET], count)
         elif operation == C.PLAN_SUM_OF_TWO:
@@ -298,7 +298,5 @@ def combine(registers, plan, count, scratch, packed):
             portable.copy_plane(registers, row[OPERANDS], registers, C.REGISTER_SPARE0 * 4 + 3, count)
             portable.mux(scratch, row[TARGET], row[SECOND], registers, count, scratch[TOTAL:], row[MUX])
         else:  # PLAN_FINISH
-            bias, scale, lowest, rounding = row[BIAS], row[SCALE], row[LOWEST], row[ROUNDING]
-            portable.finish(
-                scratch, row[SECOND], count, bias, scale, lowest, rounding, registers, row[TARGET], BITS
-            )
+            output = portable.Output(row[BIAS], row[SCALE], row[LOWEST], int64(row[ROUNDING]))
+            portable.finish(scratch, row[SECOND], count, output, registers, row[TARGET], BITS)

@@ -7,11 +7,14 @@ columns of float64, but where a function says why others give the same bits. Col
 than ``count`` asks for.
 """
 
+from typing import NamedTuple
+
 import numpy as np
-from numba import float64, int32, int64
+from numba import float64, int32, int64, types, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import THREE, type_of
 from fixedpipe.raster.fixed import float_depth, power_below
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, TAU
 from fixedpipe.raster.kernel import bits_of, kernel, separate_function, separate_loop
@@ -19,6 +22,7 @@ from fixedpipe.raster.portable.interpolate import coordinate_difference, product
 from fixedpipe.raster.vector.interpolate import (
     EXACT_FROM,
     LARGEST_COORDINATE,
+    LISTED,
     power_of,
     terms_of,
 )
@@ -65,9 +69,7 @@ def texels_of(largest, exponent, total, to_fixed):
 
 @kernel
 def guessed_steps(q0, q2, v1, d0, d2):
-    """How many units make one, for the coordinate of one fragment; 0 where ``beside_texels`` may not be
-    asked.
-    """
+    """How many units make one for a fragment's coordinate; 0 where ``beside_texels`` does not apply."""
     step, steps = product_step(v1, 1.0, q0, d0, q2, d2)
     largest = step * 2.0**23
     usual = largest >= EXACT_FROM and largest < LARGEST_COORDINATE * 4.0
@@ -75,17 +77,20 @@ def guessed_steps(q0, q2, v1, d0, d2):
 
 
 @kernel
-def beside_texels(q0, q2, v1, d0, d2, own, most0, most2, right, left):
-    """Whether the guess of ``guessed_steps`` holds for sixteen fragments, and their floor(256 u size) if so.
+def beside_texels(weights, terms, highest, shifts):
+    """Whether the guess of ``guessed_steps`` is right for sixteen fragments; if so, their floor(256 u size).
 
-    v1, d0, d2: the vertices' numbers times the guess, v1 cut to an int32; own, most0, most2: their highest
-    bits; ``right``, ``left``: how far the terms' sum is shifted to count 1/256 texels, one of them zero.
+    weights  q0 and q2
+    terms    v1, d0, d2: the vertices' numbers times the guess, v1 cut to an int32
+    highest  the highest bit of each
+    shifts   how far the terms' sum is shifted right and left to count 1/256 texels; one of them is zero
 
     A guess is a power of two, so that q d times it has the bits of ``terms_of``'s term, and a conversion to
-    integers cuts it as ``truncated`` does. The guess is the right one where the largest product of highest
-    bits is 2**23, and nowhere else. No term has then more than 25 bits, nor their sum more than 27, which
-    is cut to 24, and shifting is floor.
+    integers cuts it as ``truncated`` does. The guess is right exactly where the largest product of highest
+    bits is 2**23. Then no term has more than 25 bits, and their sum has at most 27. The sum is cut to 24
+    bits, and shifting is floor.
     """
+    (q0, q2), (v1, d0, d2), (own, most0, most2), (right, left) = weights, terms, highest, shifts
     total = (v1 + to_int32(q0 * d0)) + to_int32(q2 * d2)
     largest = maximum(maximum(power_of(q0) * most0, power_of(q2) * most2), own)
     size = magnitude(total)
@@ -99,9 +104,9 @@ def beside_texels(q0, q2, v1, d0, d2, own, most0, most2, right, left):
 
 @kernel
 def exact_steps(q0, q2, v1, d0, d2, size, repeat):
-    """As ``texels_of``, of one fragment, where wrapping rounds: the portable kernels' every operation.
+    """``texels_of`` for one fragment where wrapping rounds: every operation of the portable kernels.
 
-    A linear filter's texel coordinate is a nearest one's as well.
+    A nearest filter takes the same texel coordinate as a linear one.
     """
     t = product_sum(v1, 1.0, q0, d0, q2, d2) * size
     if repeat:
@@ -111,16 +116,31 @@ def exact_steps(q0, q2, v1, d0, d2, size, repeat):
     return int32(int32(np.floor((t - 0.5) * 256.0)) + int32(128))
 
 
-@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,i8,i8,f8[:,::1],i4[::1])")
-def iterate_texels(lists, segments, triangles, coordinates, unit, component, log2_size, repeat, floats, out):
-    """floor(256 u size) of one texture coordinate (0: s, 1: t) into a column of int32."""
+class Axis(NamedTuple):
+    """A texture coordinate of a unit: 0 for s, 1 for t; log2 of the texture's size along it; whether it
+    repeats.
+    """
+
+    unit: int
+    component: int
+    log2_size: int
+    repeat: int
+
+
+AXIS = type_of(Axis, int64, int64, int64, int64)
+
+
+@kernel(void(LISTED, int32[:, ::1], float64[:, :, ::1], AXIS, float64[:, ::1], int32[::1]))
+def iterate_texels(segments, triangles, coordinates, axis, floats, out):
+    """floor(256 u size) of one texture coordinate into a column of int32."""
     separate_loop()
-    starts, owners = lists[R.STARTS], lists[R.OWNERS]
+    unit, component, log2_size, repeat = axis
+    starts, owners = segments.lists[R.STARTS], segments.lists[R.OWNERS]
     q0, q2 = floats[R.Q0], floats[R.Q2]
     first = R.TERMS + 12 * unit + 3 * component
     base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
     to_fixed, size = int64((log2_size + _FIXED - 23) << 52), float64(int64(1) << log2_size)
-    for s in range(segments):
+    for s in range(segments.count):
         t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
         if t < 0:
             for i in range(begin, end, 16):
@@ -142,14 +162,14 @@ def iterate_texels(lists, segments, triangles, coordinates, unit, component, log
             if steps > 0.0:
                 cut, e0, e2 = i32x16(int32(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
                 own = f64x16(power_below(c1 * steps))
-                most0, most2 = f64x16(power_below(c0 * steps)), f64x16(power_below(c2 * steps))
+                highest = own, f64x16(power_below(c0 * steps)), f64x16(power_below(c2 * steps))
                 shift = int32(log2_size) + int32(_FIXED) - logarithm(steps)
                 # The sum is below 2**27: shifted by 31 or more, it is its sign.
-                right, left = min(max(int32(-shift), int32(0)), int32(31)), max(shift, int32(0))
+                shifts = min(max(int32(-shift), int32(0)), int32(31)), max(shift, int32(0))
                 holds = True
                 while holds and i < end:
-                    w0, w2 = load_f64x16(q0, i), load_f64x16(q2, i)
-                    holds, fixed = beside_texels(w0, w2, cut, e0, e2, own, most0, most2, right, left)
+                    here = load_f64x16(q0, i), load_f64x16(q2, i)
+                    holds, fixed = beside_texels(here, (cut, e0, e2), highest, shifts)
                     if holds:
                         store(out, i, fixed)
                         i += 16
@@ -179,8 +199,8 @@ def divide_by_q(column, q, count):
 
 @kernel
 def _limited(value, last):
-    """A value limited to half a unit beyond 0..last, so that no floor of what is limited is in doubt; the
-    least for what is not a number.
+    """A value limited to half a unit beyond 0..last, so that the floor of a limited one is not in doubt; what
+    is not a number becomes the least.
     """
     return minimum(maximum(value, -0.5), last + 0.5)
 
@@ -197,10 +217,12 @@ def _whole(limited, last):
     return minimum(maximum(to_int32(floored(limited)), int32(0)), int32(last))
 
 
-@kernel("void(f8[::1],f8[::1],f8[::1],f8[::1],i4[::1],i4[::1],i4[::1],f8,f8,f8,i4,i8)")
-def fixed_from_quotients(s, t, r, q, f_s, f_t, words, width, height, scale, maximum_word, count):
+@kernel(void(types.UniTuple(float64[::1], 4), types.UniTuple(int32[::1], 3), THREE, int32, int64))
+def fixed_from_quotients(coordinates, out, sizes, maximum_word, count):
     """F of s/q and t/q for a linear filter with CLAMP_TO_EDGE, and the fixed depth words of r/q: what
     ``divide_by_q`` with ``fixed_from_floats`` and ``depth_words`` make, by one division for three.
+
+    ``coordinates``: s, t, r, q; ``sizes``: the texture's width and height, and what r/q is multiplied with.
 
     A coordinate is 0 or in 2**-123..2**100 by magnitude (``iterate_floats``), so nothing overflows and each
     operation errs by up to 2**-53 of its result. 1/q, the product with it and the quotient that it stands
@@ -208,11 +230,12 @@ def fixed_from_quotients(s, t, r, q, f_s, f_t, words, width, height, scale, maxi
     2**24 at most where no limit is met, and so less than 2**-26. Subtracting 0.5 from a texel coordinate and
     multiplying by 256 is exact, and one product and sum in their place err no more. So a floor is the
     quotient's own where the value lies _DOUBT = 2**-20 or more from an integer. Limits half a unit beyond 0
-    and the last integer leave what they limit in no doubt, and the floor is limited again. Exact ties of
-    texels have TAU = 2**-16 of 1/256 texel between them and their floor. Sixteen fragments of which one is
-    in doubt are divided.
+    and the last integer leave no doubt about what they limit, and the floor is limited again. Exact ties of
+    texels have TAU = 2**-16 of 1/256 texel between them and their floor. If one of sixteen fragments is in
+    doubt, all sixteen are divided.
     """
     separate_loop()
+    (s, t, r, q), (f_s, f_t, words), (width, height, scale) = coordinates, out, sizes
     last_s, last_t, last = 256.0 * (width - 1.0), 256.0 * (height - 1.0), float64(maximum_word)
     for at in range(0, count, 16):
         divisor = _nonzero(load_f64x16(q, at))

@@ -1,7 +1,7 @@
-"""Footprints longer than wide by vectors: probes and pairs of texels, each filtered as any texel is, and
-summed in the unit's planes.
+"""Footprints longer than wide by vectors: probes and pairs of texels, each filtered like any texel and summed
+in the unit's planes.
 
-Where they lie and what they weigh is computed in the order of raster/portable/anisotropic.py and
+Their places and weights are computed in the order of raster/portable/anisotropic.py and
 raster/portable/footprint.py, so the bits are the same.
 """
 
@@ -17,7 +17,7 @@ from fixedpipe.raster.portable.footprint import move_to_probe, share_of_a_probe
 from fixedpipe.raster.portable.level_of_detail import iterated, weighted
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
 from fixedpipe.raster.vector.coordinates import fixed_from_floats
-from fixedpipe.raster.vector.interpolate import iterate_floats
+from fixedpipe.raster.vector.interpolate import Listed, iterate_floats
 from fixedpipe.raster.vector.level_of_detail import lambdas, linear_edge
 from fixedpipe.raster.vector.sample import filter_mipmapped
 
@@ -26,9 +26,9 @@ _ONE = R.REGISTERS * 4
 
 
 @kernel
-def _at(n0, n1, n2, w0, w1, w2, s, t):
+def _at(n0, n1, n2, inverse_w, s, t):
     """(D, s, t) at a point, as ``coordinates_at``."""
-    e0, e1, e2 = n0 * w0, n1 * w1, n2 * w2
+    e0, e1, e2 = n0 * inverse_w[0], n1 * inverse_w[1], n2 * inverse_w[2]
     total = (e0 + e1) + e2
     inverse = 1.0 / total
     b0, b2 = e0 * inverse, e2 * inverse
@@ -36,11 +36,14 @@ def _at(n0, n1, n2, w0, w1, w2, s, t):
 
 
 @kernel
-def _blocks(source, width, height, most, exact, px, py, blocks, floats, cells):
-    """Of the blocks from (px, py) to the right: ALONG_S, ALONG_T, RATIO, and rho squared (in EXTRA) with its
-    ``cells``. ``most``: probes, or the largest ratio below zero; ``exact``: as many probes as cover it.
+def _blocks(source, sizes, limits, px, py, blocks, floats, cells):
+    """ALONG_S, ALONG_T, RATIO, and rho squared (in EXTRA) with its ``cells``, for each of the blocks from
+    (px, py) to the right.
+
+    ``limits``: the most probes, or minus the largest ratio; whether as many probes are taken as cover it.
     """
-    (x0, y0, x1, y1, x2, y2), (w0, w1, w2), s, t, _r, _q = source
+    (x0, y0, x1, y1, x2, y2), inverse_w, s, t, _r, _q = source
+    (width, height), (most, exact) = sizes, limits
     sign = int64(-1 if (x1 - x0) * (y2 - y0) < (x2 - x0) * (y1 - y0) else 1)
     n0, right0, down0 = linear_edge(x1, y1, x2, y2, px, py, sign)
     n1, right1, down1 = linear_edge(x2, y2, x0, y0, px, py, sign)
@@ -49,9 +52,9 @@ def _blocks(source, width, height, most, exact, px, py, blocks, floats, cells):
     for k in range(blocks):
         step = 2.0 * float64(k)
         m0, m1, m2 = n0 + step * right0, n1 + step * right1, n2 + step * right2
-        d0, s0, t0 = _at(m0, m1, m2, w0, w1, w2, s, t)
-        d1, s1, t1 = _at(m0 + right0, m1 + right1, m2 + right2, w0, w1, w2, s, t)
-        d2, s2, t2 = _at(m0 + down0, m1 + down1, m2 + down2, w0, w1, w2, s, t)
+        d0, s0, t0 = _at(m0, m1, m2, inverse_w, s, t)
+        d1, s1, t1 = _at(m0 + right0, m1 + right1, m2 + right2, inverse_w, s, t)
+        d2, s2, t2 = _at(m0 + down0, m1 + down1, m2 + down2, inverse_w, s, t)
         ax, ay, bx, by = s1 - s0, t1 - t0, s2 - s0, t2 - t0
         sx, tx, sy, ty = ax * width, ay * height, bx * width, by * height
         dx2, dy2 = sx * sx + tx * tx, sy * sy + ty * ty
@@ -104,7 +107,7 @@ def footprints(job, u, count, runs, scratch):
         blocks = (end - start + odd + 1) >> 1
         v0, v1, v2 = p.triangles[owner, 0], p.triangles[owner, 1], p.triangles[owner, 2]
         source = iterated(p.vertices, v0, v1, v2, u)
-        _blocks(source, width, height, most, exact, px - odd, py, blocks, floats, cells)
+        _blocks(source, (width, height), (most, exact), px - odd, py, blocks, floats, cells)
         lambdas(floats[R.EXTRA], cells, int64(0), blocks, row, lod, start, odd)
         for i in range(start, end):
             block = (i - start + odd) >> 1
@@ -173,10 +176,8 @@ def _filter(job, u, count, scratch):
     f_s, f_t = ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
     fixed_from_floats(floats[R.S], f_s, float64(levels[0, 1]), 0.0, 1.0, row[R.WRAP_S], 1, count)
     fixed_from_floats(floats[R.T], f_t, float64(levels[0, 2]), 0.0, 1.0, row[R.WRAP_T], 1, count)
-    filter_mipmapped(
-        p.textures.texels[u], levels, row, f_s, f_t, ints[R.LOD], count, scratch.located[u], scratch.planes,
-        _ONE,
-    )  # fmt: skip
+    pairs, fixed, located = p.textures.texels[u], (f_s, f_t, ints[R.LOD]), scratch.located[u]
+    filter_mipmapped(pairs, levels, row, fixed, count, located, scratch.planes, _ONE)
 
 
 @kernel(void(JOB, int64, int64, int64, RUNS, SCRATCH))
@@ -186,8 +187,9 @@ def sample_footprints(job, u, count, segments, runs, scratch):
     p = pass_of(job)
     triangles, coordinates, row = p.triangles, p.vertices.coordinates, p.textures.units[u]
     floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (C.REGISTER_TEXTURE0 + u) * 4
-    iterate_floats(scratch.lists, segments, triangles, coordinates, u, 0, floats, floats[R.CENTER_S])
-    iterate_floats(scratch.lists, segments, triangles, coordinates, u, 1, floats, floats[R.CENTER_T])
+    listed = Listed(scratch.lists, segments)
+    iterate_floats(listed, triangles, coordinates, u, 0, floats, floats[R.CENTER_S])
+    iterate_floats(listed, triangles, coordinates, u, 1, floats, floats[R.CENTER_T])
     footprints(job, u, count, runs, scratch)
     ratio, most = floats[R.RATIO], 1.0
     for i in range(count):

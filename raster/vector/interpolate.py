@@ -1,20 +1,22 @@
 """Weights of fragments and everything iterated with them, on vectors: the values of
 ``fixedpipe.raster.portable.interpolate``.
 
-A batch is made of segments. In a *run* all fragments belong to one triangle, whose numbers are the same in
-every lane. Where triangles are small a segment *mixes* them (owner -1): each fragment carries its triangle's
-numbers in columns of its own (``rows.N0`` and what follows). docs/numbers.md, sections 4 to 6, says what is
-computed; both kinds compute it with the same functions on vectors.
+A batch is made of segments. All fragments of most segments belong to one triangle, whose numbers are then the
+same in every lane. Small triangles share *mixed* segments (owner -1), whose fragments carry their triangle's
+numbers in columns (``rows.N0`` and the next ones). Both kinds compute what docs/numbers.md, sections 4 to 6,
+specifies, with the same functions on vectors.
 
-Columns are longer than a batch (``rows.SLACK``), so loops take whole vectors. What they write behind a
-segment belongs to the next one, which therefore comes later.
+Columns are longer than a batch (``rows.SLACK``), so loops take whole vectors. Behind a segment they overwrite
+the columns of the next one, which is therefore computed later.
 """
 
+from typing import NamedTuple
+
 import numpy as np
-from numba import float64, int16, int32, int64, void
+from numba import float64, int16, int32, int64, types, uint8, uint32, void
 
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import THREE
+from fixedpipe.raster.arrays import THREE, type_of
 from fixedpipe.raster.fixed import (
     EXPONENT,
     FRACTION,
@@ -136,8 +138,10 @@ def weights_of(a0, a1, a2, f0, f1, f2):
 
 @kernel
 def are_exact(n, right, area):
-    """Whether edge functions have 24 bits at every pixel of a run: every multiple of what divides them, and
-    what they are made of, up to the area. Then every sum of them is the area.
+    """Whether edge functions have 24 bits at every pixel of a run, so that their sum is the area.
+
+    They do where the area has: each of them is a multiple, up to the area, of the power of two that divides
+    them and their steps.
     """
     (n0, n1, n2), (right0, right1, right2) = n, right
     bits = (int64(n0) | int64(n1) | int64(n2)) | (int64(right0) | int64(right1) | int64(right2))
@@ -146,9 +150,7 @@ def are_exact(n, right, area):
 
 @kernel
 def area_weights(a0, a1, a2, reciprocal):
-    """Weights of vertices 0 and 2 of a triangle without perspective whose edge functions ``are_exact``: what
-    ``weights_of`` gives.
-    """
+    """``weights_of`` for a triangle without perspective whose edge functions ``are_exact``."""
     return rest_to_largest(keep_24(a0 * reciprocal), keep_24(a1 * reciprocal), keep_24(a2 * reciprocal))
 
 
@@ -217,7 +219,7 @@ def mixed_weights(floats, start, end, perspective):
 
 @kernel
 def depth_sum(base, a, b):
-    """A vertex's depth and what the two others add to it, at 29 bits from the largest's highest."""
+    """A vertex's depth plus what the two others add, each with 29 bits from the largest term's highest."""
     largest = maximum(maximum(absolute(base), TINY), maximum(absolute(a), absolute(b)))
     exponent = bits_of_lanes(largest) & EXPONENT
     unit = floats_of_lanes(exponent - int64(28 << 52))
@@ -226,11 +228,12 @@ def depth_sum(base, a, b):
 
 
 @kernel
-def depth_of(e0, e1, e2, reciprocal, z0, z1, z2, z10, z20, z21):
+def depth_of(edges, reciprocal, depths, differences):
     """``interpolate.emit_depth`` for edge functions of 24 significant bits and their sum's reciprocal of 29.
 
-    z10 is the difference z1 - z0, and so on; those the other way round are their negatives.
+    ``depths``: z0, z1, z2; ``differences``: z1 - z0, z2 - z0, z2 - z1; the opposite ones are their negatives.
     """
+    (e0, e1, e2), (z0, z1, z2), (z10, z20, z21) = edges, depths, differences
     q0, q1, q2 = keep_24(e0 * reciprocal), keep_24(e1 * reciprocal), keep_24(e2 * reciprocal)
     p0, p1, p2 = power_of(e0), power_of(e1), power_of(e2)
     first = (p0 > p1) & (p0 >= p2)
@@ -258,21 +261,42 @@ def fixed_depth(z, offset, low, high):
 def reciprocal_beside(total, area, inverse):
     """``reciprocal_29`` of sixteen sums of edge functions without a division, and whether it is decided.
 
-    A sum of three integers, each cut to 24 bits, lies below the integer ``area`` by less than 2**-23 of it;
-    ``inverse`` is 1/area to nearest. With d that part, 1/total = inverse (1 + d + d d + ...), of which the
-    first two are taken: what is left out is below 2**-46 of it, the operations err by less than 2**-50. So
-    the pattern is less than 2**8 units from that of the nearest float64, and its upper 29 bits are the same
-    unless their lower 24, lessened by 2**21, lie that near to their ends. No total may be a power of two.
+    A sum of three integers, each cut to 24 bits, lies below the integer ``area`` by a part d < 2**-23 of it.
+    ``inverse`` is 1/area to nearest. The first two terms of 1/total = inverse (1 + d + d d + ...) are taken.
+    The others are below 2**-46 of it, and the operations err by less than 2**-50. So the pattern is less than
+    2**8 units from that of the nearest float64. Its upper 29 bits are the same unless its lower 24, lessened
+    by 2**21, lie that near to either end of their range. No total may be a power of two.
     """
     pattern = bits_of_lanes(inverse + inverse * ((area - total) * inverse)) - int64(1 << 21)
     return all_lanes(((pattern + int64(256)) & int64(0xFFFE00)) != int64(0)), pattern & KEEP_29
 
 
-@kernel(void(int32[::1], int64, int64, THREE, THREE, THREE, float64, float64, float64))
-def run_depth(words, position, count, n, right, depths, offset, low, high):
+class Depths(NamedTuple):
+    """A triangle's depths, in units: its vertices', what is added, and the limits of the sum."""
+
+    vertices: tuple
+    offset: float
+    low: float
+    high: float
+
+
+DEPTHS = type_of(Depths, THREE, float64, float64, float64)
+
+
+@kernel(inlined=True)
+def vertex_depths(depths):
+    """(the vertices' depths, their differences, as ``depth_of`` takes them), the same in every lane."""
+    z0, z1, z2 = depths.vertices
+    z10, z20, z21 = depth_difference(z1, z0), depth_difference(z2, z0), depth_difference(z2, z1)
+    return (f64x16(z0), f64x16(z1), f64x16(z2)), (f64x16(z10), f64x16(z20), f64x16(z21))
+
+
+@kernel(void(int32[::1], int64, int64, THREE, THREE, DEPTHS))
+def run_depth(words, position, count, n, right, depths):
     """Depth words of ``count`` pixels to the right of the one whose edge functions are ``n``."""
     separate_loop()
-    (n0, n1, n2), (right0, right1, right2), (z0, z1, z2) = n, right, depths
+    (n0, n1, n2), (right0, right1, right2) = n, right
+    (z0, z1, z2), offset, low, high = depths
     if z0 == z1 and z1 == z2:  # differences of zero: whatever the weights, the depth is the base
         word = fixed_depth(f64x16(z0), offset, low, high)
         for i in range(0, count, 16):
@@ -281,14 +305,12 @@ def run_depth(words, position, count, n, right, depths, offset, low, high):
     ramp = ramp_f64x16()
     a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2
     step0, step1, step2 = right0 * 16.0, right1 * 16.0, right2 * 16.0
-    v0, v1, v2 = f64x16(z0), f64x16(z1), f64x16(z2)
-    v10, v20 = f64x16(depth_difference(z1, z0)), f64x16(depth_difference(z2, z0))
-    v21 = f64x16(depth_difference(z2, z1))
+    of_vertices, differences = vertex_depths(depths)
     area = (n0 + n1) + n2
     if area < 2.0**24:  # then every edge function has 24 bits, and their sum is the area
         reciprocal = f64x16(reciprocal_29(1.0 / area))
         for i in range(0, count, 16):
-            z = depth_of(a0, a1, a2, reciprocal, v0, v1, v2, v10, v20, v21)
+            z = depth_of((a0, a1, a2), reciprocal, of_vertices, differences)
             store(words, position + i, fixed_depth(z, offset, low, high))
             a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
         return
@@ -302,24 +324,22 @@ def run_depth(words, position, count, n, right, depths, offset, low, high):
             inverse = bits_of_lanes(1.0 / total)
             exact = (inverse & FRACTION) == int64(0)
             lessened = select(exact, inverse, inverse - int64(1 << 21)) & KEEP_29
-        z = depth_of(e0, e1, e2, floats_of_lanes(lessened), v0, v1, v2, v10, v20, v21)
+        z = depth_of((e0, e1, e2), floats_of_lanes(lessened), of_vertices, differences)
         store(words, position + i, fixed_depth(z, offset, low, high))
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
 
 
-@kernel(void(float64[:, ::1], int32[::1], int64, int64, THREE, float64, float64, float64, float64))
-def triangle_depth(floats, words, position, count, depths, area, offset, low, high):
+@kernel(void(float64[:, ::1], int32[::1], int64, int64, DEPTHS, float64))
+def triangle_depth(floats, words, position, count, depths, area):
     """Depth words of a triangle's fragments, which carry their edge functions; its area is below 2**24."""
     separate_loop()
-    z0, z1, z2 = depths
+    _vertices, offset, low, high = depths
     n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
     reciprocal = f64x16(reciprocal_29(1.0 / area))
-    v0, v1, v2 = f64x16(z0), f64x16(z1), f64x16(z2)
-    v10, v20 = f64x16(depth_difference(z1, z0)), f64x16(depth_difference(z2, z0))
-    v21 = f64x16(depth_difference(z2, z1))
+    of_vertices, differences = vertex_depths(depths)
     for i in range(position, position + count, 16):
-        e0, e1, e2 = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
-        z = depth_of(e0, e1, e2, reciprocal, v0, v1, v2, v10, v20, v21)
+        edges = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        z = depth_of(edges, reciprocal, of_vertices, differences)
         store(words, i, fixed_depth(z, offset, low, high))
 
 
@@ -331,11 +351,10 @@ def mixed_depth(floats, words, start, end, low, high):
     z0, z1, z2, offset = floats[R.Z0], floats[R.Z1], floats[R.Z2], floats[R.Z_OFFSET]
     z10, z20, z21 = floats[R.Z10], floats[R.Z20], floats[R.Z21]
     for i in range(start, end, 16):
-        z = depth_of(
-            load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i), load_f64x16(reciprocal, i),
-            load_f64x16(z0, i), load_f64x16(z1, i), load_f64x16(z2, i),
-            load_f64x16(z10, i), load_f64x16(z20, i), load_f64x16(z21, i),
-        )  # fmt: skip
+        edges = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
+        depths = load_f64x16(z0, i), load_f64x16(z1, i), load_f64x16(z2, i)
+        differences = load_f64x16(z10, i), load_f64x16(z20, i), load_f64x16(z21, i)
+        z = depth_of(edges, load_f64x16(reciprocal, i), depths, differences)
         store(words, i, fixed_depth(z, load_f64x16(offset, i), low, high))
 
 
@@ -346,11 +365,11 @@ def spread(column, position, count, value):
         store(column, i, f64x8(value))
 
 
-@kernel(void(float64[:, ::1], int64, int64, THREE, float64, float64))
-def spread_depth(floats, position, count, depths, area, offset):
+@kernel(void(float64[:, ::1], int64, int64, DEPTHS, float64))
+def spread_depth(floats, position, count, depths, area):
     """A small triangle's numbers for ``mixed_depth``."""
     separate_function()
-    z0, z1, z2 = depths
+    (z0, z1, z2), offset, _low, _high = depths
     spread(floats[R.Z_RECIPROCAL], position, count, reciprocal_29(1.0 / area))
     spread(floats[R.Z0], position, count, z0)
     spread(floats[R.Z1], position, count, z1)
@@ -383,17 +402,56 @@ def color_terms(colors, i0, i1, i2, side, c):
     return int16(c1 * int32(256) + int32(128)), int16(c0 - c1), int16(c2 - c1)
 
 
-@kernel("void(i4[:,::1],i8,i4[:,::1],u1[:,:,::1],i8,i8,f8[:,::1],i4[:,::1],i8,i2[:,::1],i2[:,::1],i8)")
-def iterate_colors(lists, segments, triangles, colors, first, flat, floats, ints, whole, terms, out, plane):
+class Listed(NamedTuple):
+    """A batch's segments: the first ``count`` of rows STARTS, OWNERS and BACKS of ``lists``.
+
+    One array, because a call with three takes longer. Measured: one bilinear texture, 4 per cent (AMD EPYC).
+    """
+
+    lists: np.ndarray
+    count: int
+
+
+class Colors(NamedTuple):
+    """What colours are iterated from.
+
+    triangles  int32[n, 4]
+    vertices   uint8[n, 2, 8]
+    flat       whether a triangle takes its provoking vertex's colour
+    """
+
+    triangles: np.ndarray
+    vertices: np.ndarray
+    flat: int
+
+
+class ColorWeights(NamedTuple):
+    """What colours are iterated with: columns Q0 and Q2 of ``floats``, or, of segments that do not mix
+    triangles and where ``whole``, W0 and W2 of ``ints``.
+    """
+
+    floats: np.ndarray
+    ints: np.ndarray
+    whole: int
+
+
+LISTED = type_of(Listed, int32[:, ::1], int64)
+COLORS = type_of(Colors, int32[:, ::1], uint8[:, :, ::1], int64)
+COLOR_WEIGHTS = type_of(ColorWeights, float64[:, ::1], int32[:, ::1], int64)
+
+
+@kernel(void(LISTED, COLORS, int64, COLOR_WEIGHTS, int16[:, ::1], int16[:, ::1], int64))
+def iterate_colors(segments, of, first, weights, terms, out, plane):
     """Four colour channels from ``first`` on into four planes of ``out``: ``interpolate.iterate_color``.
 
     ``terms``: the planes from which mixed segments take base, and differences of vertices 0 and 2, of each
-    channel. ``whole``: whether W0 and W2 of the other segments are there.
+    channel.
     """
     separate_loop()
-    starts, owners, backs = lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS]
+    (triangles, colors, flat), (floats, ints, whole) = of, weights
+    starts, owners, backs = segments.lists[R.STARTS], segments.lists[R.OWNERS], segments.lists[R.BACKS]
     q0, q2 = floats[R.Q0], floats[R.Q2]
-    for s in range(segments):
+    for s in range(segments.count):
         t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
         if t < 0:
             for c in range(4):
@@ -429,14 +487,15 @@ def iterate_colors(lists, segments, triangles, colors, first, flat, floats, ints
             store(into3, i, shift_right(channel(w0, w2, b3, x3, y3), 8))
 
 
-@kernel("void(i4[:,::1],i8,i4[:,::1],u1[:,:,::1],i8,f8[:,::1],i4[:,::1],i8,i2[:,::1],u4[::1])")
-def iterate_packed(lists, segments, triangles, colors, flat, floats, ints, whole, terms, out):
+@kernel(void(LISTED, COLORS, COLOR_WEIGHTS, int16[:, ::1], uint32[::1]))
+def iterate_packed(segments, of, weights, terms, out):
     """The primary colour as packed bytes: ``iterate_colors`` where nothing else is done with it."""
     separate_loop()
-    starts, owners, backs = lists[R.STARTS], lists[R.OWNERS], lists[R.BACKS]
+    (triangles, colors, flat), (floats, ints, whole) = of, weights
+    starts, owners, backs = segments.lists[R.STARTS], segments.lists[R.OWNERS], segments.lists[R.BACKS]
     q0, q2 = floats[R.Q0], floats[R.Q2]
     high = int16(-256)
-    for s in range(segments):
+    for s in range(segments.count):
         t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
         if t < 0:
             for i in range(begin, end, 16):
@@ -475,14 +534,16 @@ def iterate_packed(lists, segments, triangles, colors, flat, floats, ints, whole
             store(out, i, widen_unsigned_i32(low) | (widen_unsigned_i32(upper) << 16))
 
 
-@kernel("void(i2[:,::1],i8,i8,u1[:,:,::1],i8,i4,i4,i4,i4,i4,i8)")
-def spread_colors(terms, position, count, colors, channels, i0, i1, i2, provoking, side, flat):
-    """A small triangle's numbers for the mixed segments of ``iterate_colors``: of four channels, or of eight
+@kernel(void(int16[:, ::1], int64, int64, COLORS, int64, int32, int32))
+def spread_colors(terms, position, count, of, channels, t, side):
+    """Small triangle t's numbers for the mixed segments of ``iterate_colors``: of four channels, or of eight
     with the secondary colour's from plane 12 on.
     """
     separate_function()
+    triangles, colors, flat = of
+    i0, i1, i2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
     if flat:
-        i0 = i1 = i2 = provoking
+        i0 = i1 = i2 = triangles[t, 3]
     for c in range(channels):
         base, d0, d2 = color_terms(colors, i0, i1, i2, side, c)
         for i in range(position, position + count, 16):
@@ -507,12 +568,12 @@ def terms_of(q0, q2, v1, d0, d2):
 
 @kernel
 def sum_beside(q0, q2, own, d0, d2):
-    """Whether a guess of how many units of ``terms_of`` make one holds for sixteen fragments, and the sum of
-    their cut terms if so.
+    """Whether a guess of how many units of ``terms_of`` make one is right for sixteen fragments; if so, the
+    sum of their cut terms.
 
     own, d0, d2: the vertices' numbers times the guess, ``own`` cut. A guess is a power of two, so q d times
-    it has the bits of ``terms_of``'s term, and the largest product of highest bits is 2**23 where the guess
-    is the one that it asks for, and nowhere else.
+    the guess has the bits of ``terms_of``'s term. The largest product of highest bits is 2**23 exactly where
+    the guess is right.
     """
     of_products = maximum(power_of(q0) * power_of(d0), power_of(q2) * power_of(d2))
     holds = all_lanes(maximum(of_products, power_of(own)) == 2.0**23)
@@ -525,15 +586,15 @@ def float_of_terms(largest, exponent, total):
     return total * floats_of_lanes(exponent - int64(23 << 52))
 
 
-@kernel("void(i4[:,::1],i8,i4[:,::1],f8[:,:,::1],i8,i8,f8[:,::1],f8[::1])")
-def iterate_floats(lists, segments, triangles, coordinates, unit, component, floats, out):
+@kernel(void(LISTED, int32[:, ::1], float64[:, :, ::1], int64, int64, float64[:, ::1], float64[::1]))
+def iterate_floats(segments, triangles, coordinates, unit, component, floats, out):
     """One texture coordinate (0 to 3: s, t, r, q) into a column of float64."""
     separate_function()
-    starts, owners = lists[R.STARTS], lists[R.OWNERS]
+    starts, owners = segments.lists[R.STARTS], segments.lists[R.OWNERS]
     q0, q2 = floats[R.Q0], floats[R.Q2]
     first = R.TERMS + 12 * unit + 3 * component
     base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
-    for s in range(segments):
+    for s in range(segments.count):
         t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
         if t < 0:
             for i in range(begin, end, 16):
@@ -566,12 +627,13 @@ def iterate_floats(lists, segments, triangles, coordinates, unit, component, flo
                 i += 16
 
 
-@kernel("void(f8[:,::1],i8,i8,f8[:,:,::1],i8,i8,i4,i4,i4)")
-def spread_coordinates(floats, position, count, coordinates, unit, components, i0, i1, i2):
+@kernel(void(float64[:, ::1], int64, int64, float64[:, :, ::1], int64, int64, types.UniTuple(int32, 3)))
+def spread_coordinates(floats, position, count, coordinates, unit, components, vertices):
     """A small triangle's numbers for the mixed segments of ``iterate_texels`` and ``iterate_floats``;
     ``components``: bits 1, 2, 4, 8 for s, t, r, q.
     """
     separate_function()
+    i0, i1, i2 = vertices
     for component in range(4):
         if not (components >> component) & 1:
             continue

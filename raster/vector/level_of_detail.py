@@ -4,7 +4,7 @@ The arithmetic is that of raster/portable/level_of_detail.py in the same order, 
 """
 
 import numpy as np
-from numba import float64, int32, int64, void
+from numba import float64, int32, int64, types, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -59,9 +59,9 @@ def linear_edge(xa, ya, xb, yb, px, py, sign):
 
 
 @kernel
-def _coordinates(n0, n1, n2, w0, w1, w2, s, t, q, projective):
+def _coordinates(n, inverse_w, s, t, q, projective):
     """(whether D > 0, s, t) at eight points; s, t, q: vertex 1's and the differences of 0 and 2 to it."""
-    e0, e1, e2 = n0 * w0, n1 * w1, n2 * w2
+    e0, e1, e2 = n[0] * inverse_w[0], n[1] * inverse_w[1], n[2] * inverse_w[2]
     total = (e0 + e1) + e2
     inverse = 1.0 / total
     b0, b2 = e0 * inverse, e2 * inverse
@@ -78,7 +78,7 @@ def _scale_factors(source, sizes, modes, px, py, blocks, rho2, cells):
     """The squared scale factor of each block from the one at (px, py) on to the right, infinite where it has
     none, and the part of ``CELLS`` that its mantissa lies in. ``source``: what coordinates are iterated from.
     """
-    (x0, y0, x1, y1, x2, y2), (w0, w1, w2), s, t, _r, q = source
+    (x0, y0, x1, y1, x2, y2), inverse_w, s, t, _r, q = source
     (width, height), (flat, projective) = sizes, modes
     sign = int64(-1 if (x1 - x0) * (y2 - y0) < (x2 - x0) * (y1 - y0) else 1)
     n0, right0, down0 = linear_edge(x1, y1, x2, y2, px, py, sign)
@@ -89,9 +89,11 @@ def _scale_factors(source, sizes, modes, px, py, blocks, rho2, cells):
     for at in range(0, blocks, 8):
         step = (ramp_f64x8() + float64(at)) * 2.0
         m0, m1, m2 = n0 + step * right0, n1 + step * right1, n2 + step * right2
-        ok0, s0, t0 = _coordinates(m0, m1, m2, w0, w1, w2, s, t, q, projective)
-        ok1, s1, t1 = _coordinates(m0 + right0, m1 + right1, m2 + right2, w0, w1, w2, s, t, q, projective)
-        ok2, s2, t2 = _coordinates(m0 + down0, m1 + down1, m2 + down2, w0, w1, w2, s, t, q, projective)
+        ok0, s0, t0 = _coordinates((m0, m1, m2), inverse_w, s, t, q, projective)
+        beside = m0 + right0, m1 + right1, m2 + right2
+        ok1, s1, t1 = _coordinates(beside, inverse_w, s, t, q, projective)
+        below = m0 + down0, m1 + down1, m2 + down2
+        ok2, s2, t2 = _coordinates(below, inverse_w, s, t, q, projective)
         s0, s1, s2 = s0 * width, s1 * width, s2 * width
         t0, t1, t2 = t0 * height, t1 * height, t2 * height
         dsx, dtx, dsy, dty = s1 - s0, t1 - t0, s2 - s0, t2 - t0
@@ -127,26 +129,18 @@ def lambdas(rho2, cells, first, blocks, row, lod, start, odd):
             store(lod, start + 2 * at - odd, both)
 
 
-@kernel(
-    void(
-        RUNS,
-        int32[:, ::1],
-        VERTICES,
-        int64,
-        int64[::1],
-        int32[:, ::1],
-        int32[:, ::1],
-        float64[::1],
-        int32[::1],
-    )
-)
-def level_of_detail(runs, triangles, vertices, unit, row, levels, ints, rho2, cells):
+_ROOM = types.Tuple((float64[::1], int32[::1]))
+
+
+@kernel(void(RUNS, int32[:, ::1], VERTICES, int64, int64[::1], int32[:, ::1], int32[:, ::1], _ROOM))
+def level_of_detail(runs, triangles, vertices, unit, row, levels, ints, room):
     """As the portable engine's ``level_of_detail``, of triangles; no cube maps and no 3D textures.
 
-    rho2, cells: scratch of at least half a batch and 24 more; what lies in LOD past the last run's end, up to
-    15 fragments, is lost.
+    ``room``: scratch, each at least half a batch and 24 more. Up to 15 fragments past the last run's end lose
+    their LOD.
     """
     separate_function()
+    rho2, cells = room
     width, height = float64(levels[0, 1]), float64(levels[0, 2])
     if row[R.TARGET] == C.TARGET_RECTANGLE:  # coordinates that count texels already
         width = height = 1.0

@@ -1,17 +1,20 @@
-"""Per-fragment operations of the vector engine: the results of ``fixedpipe.raster.portable.per_fragment`` for
-two shapes of batch.
+"""Per-fragment operations of the vector engine, with the results of
+``fixedpipe.raster.portable.per_fragment``.
 
-A *run* is a piece of a row and goes 16 or 32 pixels at a time. In a *mixed* stretch, of many small triangles,
-each fragment names its pixel, and the loops go fragment by fragment: two of them may name the same pixel, and
-the earlier one comes first. Whatever is rare is left to the loops of
-``fixedpipe.raster.portable.per_fragment``, run by run.
+A *run* is a piece of a row; its loops take 16 or 32 pixels at a time. In a *mixed* stretch, of many small
+triangles, each fragment names its pixel. There the loops go fragment by fragment, since two of them may name
+the same pixel, and the earlier one comes first. Rare operations are done run by run, by the loops of
+``fixedpipe.raster.portable.per_fragment``.
 """
 
-from numba import int16, int32, int64, uint8, uint32, uint64, void
+from typing import NamedTuple
+
+import numpy as np
+from numba import int16, int32, int64, types, uint8, uint32, uint64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import BUFFERS, RUNS
+from fixedpipe.raster.arrays import BUFFERS, RUN, RUNS, Run, type_of
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.portable import per_fragment as portable
 from fixedpipe.raster.vector.addresses import words_at
@@ -48,15 +51,39 @@ from fixedpipe.raster.vector.lanes import (
     widen_unsigned_i16,
 )
 
-_FAR_DEPTH = 1 << 30  # two depth words differ by less
-_FAR_BYTE = 1 << 14  # and two bytes by less than this
+_FAR_DEPTH = 1 << 30  # two depth words differ by less than this
+_FAR_BYTE = 1 << 14  # two bytes differ by less than this
 _BLENDED = 8  # pixels: shorter runs take longer to prepare than to blend one by one
+
+
+_U8, _I32, _I64, _U32 = types.uint8[::1], types.int32[::1], types.int64[::1], types.uint32[::1]
+_FACTORS = types.int32[:, ::1]
+
+
+class Fragments(NamedTuple):
+    """A batch's fragments, a row each; columns have SLACK elements more.
+
+    packed  uint32: colors
+    pixel   int32: y * width + x, where fragments are mixed
+    depth   int32: depth words; -1: outside their limits
+    alive   uint8: 1: the fragment has passed so far
+    """
+
+    packed: np.ndarray
+    pixel: np.ndarray
+    depth: np.ndarray
+    alive: np.ndarray
+
+
+FRAGMENTS = type_of(Fragments, _U32, _I32, _I32, _U8)
 
 
 @kernel
 def interval(function, far):
-    """(first, width) so that ``value FUNC reference`` is ``value - reference - first < width`` of unsigned
-    numbers that wrap; ``far``: more than the two differ by. ``function``: see ``portable.passes``.
+    """(first, width) so that ``value FUNC reference`` is ``value - reference - first < width``, in unsigned
+    numbers that wrap.
+
+    ``function``: see ``portable.passes``; ``far``: a number larger than the two ever differ by.
     """
     first, width = int64(0), int64(far)
     if function == C.COMPARISON_NEVER:
@@ -81,10 +108,10 @@ def interval(function, far):
 def tests_early(draw):
     """Whether a fragment that fails the depth test now can be left out before it is shaded.
 
-    It has no effect then: no stencil operation waits for its failure, and what fails beside the depths of now
-    fails at its turn too. For until then depths change by this Draw's fragments alone, each of which passes:
-    with LESS, LEQUAL, GREATER and GEQUAL they move away from what failed, with EQUAL they stay, and
-    so they do where none is written.
+    Leaving it out is safe. No stencil operation depends on its failure. And a fragment that fails against the
+    present depth fails later too, because until then only passing fragments of the same Draw change depths.
+    With LESS, LEQUAL, GREATER and GEQUAL they move depths away from the failed one. With EQUAL, or where
+    depths are not written, depths stay.
     """
     function, still = draw[R.DEPTH_FUNCTION], draw[R.DEPTH_WRITE] == 0
     useful = draw[R.NEEDS_DEPTH] != 0 and draw[R.NEEDS_COLOR] != 0 and function != C.COMPARISON_ALWAYS
@@ -111,7 +138,7 @@ def are_hidden(depth_words, pixel, depth, start, count, function):
 
 @kernel("boolean(u4[::1],i8,i4[::1],i8,i8,i8)")
 def is_hidden(depth_row, x, depth, start, count, function):
-    """The same of a run from ``x`` of a row."""
+    """``are_hidden`` for a run from ``x`` of a row."""
     separate_function()
     first, width = interval(function, _FAR_DEPTH)
     low, near = int32(first), int32(width)
@@ -132,7 +159,7 @@ def is_hidden(depth_row, x, depth, start, count, function):
 
 @kernel
 def factor(terms, s, d, sa, da, saturate):
-    """``portable.blend_factor`` of every lane: seven masks as there, of each lane's own channel."""
+    """``portable.blend_factor`` of every lane, by seven masks of the lane's channel."""
     m0, m1, m2, m3, m4, constant, invert = terms
     return ((s & m0) | (d & m1) | (sa & m2) | (da & m3) | (saturate & m4) | constant) ^ invert
 
@@ -218,10 +245,11 @@ def blend_colors(s, d, even_source, even_destination, odd_source, odd_destinatio
     return lanes_of_halves(even) | (lanes_of_halves(odd) << 8)
 
 
-@kernel("void(u4[::1],i8,i8,u4[::1],u1[::1],i8,i4[:,::1],u4)")
-def blend_run(row, x, count, source, alive, start, factors, mask):
+@kernel(void(_U32, RUN, _U32, _U8, _FACTORS, uint32))
+def blend_run(row, run, source, alive, factors, mask):
     """``portable.blend_run`` with FUNC_ADD, of a row of the framebuffer."""
     separate_loop()
+    x, _y, count, start = run
     even_source, odd_source = terms_of_two(factors[0], int64(0)), terms_of_two(factors[0], int64(1))
     even_destination, odd_destination = terms_of_two(factors[1], int64(0)), terms_of_two(factors[1], int64(1))
     written = i32x16(int32(mask))
@@ -242,10 +270,11 @@ def add_packed(s, d):
 # ------------------------------------------------------------------------------------------------------ runs
 
 
-@kernel("void(u4[::1],u4[::1],i8,i8,u4[::1],i4[::1],u1[::1],i8,i8[::1])")
-def depth_and_write(depth_row, color_row, x, count, source, depth, alive, start, draw):
+@kernel(void(_U32, _U32, RUN, _U32, _I32, _U8, _I64))
+def depth_and_write(depth_row, color_row, run, source, depth, alive, draw):
     """Depth test and replacing, or blending with ONE, ONE, FUNC_ADD, of one run."""
     separate_loop()
+    x, _y, count, start = run
     first, width = interval(draw[R.DEPTH_FUNCTION], _FAR_DEPTH)
     low, near = int32(first), int32(width)
     writes_depth, adds = draw[R.DEPTH_WRITE] != 0, draw[R.BLEND] == C.BLEND_ADD
@@ -290,10 +319,11 @@ def operated(stored, operation):
     return minimum(maximum(((stored & kept) ^ flipped) + addend, low), high) & 255
 
 
-@kernel("void(u1[::1],u4[::1],i8,i8,u1[::1],i8,i4[::1],i8[::1])")
-def stencil_run(stencil_row, depth_row, x, count, alive, start, depth, draw):
+@kernel(void(_U8, _U32, RUN, _U8, _I32, _I64))
+def stencil_run(stencil_row, depth_row, run, alive, depth, draw):
     """``portable.stencil_run`` of a multiple of 32 pixels of a row."""
     separate_loop()
+    x, _y, count, start = run
     first, width = interval(draw[R.STENCIL_FUNCTION], _FAR_BYTE)
     mask = int16(draw[R.STENCIL_MASK])
     reference = int16((draw[R.STENCIL_REFERENCE] & draw[R.STENCIL_MASK]) - first)
@@ -374,7 +404,7 @@ def scatter_add(color, pixel, start, end, source, alive, mask):
 
 @kernel("void(u4[::1],i4[::1],i8,i8,u4[::1],u1[::1],i4[:,::1],u4)")
 def scatter_blend_few(color, pixel, start, end, source, alive, factors, mask):
-    """``scatter_blend`` one by one: where pixels meet, or for less than a vector of them."""
+    """``scatter_blend`` one by one, for fragments of the same pixel, or for fewer than a vector holds."""
     separate_loop()
     of_source, of_destination = terms_of_four(factors[0]), terms_of_four(factors[1])
     top = quarters_of(int64(255) << 48)  # alpha's saturate term is one
@@ -393,7 +423,7 @@ def scatter_blend_few(color, pixel, start, end, source, alive, factors, mask):
 def scatter_blend(color, pixel, start, end, source, alive, factors, mask):
     """``portable.blend_run`` with FUNC_ADD of living fragments start..end-1, in order.
 
-    Sixteen at a time where no two of them have one pixel; ``source`` is then overwritten.
+    Sixteen at a time where all their pixels differ; ``source`` is then overwritten.
     """
     separate_loop()
     even_source, odd_source = terms_of_two(factors[0], int64(0)), terms_of_two(factors[0], int64(1))
@@ -437,46 +467,131 @@ def spread_first(packed, depth, count):
         packed[i], depth[i] = shade, word
 
 
-@kernel(
-    void(
-        int64[::1],
-        int64,
-        RUNS,
-        int64,
-        uint32[::1],
-        int32[::1],
-        int32[::1],
-        uint8[::1],
-        int32[:, ::1],
-        BUFFERS,
-    )
-)
-def write_fragments(draw, count, runs, solid, packed, pixel, depth, alive, factors, buffers):
-    """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch, like
-    ``portable.per_fragment``.
+class Operations(NamedTuple):
+    """Which operations a Draw asks for, and the values that they have in common.
 
-    count       fragments; columns have SLACK elements more
-    runs        where a run's y is -1 fragments are mixed instead: each has its own ``pixel``, y * width + x
-    solid       1: ``packed[0]`` and ``depth[0]`` are those of every fragment, runs tell no more than
-                each run's length, and ``count`` is the length of the longest: the columns need hold no more.
-                Nothing is mixed then, nor discarded
-    packed      uint32: the fragments' colors, which nothing reads unless draw[NEEDS_COLOR]; undefined
-                afterwards, as are ``depth`` and ``alive``
-    pixel       int32, read where fragments are mixed
-    depth       int32: depth words (-1: outside their limits), which nothing reads unless draw[NEEDS_DEPTH]
-    alive       uint8: what shading left where it DISCARDS
-    factors     int32[2, 4 * FACTOR_SIZE]: the blend factors of source and destination
+    tests_stencil, tests_depth, writes  whether there is a stencil test, a depth test, a colour to write
+    surface       whether the framebuffer does not keep four bytes, or the equation is a signed one
+    blends        whether it blends with any factors
+    adds_factors  and with FUNC_ADD
+    fused         whether one loop tests depths and writes colours
+    stores        whether every colour replaces what was there
+    mask          of the colour's bits
     """
-    separate_function()
-    color, depth_buffer, stencil = buffers
-    mode, mask, width = draw[R.BLEND], uint32(draw[R.COLOR_MASK]), int64(color.shape[1])
+
+    tests_stencil: bool
+    tests_depth: bool
+    writes: bool
+    surface: bool
+    blends: bool
+    adds_factors: bool
+    fused: bool
+    stores: bool
+    mask: int
+
+
+@kernel(inlined=True)
+def operations_of(draw):
+    """The Operations of a Draw."""
+    mode, mask = draw[R.BLEND], uint32(draw[R.COLOR_MASK])
     writes, surface = draw[R.NEEDS_COLOR] != 0 and mask != uint32(0), draw[R.SURFACE] != 0
     tests_stencil, tests_depth = draw[R.STENCIL_TEST] != 0, draw[R.NEEDS_DEPTH] != 0
     blends = mode == C.BLEND_GENERAL
     adds_factors = blends and draw[R.BLEND_EQUATION] == C.EQUATION_FUNC_ADD
-    unusual = surface or mode == C.BLEND_LOGIC or (blends and not adds_factors)
-    rare = tests_stencil or (writes and unusual)
-    fused = tests_depth and writes and not rare and not blends
+    untested = not (limits_fragments(draw) or tests_depth or tests_stencil)
+    plain = not (surface or mode == C.BLEND_LOGIC or blends)
+    fused = tests_depth and writes and not tests_stencil and plain
+    stores = untested and mode == C.BLEND_REPLACE and not surface and mask == uint32(0xFFFFFFFF)
+    return Operations(tests_stencil, tests_depth, writes, surface, blends, adds_factors, fused, stores, mask)
+
+
+@kernel(inlined=True)
+def limits_fragments(draw):
+    """Whether fragments may end before the stencil and the depth test."""
+    return (draw[R.ALPHA_TEST] | draw[R.DISCARDS] | draw[R.DEPTH_CULL]) != 0
+
+
+@kernel(inlined=True)
+def is_rare(draw, asked):
+    """Whether mixed fragments go run by run."""
+    unusual = asked.surface or draw[R.BLEND] == C.BLEND_LOGIC or (asked.blends and not asked.adds_factors)
+    return asked.tests_stencil or (asked.writes and unusual)
+
+
+@kernel(inlined=True)
+def write_mixed(draw, factors, asked, start, end, fragments, buffers):
+    """Mixed fragments start..end-1, in order: the depth test, and what is done with their colours."""
+    (packed, pixel, depth, alive), (color, depth_buffer, _stencil) = fragments, buffers
+    if asked.tests_depth:
+        depth_words = words_at(int64(depth_buffer.ctypes.data), int64(depth_buffer.size))
+        function, writes_depth = draw[R.DEPTH_FUNCTION], draw[R.DEPTH_WRITE]
+        scatter_depth(depth_words, pixel, start, end, depth, alive, function, writes_depth)
+    if asked.writes:
+        color_words = words_at(int64(color.ctypes.data), int64(color.size))
+        if asked.blends:
+            scatter_blend(color_words, pixel, start, end, packed, alive, factors, asked.mask)
+        elif draw[R.BLEND] == C.BLEND_ADD:
+            scatter_add(color_words, pixel, start, end, packed, alive, asked.mask)
+        else:
+            scatter_write(color_words, pixel, start, end, packed, alive, asked.mask)
+
+
+@kernel(inlined=True)
+def test_run(draw, asked, run, fragments, buffers):
+    """Stencil and depth test of a run, unless its depth test is fused."""
+    (_packed, _pixel, depth, alive), (_color, depth_buffer, stencil) = fragments, buffers
+    x, y, n, start = run
+    if asked.tests_stencil:
+        whole = n & ~31
+        if whole > 0:
+            stencil_run(stencil[y], depth_buffer[y], Run(x, y, whole, start), alive, depth, draw)
+        if n > whole:
+            rest = Run(x + whole, y, n - whole, start + whole)
+            portable.stencil_run(stencil, depth_buffer, rest, alive, depth, draw)
+    elif asked.tests_depth and not asked.fused:
+        function, writes_depth = int32(draw[R.DEPTH_FUNCTION]), draw[R.DEPTH_WRITE]
+        portable.depth_run(depth_buffer, run, alive, depth, function, writes_depth)
+
+
+@kernel(inlined=True)
+def write_run(draw, factors, asked, run, fragments, buffers):
+    """What is done with the colours of a run."""
+    mode = draw[R.BLEND]
+    (packed, _pixel, depth, alive), (color, depth_buffer, _stencil) = fragments, buffers
+    if asked.fused:
+        depth_and_write(depth_buffer[run.y], color[run.y], run, packed, depth, alive, draw)
+    elif asked.surface:
+        portable.surface_run(color, run, packed, alive, factors, draw)
+    elif asked.adds_factors and run.count >= _BLENDED:
+        blend_run(color[run.y], run, packed, alive, factors, asked.mask)
+    elif asked.blends:
+        portable.blend_run(color, run, packed, alive, factors, draw[R.BLEND_EQUATION], asked.mask)
+    elif mode == C.BLEND_ADD:
+        portable.add_run(color, run, packed, alive, asked.mask)
+    elif mode == C.BLEND_LOGIC:
+        portable.logic_run(color, run, packed, alive, draw[R.LOGIC_OPERATION], asked.mask)
+    elif asked.stores:  # BLEND_REPLACE, as what follows
+        portable.store_run(color, run, packed)
+    else:
+        portable.write_run(color, run, packed, alive, asked.mask)
+
+
+@kernel(void(_I64, _FACTORS, int64, RUNS, int64, FRAGMENTS, BUFFERS))
+def write_fragments(draw, factors, count, runs, solid, fragments, buffers):
+    """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch, like
+    ``portable.per_fragment``.
+
+    count      fragments
+    runs       where a run's y is -1 fragments are mixed instead: each has its own ``pixel``
+    solid      1: the first color and depth word are those of every fragment, runs tell no more than each
+               run's length, and ``count`` is the length of the longest: the columns need hold no more.
+               Nothing is mixed then, nor discarded
+    fragments  nothing reads the colors unless draw[NEEDS_COLOR], or the depth words unless draw[NEEDS_DEPTH];
+               ``alive`` is what shading left where it DISCARDS; all but ``pixel`` are undefined afterwards
+    """
+    separate_function()
+    packed, pixel, depth, alive = fragments
+    asked, width = operations_of(draw), int64(buffers.color.shape[1])
     if solid:
         spread_first(packed, depth, count)
     if not draw[R.DISCARDS]:
@@ -485,34 +600,19 @@ def write_fragments(draw, count, runs, solid, packed, pixel, depth, alive, facto
         alpha_test(packed, count, draw[R.ALPHA_FUNCTION], int32(draw[R.ALPHA_REFERENCE]), alive)
     if draw[R.DEPTH_CULL]:
         portable.depth_limits(depth, count, alive)
-    limited = draw[R.ALPHA_TEST] | draw[R.DISCARDS] | draw[R.DEPTH_CULL]
-    if solid and limited and count > 0 and not alive[0]:
+    if solid and limits_fragments(draw) and count > 0 and not alive[0]:
         return
-    untested = not (limited or tests_depth or tests_stencil)
-    replaces = mode == C.BLEND_REPLACE and not surface and mask == uint32(0xFFFFFFFF)
-    stores = untested and replaces
-    color_words = words_at(int64(color.ctypes.data), int64(color.size))
-    depth_words = words_at(int64(depth_buffer.ctypes.data), int64(depth_buffer.size))
+    rare = is_rare(draw, asked)
     for k in range(runs.count):
         start, end = int64(runs.starts[k]), int64(runs.starts[k + 1])
         y, x = int64(runs.y[k]), int64(runs.x[k])
         mixed = y < 0
         if mixed and not rare:
-            if tests_depth:
-                function, writes_depth = draw[R.DEPTH_FUNCTION], draw[R.DEPTH_WRITE]
-                scatter_depth(depth_words, pixel, start, end, depth, alive, function, writes_depth)
-            if not writes:
-                continue
-            if blends:
-                scatter_blend(color_words, pixel, start, end, packed, alive, factors, mask)
-            elif mode == C.BLEND_ADD:
-                scatter_add(color_words, pixel, start, end, packed, alive, mask)
-            else:
-                scatter_write(color_words, pixel, start, end, packed, alive, mask)
+            write_mixed(draw, factors, asked, start, end, fragments, buffers)
             continue
         if solid:
             start, end = int64(0), end - start
-            if k > 0 and (tests_stencil or tests_depth):
+            if k > 0 and (asked.tests_stencil or asked.tests_depth):
                 portable.all_alive(alive, end)
         while start < end:
             n = end - start
@@ -520,33 +620,8 @@ def write_fragments(draw, count, runs, solid, packed, pixel, depth, alive, facto
                 y, x, n = int64(pixel[start]) // width, int64(pixel[start]) % width, int64(1)
                 while start + n < end and x + n < width and pixel[start + n] == pixel[start] + int32(n):
                     n += 1
-            if tests_stencil:
-                whole = n & ~31
-                rest, at = n - whole, start + whole
-                if whole > 0:
-                    stencil_run(stencil[y], depth_buffer[y], x, whole, alive, start, depth, draw)
-                if rest > 0:
-                    portable.stencil_run(stencil, depth_buffer, y, x + whole, rest, alive, at, depth, draw)
-            elif fused:
-                depth_and_write(depth_buffer[y], color[y], x, n, packed, depth, alive, start, draw)
-            elif tests_depth:
-                function, writes_depth = int32(draw[R.DEPTH_FUNCTION]), draw[R.DEPTH_WRITE]
-                portable.depth_run(depth_buffer, y, x, n, alive, start, depth, function, writes_depth)
-            if writes and not fused:
-                if surface:
-                    portable.surface_run(color, y, x, n, packed, alive, start, factors, draw)
-                elif adds_factors and n >= _BLENDED:
-                    blend_run(color[y], x, n, packed, alive, start, factors, mask)
-                elif blends:
-                    equation = draw[R.BLEND_EQUATION]
-                    portable.blend_run(color, y, x, n, packed, alive, start, factors, equation, mask)
-                elif mode == C.BLEND_ADD:
-                    portable.add_run(color, y, x, n, packed, alive, start, mask)
-                elif mode == C.BLEND_LOGIC:
-                    operation = draw[R.LOGIC_OPERATION]
-                    portable.logic_run(color, y, x, n, packed, alive, start, operation, mask)
-                elif stores:  # BLEND_REPLACE, as what follows
-                    portable.store_run(color, y, x, n, packed, start)
-                else:
-                    portable.write_run(color, y, x, n, packed, alive, start, mask)
+            run = Run(x, y, n, start)
+            test_run(draw, asked, run, fragments, buffers)
+            if asked.writes:
+                write_run(draw, factors, asked, run, fragments, buffers)
             start += n

@@ -376,10 +376,14 @@ def filter_located(pairs, unit, located, count, registers, plane):
         make_signed(unit[R.SIGNED], count, registers, plane)
 
 
-@kernel("void(u4[::1],i4[:,::1],i8[::1],i4[::1],i4[::1],i4[::1],i8,i4[:,::1],i2[:,::1],i8)")
-def filter_mipmapped(pairs, levels, unit, f_s, f_t, lod, count, located, registers, plane):
-    """A unit that looks at lambda (``lod``, 8 fraction bits) for its filter or level, into four planes."""
+@kernel("void(u4[::1],i4[:,::1],i8[::1],UniTuple(i4[::1],3),i8,i4[:,::1],i2[:,::1],i8)")
+def filter_mipmapped(pairs, levels, unit, fixed, count, located, registers, plane):
+    """A unit whose filter or level depends on lambda, into four planes.
+
+    ``fixed``: F of s and of t (``locate``), and lambda, 8 fraction bits.
+    """
     separate_function()
+    f_s, f_t, lod = fixed
     highest = locate_levels(levels, unit, f_s, f_t, lod, int32(0), count, located)
     if unit[R.MIPMAP] == C.MIPMAP_LINEAR and highest > max(unit[R.THRESHOLD], 0):
         locate_levels(levels, unit, f_s, f_t, lod, int32(1), count, located)

@@ -1,7 +1,7 @@
 """Sixteen small triangles at a time, one in each lane: which pixels they cover, and the numbers that their
 fragments carry in mixed segments.
 
-What is computed is what ``fixedpipe.raster.vector.frame`` computes for one triangle: edge functions as
+What is computed is what ``fixedpipe.raster.vector.band`` computes for one triangle: edge functions as
 integers, and the same float64 operations in the same order (``fixedpipe.raster.vector.interpolate``).
 """
 
@@ -14,7 +14,8 @@ from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.interpolate import coordinate_difference, weight_factors
 from fixedpipe.raster.primitives.triangle import polygon_offset
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
-from fixedpipe.raster.vector.interpolate import keep_24, reciprocals_24, spread, spread_colors
+from fixedpipe.raster.vector.batch import BATCH, add_mixed_run, add_run, open_mixed, with_small
+from fixedpipe.raster.vector.interpolate import Colors, keep_24, reciprocals_24, spread, spread_colors
 from fixedpipe.raster.vector.lanes import (
     absolute,
     bits_of_lanes,
@@ -37,12 +38,10 @@ from fixedpipe.raster.vector.lanes import (
     to_float64,
 )
 
-WIDEST, HIGHEST = (
-    8,
-    8,
-)  # pixels: a mask's 8 * row + column, the upper four rows' in a word and the lower ones'
-# 1/16 pixel: what shows of a larger triangle may be as small, but its edge functions need more than 32 bits,
-# and its area more than the 24 of ``mixed_depth``.
+# Pixels: a mask has bit 8 * row + column for each, the upper four rows in one word and the lower four in one.
+WIDEST, HIGHEST = 8, 8
+# 1/16 pixel. The visible part of a larger triangle may be as small, but its edge functions need more than 32
+# bits, and its area more than the 24 bits of ``mixed_depth``.
 LARGEST_SMALL = 2048
 FARTHEST = 1 << 24  # 1/16 pixel: differences of nearer vertices are integers of 32 bits
 
@@ -65,8 +64,8 @@ def difference_of(z, base):
 def cover(lanes, count, x_first, x_last, top, bottom):
     """Rows of ``lanes`` (``rows.LANE_N0`` and what follows) for the triangles whose corners are there.
 
-    Pixels: x_first..x_last, top..bottom. Returns which of the first ``count`` are small enough for a mask of
-    their pixels (``rows.LANE_UPPER``); the others' rows hold nothing.
+    Pixels: x_first..x_last, top..bottom. Returns a bit for each of the first ``count`` triangles that is
+    small enough for a mask of its pixels (``rows.LANE_UPPER``); the others' entries have no meaning.
     """
     separate_function()
     x0, y0 = load_i32x16(lanes[R.LANE_X0], 0), load_i32x16(lanes[R.LANE_Y0], 0)
@@ -134,9 +133,9 @@ def cover(lanes, count, x_first, x_last, top, bottom):
 @kernel(int64(JOB, int32[::1], int64, int64, int64, SCRATCH))
 def set_up(job, members, first, top, bottom, scratch):
     """Up to sixteen of ``members`` from ``first`` on, in rows top..bottom, into ``scratch``'s lanes; returns
-    which of them ``share`` takes, a bit each.
+    a bit for each of them that ``share`` takes.
 
-    Row c of ``lane_floats`` is what column ``rows.WEIGHT_FACTOR0 + c`` gets.
+    Row c of ``lane_floats`` goes into column ``rows.WEIGHT_FACTOR0 + c``.
     """
     separate_function()
     p = pass_of(job)
@@ -202,12 +201,12 @@ def set_up(job, members, first, top, bottom, scratch):
     return found
 
 
-@kernel(types.UniTuple(int64, 4)(JOB, int32[::1], int64, int64, int64, int64, int64, int64, SCRATCH))
-def share(job, members, k, taken, position, runs, batch, width, scratch):
+@kernel(types.Tuple((int64, BATCH, int64))(JOB, int32[::1], int64, int64, BATCH, int64, int64, SCRATCH))
+def share(job, members, k, taken, batch, capacity, width, scratch):
     """Fragments of the triangles from ``members[k]`` on that ``set_up`` took, into the mixed segment.
 
-    Returns the first that is not drawn, position and runs behind them, and whether the batch had no room for
-    it.
+    Returns the first triangle that is not drawn, the batch with the fragments of those before it, and whether
+    it was left because the batch has no room for it.
     """
     separate_function()
     p = pass_of(job)
@@ -222,15 +221,16 @@ def share(job, members, k, taken, position, runs, batch, width, scratch):
     weights = int64(0)
     if draw[R.NEEDS_ITERATION_WEIGHTS]:
         weights = int64(3 if job[R.JOB_PERSPECTIVE] else 1)
-    end = (k | 15) + 1
+    position, runs, end, full = batch.position, batch.runs, (k | 15) + 1, int64(0)
     while k < end and (taken >> (k & 15)) & 1:
         lane = k & 15
         covered = int64(uint32(lanes[R.LANE_UPPER, lane])) | (int64(lanes[R.LANE_LOWER, lane]) << 32)
         if covered == 0:
             k += 1
             continue
-        if position + count_bits(covered) > batch:
-            return k, position, runs, int64(1)
+        if position + count_bits(covered) > capacity:
+            full = int64(1)
+            break
         t, begin = members[k], position
         right0, right1 = float64(lanes[R.LANE_RIGHT0, lane]), float64(lanes[R.LANE_RIGHT1, lane])
         right2 = float64(lanes[R.LANE_RIGHT2, lane])
@@ -250,10 +250,7 @@ def share(job, members, k, taken, position, runs, batch, width, scratch):
                 store(n2, position, step2 + (e2 + ahead * right2))
                 store(pixel, position, ramp_i32x8() + int32(y * width + left + start))
                 if row_runs:
-                    lists[R.RUN_STARTS, runs], lists[R.RUN_X, runs] = int32(position), int32(left + start)
-                    lists[R.RUN_Y, runs] = int32(y)
-                    ints[R.OWNER, runs] = t
-                    runs += 1
+                    runs = add_run(scratch, runs, position, t, left + start, y)
                 position += count_bits(bits)
             e0, e1, e2 = e0 + down0, e1 + down1, e2 + down2
             y += 1
@@ -275,9 +272,13 @@ def share(job, members, k, taken, position, runs, batch, width, scratch):
                 components >>= 1
                 at += 3
         if varies:
-            v0, v1, v2, provoking = triangles[t, 0], triangles[t, 1], triangles[t, 2], triangles[t, 3]
             back = int32(1) if draw[R.BACK_SIGN] == int64(lanes[R.LANE_SIGN, lane]) else int32(0)
-            terms = scratch.planes[R.COLOR_TERMS :]
-            spread_colors(terms, begin, n, p.vertices.colors, channels, v0, v1, v2, provoking, back, flat)
+            colors = Colors(triangles, p.vertices.colors, flat)
+            spread_colors(scratch.planes[R.COLOR_TERMS :], begin, n, colors, channels, t, back)
         k += 1
-    return k, position, runs, int64(0)
+    if position > batch.position:
+        if not row_runs:
+            runs = add_mixed_run(lists, runs, batch.position)
+        mixed_from, segments = open_mixed(lists, batch, batch.position)
+        batch = with_small(batch, position, segments, runs, mixed_from)
+    return k, batch, full

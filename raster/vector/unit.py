@@ -9,6 +9,7 @@ from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.kernel import float_of, kernel, separate_function
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
 from fixedpipe.raster.vector.coordinates import (
+    Axis,
     cube_faces,
     depth_words,
     divide_by_q,
@@ -21,6 +22,7 @@ from fixedpipe.raster.vector.interpolate import (
     LARGEST_COORDINATE,
     LARGEST_FLOAT,
     LARGEST_REPEATED,
+    Listed,
     iterate_floats,
 )
 from fixedpipe.raster.vector.level_of_detail import level_of_detail
@@ -160,25 +162,24 @@ def sample_computed(job, u, count, segments, scratch):
     located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
     s, t, extra, r = floats[R.S], floats[R.T], floats[R.EXTRA], floats[R.COORDINATE0]
     cube, projective = row[R.TARGET] == C.TARGET_CUBE_MAP, row[R.PROJECTIVE] != 0
-    compared = row[R.COMPARE] != C.COMPARE_MODE_NONE
-    iterate_floats(scratch.lists, segments, triangles, coordinates, u, 0, floats, s)
-    iterate_floats(scratch.lists, segments, triangles, coordinates, u, 1, floats, t)
+    compared, listed = row[R.COMPARE] != C.COMPARE_MODE_NONE, Listed(scratch.lists, segments)
+    iterate_floats(listed, triangles, coordinates, u, 0, floats, s)
+    iterate_floats(listed, triangles, coordinates, u, 1, floats, t)
     if cube:
-        iterate_floats(scratch.lists, segments, triangles, coordinates, u, 2, floats, extra)
+        iterate_floats(listed, triangles, coordinates, u, 2, floats, extra)
         cube_faces(s, t, extra, ints[R.FACE], count)
     elif projective:
-        iterate_floats(scratch.lists, segments, triangles, coordinates, u, 3, floats, extra)
+        iterate_floats(listed, triangles, coordinates, u, 3, floats, extra)
     # The usual shadow map: quotients need not be known to their last bit.
     width, height, edge = float64(levels[0, 1]), float64(levels[0, 2]), int64(C.WRAP_CLAMP_TO_EDGE)
     usual = projective and row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE and row[R.MAG_LINEAR] != 0
     usual = usual and row[R.TARGET] == C.TARGET_2D and row[R.DEPTH_TEXEL_FORMAT] == C.DEPTH_FIXED
     usual = usual and row[R.WRAP_S] == edge and row[R.WRAP_T] == edge and max(width, height) <= LARGEST_SHADOW
     if usual:
-        iterate_floats(scratch.lists, segments, triangles, coordinates, u, 2, floats, r)
+        iterate_floats(listed, triangles, coordinates, u, 2, floats, r)
         scale, largest = float_of(row[R.COORDINATE_DEPTH]), int32(row[R.DEPTH_TEXEL_MAX])
-        fixed_from_quotients(
-            s, t, r, extra, f_s, f_t, ints[R.REFERENCE], width, height, scale, largest, count
-        )
+        made = f_s, f_t, ints[R.REFERENCE]
+        fixed_from_quotients((s, t, r, extra), made, (width, height, scale), largest, count)
         locate(levels, row, f_s, f_t, count, located)
         plane, function = (C.REGISTER_TEXTURE0 + u) * 4, row[R.COMPARE_FUNCTION]
         pairs = p.textures.texels[u]
@@ -189,7 +190,7 @@ def sample_computed(job, u, count, segments, scratch):
         divide_by_q(t, extra, count)
     if compared:
         if row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE:
-            iterate_floats(scratch.lists, segments, triangles, coordinates, u, 2, floats, r)
+            iterate_floats(listed, triangles, coordinates, u, 2, floats, r)
             if projective:
                 divide_by_q(r, extra, count)
         else:
@@ -219,7 +220,7 @@ def sample(job, u, count, segments, runs, scratch):
     """Texture unit ``u`` of a batch into its register's planes."""
     separate_function()
     p = pass_of(job)
-    path, row, lists = job[R.JOB_UNIT_PATH + u], p.textures.units[u], scratch.lists
+    path, row = job[R.JOB_UNIT_PATH + u], p.textures.units[u]
     triangles, coordinates = p.triangles, p.vertices.coordinates
     floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (C.REGISTER_TEXTURE0 + u) * 4
     if path == C.PATH_DISABLED:
@@ -233,15 +234,18 @@ def sample(job, u, count, segments, runs, scratch):
     source, levels = job[R.JOB_COORDINATES_OF + u], p.textures.levels[u]
     f_s, f_t = ints[R.FIXED0 + 2 * source], ints[R.FIXED0 + 2 * source + 1]
     if source == u:
-        repeat_s, repeat_t = row[R.WRAP_S] == C.WRAP_REPEAT, row[R.WRAP_T] == C.WRAP_REPEAT
-        log2_s, log2_t = job[R.JOB_LOG2_S + u], job[R.JOB_LOG2_T + u]
-        iterate_texels(lists, segments, triangles, coordinates, u, 0, log2_s, repeat_s, floats, f_s)
-        iterate_texels(lists, segments, triangles, coordinates, u, 1, log2_t, repeat_t, floats, f_t)
+        listed = Listed(scratch.lists, segments)
+        along_s = Axis(u, int64(0), job[R.JOB_LOG2_S + u], int64(row[R.WRAP_S] == C.WRAP_REPEAT))
+        along_t = Axis(u, int64(1), job[R.JOB_LOG2_T + u], int64(row[R.WRAP_T] == C.WRAP_REPEAT))
+        iterate_texels(listed, triangles, coordinates, along_s, floats, f_s)
+        iterate_texels(listed, triangles, coordinates, along_t, floats, f_t)
         if path == C.PATH_ITERATED:
             locate(levels, row, f_s, f_t, count, scratch.located[u])
     pairs = p.textures.texels[u]
     if path == C.PATH_ITERATED:
         filter_located(pairs, row, scratch.located[source], count, planes, plane)
         return
-    level_of_detail(runs, triangles, p.vertices, u, row, levels, ints, floats[R.TEXEL], ints[R.LEVEL])
-    filter_mipmapped(pairs, levels, row, f_s, f_t, ints[R.LOD], count, scratch.located[u], planes, plane)
+    room = floats[R.TEXEL], ints[R.LEVEL]
+    level_of_detail(runs, triangles, p.vertices, u, row, levels, ints, room)
+    fixed = f_s, f_t, ints[R.LOD]
+    filter_mipmapped(pairs, levels, row, fixed, count, scratch.located[u], planes, plane)

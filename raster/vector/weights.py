@@ -30,16 +30,16 @@ def run_color_weights(ints, position, count, n, right):
     """W0 and W2 of ``count`` pixels to the right of the one whose edge functions are ``n``; no perspective.
 
     They are floor(256 q) of the weights of ``interpolate.run_weights``. With rD the reciprocal of the area in
-    24 bits, each x = n rD is exact where the area is not above LARGEST_AREA, and so is what a step along the
-    run adds. The two floors, of the first lane's and of what the others add, lie less than two units of
-    2**-30 below x.
+    24 bits, x = n rD is exact where the area is not above LARGEST_AREA. So is what a step along the run adds.
+    The two floors, of the first lane's x and of what the other lanes add, lie less than two units of 2**-30
+    below x.
 
-    A weight differs from x by less than 2**-20: edge functions cut to 24 bits by 2**-23 of them, their sum by
-    2**-21 and its reciprocal, which errs by 2**-22, as much, a cut weight by 2**-24, and what two others
-    leave of one by what these three err. So it has the floor of x where no step of 1/256 lies within NEAR.
-    Where edge functions ``are_exact`` only what two others leave may lie below x, and only where the area
-    times its reciprocal is above one. Sixteen pixels of which one lies that near are computed as
-    ``run_weights`` does.
+    A weight differs from x by less than 2**-20. Cutting to 24 bits changes an edge function by 2**-23 of it,
+    their sum by 2**-21, and a weight by 2**-24; the reciprocal errs by 2**-22; and a weight that is what two
+    others leave of one errs by as much as those. So floor(256 q) is that of x unless a step of 1/256 lies
+    within NEAR. Where edge functions ``are_exact``, only a weight that two others leave may lie below x, and
+    only if the area times its reciprocal is above one. If one of sixteen pixels lies that near, all sixteen
+    are computed as in ``run_weights``.
     """
     separate_loop()
     (n0, n1, n2), (right0, right1, right2) = n, right

@@ -50,7 +50,7 @@ def test_what_is_no_source_leaves_the_digest(sources):
     assert kernel.source_digest(sources) == before
 
 
-RASTER, MOST_ARGUMENTS = Path(kernel.__file__).parent, 12
+RASTER, MOST_ARGUMENTS = Path(kernel.__file__).parent, 8
 
 
 @pytest.mark.parametrize("path", kernel.kernel_sources(RASTER), ids=str)
@@ -65,9 +65,15 @@ def test_what_belongs_together_is_one_argument(path):
 KERNELS = """
 from fixedpipe.raster.kernel import kernel
 
+@kernel(inlined=True)
+def copied(x):
+    if x > 2.0:
+        return 2.0
+    return x
+
 @kernel
 def called(x):
-    return 2.0 * x
+    return copied(x + 1.0) * x
 
 @kernel("f8(f8)")
 def calling(x):
@@ -93,7 +99,9 @@ print(kernels.calling(3.0))
 
 
 def test_two_processes_do_not_compile_the_same_kernel(tmp_path):
-    """Both are asked at once: one of them compiles each, and the other one reads it."""
+    """Both call it at once: one of them compiles each kernel, and the other one reads it. An inlined kernel
+    is compiled with the kernel that calls it, never alone.
+    """
     (tmp_path / "kernels.py").write_text(KERNELS)
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
     piped = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "env": environment}

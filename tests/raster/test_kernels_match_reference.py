@@ -77,6 +77,7 @@ from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.arrays import Edges
 from fixedpipe.raster.portable.combine import final_combiner, general_combiner
 from fixedpipe.raster.portable.interpolate import (
+    Channel,
     color_weights,
     depth_words,
     emit_depth,
@@ -908,8 +909,8 @@ def kernel_exact_colors(n, inverse_w, colors):
     stored[:, 0, 5] = colors
     starts, zero = np.array([0, len(n)], np.int32), np.zeros(1, np.int32)
     triangle, out = np.array([[0, 1, 2, 2]], np.int32), np.zeros((2, len(n)), np.int16)
-    given = Segments(starts, zero, zero, 1), triangle, stored
-    iterate_exact_color(*given, 5, 0, Edges(*columns), out, 1, 8)
+    channel = Channel(triangle, stored, 5, 0, np.int32(8))
+    iterate_exact_color(Segments(starts, zero, zero, 1), channel, Edges(*columns), out, 1)
     return out[1].tolist()
 
 

@@ -327,9 +327,15 @@ def test_triangles_clipped_one_by_one_are_those_clipped_at_once(places, rows, ot
     values, triangles = np.empty((most, len(columns))), np.empty((len(rows) + most, 4), np.int32)
     parameters = plan._parameters(state, profile, WIDTH, HEIGHT)
     number, made, lost_here, unusual = clip_triangles(
-        rows, chosen, corners, parameters, count, np.empty((2, MOST_VERTICES, len(columns))), values, *window,
+        rows,
+        chosen,
+        corners,
+        parameters,
+        count,
+        np.empty((2, MOST_VERTICES, len(columns))),
+        (values, *window),
         triangles,
-    )  # fmt: skip
+    )
     np.testing.assert_array_equal(triangles[:number], expected)
     np.testing.assert_array_equal(bits(values[:made].T), bits(np.array([c[count:] for c in clipped])))
     assert lost_here == dropped + len(lost)

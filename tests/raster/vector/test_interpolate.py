@@ -13,14 +13,15 @@ from fixedpipe.raster.fixed import reciprocal_29
 from fixedpipe.raster.floats import TAU, keep_significant_bits
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.interpolate import depth_words, emit_depth
-from fixedpipe.raster.vector.coordinates import depth_words as vector_depth_words
 from fixedpipe.raster.vector.coordinates import (
+    Axis,
     divide_by_q,
     fixed_from_floats,
     fixed_from_quotients,
     iterate_texels,
 )
-from fixedpipe.raster.vector.interpolate import iterate_floats, reciprocal_beside, run_depth
+from fixedpipe.raster.vector.coordinates import depth_words as vector_depth_words
+from fixedpipe.raster.vector.interpolate import Depths, Listed, iterate_floats, reciprocal_beside, run_depth
 from fixedpipe.raster.vector.lanes import f64x16, floats_of_lanes, store
 from tests.reference import interpolate
 
@@ -54,7 +55,7 @@ def columns(q0, q2, vertices):
     triangles = np.array([[2, 0, 1, 0]], np.int32)
     coordinates = np.zeros((3, 2, 4))
     coordinates[triangles[0, :3], UNIT, COMPONENT] = vertices
-    return lists, triangles, coordinates, floats
+    return Listed(lists, 1), triangles, coordinates, floats
 
 
 coordinate = st.one_of(
@@ -76,9 +77,10 @@ runs = st.tuples(
 def test_texels_are_the_specified_sums_and_their_floor(run, vertices, log2_size, repeat):
     seed, count, spread = run
     q0, q2 = weights(seed, count, spread)
-    lists, triangles, coordinates, floats = columns(q0, q2, vertices)
+    segments, triangles, coordinates, floats = columns(q0, q2, vertices)
     out = np.full(count + R.SLACK, 77, np.int32)
-    iterate_texels(lists, 1, triangles, coordinates, UNIT, COMPONENT, log2_size, repeat, floats, out)
+    axis = Axis(UNIT, COMPONENT, log2_size, int(repeat))
+    iterate_texels(segments, triangles, coordinates, axis, floats, out)
     size = 2**log2_size
     period = 256 * size if repeat else 2**40
     for k in range(count):
@@ -92,9 +94,9 @@ def test_texels_are_the_specified_sums_and_their_floor(run, vertices, log2_size,
 def test_coordinates_are_the_specified_sums(run, vertices):
     seed, count, spread = run
     q0, q2 = weights(seed, count, spread)
-    lists, triangles, coordinates, floats = columns(q0, q2, vertices)
+    segments, triangles, coordinates, floats = columns(q0, q2, vertices)
     out = np.zeros(count + R.SLACK)
-    iterate_floats(lists, 1, triangles, coordinates, UNIT, COMPONENT, floats, out)
+    iterate_floats(segments, triangles, coordinates, UNIT, COMPONENT, floats, out)
     assert out[:count].tolist() == [specified(a, b, *vertices) for a, b in zip(q0, q2, strict=True)]
 
 
@@ -118,7 +120,7 @@ def test_depths_of_a_run_are_those_of_the_portable_engine(first, right, depths):
         count //= 2  # inside the triangle
     n, right = tuple(map(float, first)), tuple(map(float, right))
     words = np.zeros(count + R.SLACK, np.int32)
-    run_depth(words, 0, count, n, right, depths, 0.0, 0.0, 2.0**24 - 1)
+    run_depth(words, 0, count, n, right, Depths(depths, 0.0, 0.0, 2.0**24 - 1))
     floats, expected = np.zeros((R.DEPTH + 1, count + R.SLACK)), np.zeros(count + R.SLACK, np.int32)
     emit_depth(floats, 0, count, n, right, depths, 0.0)
     draw, draw_float = np.zeros(R.DRAW_SIZE, np.int64), np.zeros(R.DRAW_FLOAT_SIZE)
@@ -174,7 +176,8 @@ def test_quotients_by_one_division_have_the_floors_of_three(seed, size):
     count, scale = 96, 2.0**24 - 1
     s, t, r, q = quotients(seed, size, count)
     found = np.zeros((3, count), np.int32)
-    fixed_from_quotients(s, t, r, q, *found, float(size), float(size), scale, 2**24 - 1, count)
+    sizes = float(size), float(size), scale
+    fixed_from_quotients((s, t, r, q), tuple(found), sizes, 2**24 - 1, count)
     expected = np.zeros((3, count), np.int32)
     for column, out in ((s, expected[0]), (t, expected[1])):
         divide_by_q(column, q, count)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fixedpipe.pipeline.vertices.primitives import no_strokes
 from fixedpipe.raster import rows
-from fixedpipe.raster.arrays import Runs, Vertices
+from fixedpipe.raster.arrays import Runs, State, Textures, Vertices
+from fixedpipe.raster.portable.arrays import Combiners, Edges, FogFactors, Pass, Scratch
 from fixedpipe.raster.portable.level_of_detail import level_of_detail as portable
 from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO, log2_q7
 from fixedpipe.raster.vector.level_of_detail import lambdas, level_of_detail
@@ -87,6 +87,41 @@ def random_scene(rng, kind):
     return np.arange(120, dtype=np.int32).reshape(40, 3), *corners.copy(), inverse_w, coordinates
 
 
+def portable_lambda(runs, triangles, vertices, row, levels, ints):
+    """The portable kernel's LOD into ``ints``, of unit 1."""
+    draw, units = np.zeros(rows.DRAW_SIZE, np.int64), np.zeros((4, rows.UNIT_SIZE), np.int64)
+    units[1], of_units = row, np.zeros((4, rows.MAX_LEVELS, 3), np.int32)
+    of_units[1] = levels
+    int16s, int32s, floats, words = (np.zeros((0, 0), t) for t in (np.int16, np.int32, np.float64, np.uint32))
+    column = np.zeros(0)
+    p = Pass(
+        State(draw, column, int32s),
+        Combiners(np.zeros((0, 0, 0), np.int32), int32s, int16s, np.zeros(0, np.int32)),
+        triangles,
+        int32s,
+        vertices,
+        np.zeros((0, 2, 8), np.int16),
+        FogFactors(column, column),
+        Textures((np.zeros(0, np.uint32),) * 4, of_units, units),
+    )
+    scratch = Scratch(
+        edges=Edges(column, column, column),
+        floats=floats,
+        ints=ints,
+        packed=words,
+        registers=int16s,
+        products=int32s,
+        total=int32s,
+        results=int16s,
+        shaded=np.zeros(0, np.uint32),
+        depth=np.zeros(0, np.int32),
+        alive=np.zeros(0, np.uint8),
+        lists=int32s,
+        spans=np.zeros((0, 2), np.int64),
+    )
+    portable(p, 1, runs, scratch)
+
+
 @pytest.mark.parametrize("target", [0, 1, 4])
 @pytest.mark.parametrize("kind", ["ordinary", "affine", "exact", "guard band", "hostile"])
 def test_every_fragment_has_the_lambda_of_the_portable_kernel(kind, target):
@@ -102,11 +137,11 @@ def test_every_fragment_has_the_lambda_of_the_portable_kernel(kind, target):
             ints[:, rows.OWNER] = owner
             runs = Runs(starts, run_x, run_y, starts.size - 1)
             colors = np.zeros((len(x), 2, 8), np.uint8)
-            rest = Vertices(x, y, np.zeros(len(x)), inverse_w, colors, coordinates), 1, unit, levels
-            portable(np.zeros(rows.DRAW_SIZE, np.int64), runs, triangles, no_strokes(), *rest, ints[0])
-            scratch = BATCH // 2 + 24
-            cells = np.full(scratch, 1 << 30, np.int32)
-            level_of_detail(runs, triangles, *rest, ints[1], np.zeros(scratch), cells)
+            vertices = Vertices(x, y, np.zeros(len(x)), inverse_w, colors, coordinates)
+            portable_lambda(runs, triangles, vertices, unit, levels, ints[0])
+            size = BATCH // 2 + 24
+            room = np.zeros(size), np.full(size, 1 << 30, np.int32)
+            level_of_detail(runs, triangles, vertices, 1, unit, levels, ints[1], room)
             assert (ints[0, :, :BATCH] == ints[1, :, :BATCH]).all()
             if limits is NO_LIMITS and kind != "hostile":
                 assert np.unique(ints[0, rows.LOD, :BATCH]).size > 4

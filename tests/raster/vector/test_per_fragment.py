@@ -11,12 +11,16 @@ from fixedpipe.pipeline.enums import BlendFactor, ColorFormat, ComparisonFunctio
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS
 from fixedpipe.pipeline.native.pack_fragments import _FACTOR_TERMS, _pack_factor, _pack_stencil_operation
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import Buffers, Runs
+from fixedpipe.raster.arrays import Buffers, Runs, State
 from fixedpipe.raster.portable.per_fragment import per_fragment
 from fixedpipe.raster.vector import per_fragment as V
 
 WIDTH, HEIGHT, BATCH = 200, 6, 512
 ADD_SIGNED, MINIMUM = 5, 3
+
+
+def state(draw, factors):
+    return State(draw, np.zeros(R.DRAW_FLOAT_SIZE), factors)
 
 
 class Batch:
@@ -54,8 +58,8 @@ class Batch:
             colors[c] = (self.packed[:BATCH] >> (8 * c)) & 0xFF
         scratch = np.empty(BATCH, np.uint32)
         per_fragment(
-            draw, self.count, Runs(self.starts, self.x, self.y, len(self.x)), colors, scratch,
-            self.depth[:BATCH].copy(), self.alive[:BATCH].copy(), factors, buffers,
+            state(draw, factors), self.count, Runs(self.starts, self.x, self.y, len(self.x)), colors, scratch,
+            self.depth[:BATCH].copy(), self.alive[:BATCH].copy(), buffers,
         )  # fmt: skip
         return buffers
 
@@ -67,10 +71,9 @@ class Batch:
             starts = np.delete(starts, slice(first + 1, last))
             x, y = np.delete(x, slice(first + 1, last)), np.delete(y, slice(first + 1, last))
             y[first] = -1
-        V.write_fragments(
-            draw, self.count, Runs(starts, x, y, len(x)), 0, self.packed.copy(), self.pixel,
-            self.depth.copy(), self.alive.copy(), factors, buffers,
-        )  # fmt: skip
+        fragments = V.Fragments(self.packed.copy(), self.pixel, self.depth.copy(), self.alive.copy())
+        runs = Runs(starts, x, y, len(x))
+        V.write_fragments(draw, factors, self.count, runs, 0, fragments, buffers)
         return buffers
 
 
@@ -240,9 +243,10 @@ def test_runs_of_one_color_and_one_depth(word, depth, stencil, blend):
         batch = Batch(mask & 0xFF, runs)
         batch.packed[:], batch.depth[:] = shade, word
         buffers, columns = batch.buffers(), WIDTH + R.SLACK
-        V.write_fragments(
-            draw, WIDTH, Runs(batch.starts, batch.x, batch.y, len(runs)), 1,
+        fragments = V.Fragments(
             np.full(columns, shade, np.uint32), np.zeros(columns, np.int32),
-            np.full(columns, word, np.int32), np.zeros(columns, np.uint8), PLAIN, buffers,
+            np.full(columns, word, np.int32), np.zeros(columns, np.uint8),
         )  # fmt: skip
+        of_rows = Runs(batch.starts, batch.x, batch.y, len(runs))
+        V.write_fragments(draw, PLAIN, WIDTH, of_rows, 1, fragments, buffers)
         assert_same(buffers, batch.portable(draw, PLAIN))

@@ -247,7 +247,8 @@ def test_levels_are_chosen_and_blended_as_the_portable_kernels_do(size, mipmap):
             f_s, f_t = fixed(s * size[0], wrap_s == REPEAT), fixed(t * size[1], wrap_t == REPEAT)
             registers = scratch()[-1]
             located = np.zeros((vt.LOCATED, COUNT + SLACK), np.int32)
-            vt.filter_mipmapped(pairs, pair_levels, unit, f_s, f_t, lod, COUNT, located, registers, PLANE)
+            of = f_s, f_t, lod
+            vt.filter_mipmapped(pairs, pair_levels, unit, of, COUNT, located, registers, PLANE)
             found = registers[PLANE : PLANE + 4, :COUNT]
             assert (found == portable(texels, levels, unit, s, t, LOD=lod)).all()
 
@@ -262,7 +263,8 @@ def test_any_coordinate_and_any_lambda_read_texels_of_the_texture():
         for f in (guard, -guard - 1, rng.integers(-(2**31), 2**31, guard.size).astype(np.int32)):
             for lod in (guard, -guard - 1, rng.integers(-(2**31), 2**31, guard.size).astype(np.int32)):
                 located = np.full((vt.LOCATED, COUNT + SLACK), -1, np.int32)
-                vt.filter_mipmapped(pairs, pair_levels, unit, f, f, lod, COUNT, located, scratch()[-1], PLANE)
+                of = f, f, lod
+                vt.filter_mipmapped(pairs, pair_levels, unit, of, COUNT, located, scratch()[-1], PLANE)
                 for row in (vt.FIRST, vt.UPPER_FIRST):
                     first = located[row, :COUNT]
                     assert (first[first != -1] >= 0).all() and (first <= pairs.size - 4).all()
