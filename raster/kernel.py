@@ -28,7 +28,7 @@ except ImportError:  # where files are locked in another way
 
 _SOURCES = Path(__file__).parent
 # Pure NumPy code and the tracing hooks. No kernel calls them, so an edit of these makes no kernel stale.
-_WITHOUT_KERNELS = {"columns", "pixels", "witness.py"}
+_WITHOUT_KERNELS = {"columns", "pixels", "observer.py"}
 
 
 def kernel_sources(folder):

@@ -20,13 +20,13 @@ PACKAGES = {
     "raster/kernel_files": {},
     "raster/kernel_folder": {},
     "raster/kernel": {"raster": "kernel_files kernel_folder"},
-    "raster/witness": {},
+    "raster/observer": {},
     "raster/arrays": {},
     "raster/fixed": {"raster": "codes floats float_depths kernel"},
     "raster/primitives": {"raster": "codes floats rows kernel"},
     "raster/portable": {"raster": "codes floats rows kernel arrays fixed primitives"},
     "raster/vector": {"raster": "codes floats rows kernel arrays fixed primitives portable"},
-    "raster/columns": {"raster": "codes floats float_depths witness"},
+    "raster/columns": {"raster": "codes floats float_depths observer"},
     "raster/pixels": {"raster": "codes"},
     "pipeline/enums": {"raster": "codes"},
     "pipeline/sentences": {"pipeline": "enums"},
@@ -59,24 +59,24 @@ PACKAGES = {
         "pipeline": "enums state kinds textures commands profiles programs vertices framebuffers",
     },
     "pipeline/columns": {
-        "raster": "codes rows witness columns pixels",
+        "raster": "codes rows observer columns pixels",
         "pipeline": "enums pixel_transfer textures commands profiles programs vertices framebuffers",
     },
     "pipeline/execution": {
-        "raster": "witness primitives",
+        "raster": "observer primitives",
         "pipeline": (
             "enums canonical textures commands profiles vertices framebuffers validation native columns"
         ),
     },
     "pipeline/ideal": {
-        "raster": "codes floats rows kernel witness primitives portable columns",
+        "raster": "codes floats rows kernel observer primitives portable columns",
         "pipeline": (
             "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
             "native columns"
         ),
     },
     "pipeline/inspection": {
-        "raster": "codes witness columns",
+        "raster": "codes observer columns",
         "pipeline": (
             "enums sentences state textures commands profiles programs notations description vertices "
             "framebuffers validation native columns execution ideal"

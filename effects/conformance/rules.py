@@ -47,7 +47,7 @@ class Rule:
 
     Where no profile has the other rule, ``changed`` is None. Fragments are then counted: of Draws whose
     combiners ``concern`` the rule, those for which a ``stage`` would give another number, as ``differs``
-    finds by what the column engine's witness is told of it. ``probe``: the program to run where no capture
+    finds by what the column engine's observer is told of it. ``probe``: the program to run where no capture
     tells.
     """
 
@@ -236,6 +236,6 @@ def fragments_that_differ(case: Case, rule: Rule) -> int:
         if stage == rule.stage:
             found += int(np.count_nonzero(rule.differs(columns)))
 
-    machine = Machine(NV2A, WIDTH, HEIGHT, depth_bits=case.depth_bits, engine="columns", witness=watch)
+    machine = Machine(NV2A, WIDTH, HEIGHT, depth_bits=case.depth_bits, engine="columns", observer=watch)
     machine.run(case.commands)
     return found

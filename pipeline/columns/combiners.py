@@ -17,7 +17,7 @@ from fixedpipe.pipeline.programs.combiner_rules import has_color_sum
 from fixedpipe.pipeline.textures.words import ycbcr_to_rgb
 from fixedpipe.raster.columns import combine as arithmetic
 from fixedpipe.raster.columns import future, numbers
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 
 def arithmetic_of(profile, bits, environments=False):
@@ -123,7 +123,7 @@ def portion_products(portion, read, alpha, a):
     return mapped, ab, cd
 
 
-def sum_of_portion(portion, ab, cd, select, spare0, a, saw=nobody):
+def sum_of_portion(portion, ab, cd, select, spare0, a, observe=unobserved):
     """What a portion's sum output receives: the sum of its products, a function of them, or what a mux takes
     by ``spare0``, SPARE0's alpha.
     """
@@ -134,14 +134,14 @@ def sum_of_portion(portion, ab, cd, select, spare0, a, saw=nobody):
         return arithmetic.function_output(made, portion.scale, biased, a)
     if portion.mux_sum:
         chosen = arithmetic.takes_cd(spare0, select == MuxSelect.LSB, a)
-        saw("mux", takes_cd=chosen, spare0=spare0)
+        observe("mux", takes_cd=chosen, spare0=spare0)
         pair = [arithmetic.output(products, portion.scale, biased, a) for products in (ab, cd)]
         return np.where(chosen, pair[1], pair[0])
     products = [*ab, *cd] if a.numbers.rounds else [sum(ab), sum(cd)]
     return arithmetic.output(products, portion.scale, biased, a)
 
 
-def _portion(portion, registers, alpha, select, a, saw):
+def _portion(portion, registers, alpha, select, a, observe):
     """(register, value [3 or 1, k]) for each output of a portion that is kept."""
     outputs = portion.ab_output, portion.cd_output, portion.sum_output
     if all(output == Register.DISCARD for output in outputs):
@@ -149,7 +149,7 @@ def _portion(portion, registers, alpha, select, a, saw):
     read = [read_components(registers, v, alpha) for v in (portion.a, portion.b, portion.c, portion.d)]
     mapped, ab, cd = portion_products(portion, read, alpha, a)
     spare0 = registers[Register.SPARE0][3]
-    saw(
+    observe(
         "portion", alpha=alpha, portion=portion, read=read, mapped=mapped, ab=ab, cd=cd, select=select,
         spare0=spare0, arithmetic=a,
     )  # fmt: skip
@@ -158,14 +158,14 @@ def _portion(portion, registers, alpha, select, a, saw):
         if output != Register.DISCARD:
             values.append((output, arithmetic.output(products, portion.scale, bool(portion.bias), a)))
     if outputs[2] != Register.DISCARD:
-        values.append((outputs[2], sum_of_portion(portion, ab, cd, select, spare0, a, saw)))
-    saw("outputs", alpha=alpha, values=values)
+        values.append((outputs[2], sum_of_portion(portion, ab, cd, select, spare0, a, observe)))
+    observe("outputs", alpha=alpha, values=values)
     return values
 
 
-def combine(program, registers, count, a, saw=nobody, otherwise=None):
+def combine(program, registers, count, a, observe=unobserved, otherwise=None):
     """Fragments' colours, [4, count], from a combiner program (section 8): int64, or float64 where a stage
-    computed with reals. ``saw``: who watches; ``otherwise``: an Otherwise.
+    computed with reals. ``observe``: the observer; ``otherwise``: an Otherwise.
     """
 
     def arithmetic_at(stage):
@@ -187,10 +187,10 @@ def combine(program, registers, count, a, saw=nobody, otherwise=None):
         for register, color in zip(_CONSTANTS, (stage.constant_color0, stage.constant_color1), strict=True):
             if color is not None:
                 registers[register] = constant(color)
-        saw("general combiner", number=number, stage=stage, registers=registers)
+        observe("general combiner", number=number, stage=stage, registers=registers)
         own = arithmetic_at(f"general combiner {number}")
-        rgb = _portion(stage.rgb, registers, False, program.mux_select, own, saw)
-        alpha = _portion(stage.alpha, registers, True, program.mux_select, own, saw)
+        rgb = _portion(stage.rgb, registers, False, program.mux_select, own, observe)
+        alpha = _portion(stage.alpha, registers, True, program.mux_select, own, observe)
         for to, value in rgb:
             registers[to] = np.concatenate([value, registers[to][3:]])
         for to, value in alpha:
@@ -203,9 +203,9 @@ def combine(program, registers, count, a, saw=nobody, otherwise=None):
                 registers[to] = registers[to][[0, 1, 2, 2]]
         if stage.lookup is not None:
             registers.look_up(stage.lookup)
-        saw("combined", number=number, registers=registers)
+        observe("combined", number=number, registers=registers)
     registers.update(program_constants)
-    return _final(program, registers, count, arithmetic_at("final combiner"), saw)
+    return _final(program, registers, count, arithmetic_at("final combiner"), observe)
 
 
 _CONSTANTS = (Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1)
@@ -222,13 +222,13 @@ def _final_input(variable, registers, a, alpha=False):
     return arithmetic.map_final(read, variable.mapping == Mapping.UNSIGNED_INVERT, a)
 
 
-def _final(program, registers, count, a, saw):
+def _final(program, registers, count, a, observe):
     final, nothing = program.final, np.zeros((1, count), np.int64)
     used = {v.register for v in (final.a, final.b, final.c, final.d, final.g)}
     if Register.E_TIMES_F in used:
         e, f = (_final_input(v, registers, a) for v in (final.e, final.f))
         product = arithmetic.product(e * f, a)
-        saw(
+        observe(
             "E times F",
             read=[read_components(registers, v, False) for v in (final.e, final.f)],
             product=product,
@@ -241,25 +241,25 @@ def _final(program, registers, count, a, saw):
         whole = total
         if program.color_sum_clamp and a.clamps_sum:
             total = np.minimum(total, a.one)
-        saw("color sum", whole=whole, total=total)
+        observe("color sum", whole=whole, total=total)
         registers[Register.SPARE0_PLUS_SECONDARY_COLOR] = np.concatenate([total, nothing])
     mapped = final_inputs(final, registers, count, a)
     color = arithmetic.final_color(*mapped, a)
-    saw("final combiner", final=final, registers=registers, mapped=mapped, color=color, arithmetic=a)
+    observe("final combiner", final=final, registers=registers, mapped=mapped, color=color, arithmetic=a)
     return color
 
 
-def without_combiners(state, registers, count, a, saw=nobody):
+def without_combiners(state, registers, count, a, observe=unobserved):
     """Color sum and fog of the primary colour (sections 3.9, 3.10): int64 [4, count]."""
     primary = registers[Register.PRIMARY_COLOR]
     rgb = primary[:3]
     if has_color_sum(state):
         whole = rgb + registers[Register.SECONDARY_COLOR][:3]
         rgb = np.minimum(whole, a.one) if a.clamps_sum else whole
-        saw("color sum", whole=whole, total=rgb)
+        observe("color sum", whole=whole, total=rgb)
     if state.fog is not None:
         fog = registers[Register.FOG]
         before, rgb = rgb, numbers.with_fog(rgb, fog[:3], fog[3], a.one, a.numbers)
-        saw("fog", before=before, fog=fog, color=rgb)
+        observe("fog", before=before, fog=fog, color=rgb)
     color = np.concatenate([rgb, primary[3:]])
     return np.clip(color, 0, a.one) if a.clamps_final else color

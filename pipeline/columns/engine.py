@@ -19,7 +19,7 @@ from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.framebuffers.widths import are_for_kernels, are_native, fragment_bits, widths_of
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS
 from fixedpipe.raster.columns import numbers
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 # Fragments shaded at a time: bounds the columns' memory, and changes no value.
 _CHUNK = 1 << 15
@@ -81,12 +81,12 @@ def has_kernels(profile):
 # ------------------------------------------------------------------------------ per-fragment operations
 
 
-def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody, otherwise=None):
+def shade_and_write(fragments, state, profile, framebuffer, textures, observe=unobserved, otherwise=None):
     """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests.
-    ``saw``: who watches; ``otherwise``: an Otherwise, whose exact colours the fragments have.
+    ``observe``: the observer; ``otherwise``: an Otherwise, whose exact colours the fragments have.
     """
     bits = fragment_bits(profile, framebuffer)
-    samplers = unit_samplers(state, textures, profile, saw)
+    samplers = unit_samplers(state, textures, profile, observe)
     filters = samplers if otherwise is None else otherwise.samplers(samplers)
     color, depth = np.empty((len(fragments.x), 4), np.int64), fragments.depth
     keys = key_samplers(state, textures, profile)
@@ -95,22 +95,24 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, saw=nobody
     for start in range(0, len(color), _CHUNK):
         part, registers = slice(start, start + _CHUNK), {}
         some = fragments.part(part)
-        saw("shaded", part=part, fragments=some, bits=bits)
+        observe("shaded", part=part, fragments=some, bits=bits)
         with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
             if state.texture_shader is not None:
-                registers, depth[part] = run_stages(some, state, profile, framebuffer, samplers, bits, saw)
+                registers, depth[part] = run_stages(
+                    some, state, profile, framebuffer, samplers, bits, observe
+                )
             for number, key in keys:
                 ended = key.filtered(some)[:, 0] == 0
                 depth[part] = np.where(ended, -1, depth[part])
-                saw("color key", unit=number, ended=ended)
+                observe("color key", unit=number, ended=ended)
             given = some, state, profile, bits, textures, filters, registers
-            shaded = shade(*given, saw=saw, otherwise=otherwise)
+            shaded = shade(*given, observe=observe, otherwise=otherwise)
         if some.covered is not None:
             kind = numbers.REALS if shaded.dtype == np.float64 else numbers.INTEGERS
             share = kind.shared(some.covered * shaded[:, 3], len(profile.primitives.smoothing_samples))
             shaded = np.concatenate([shaded[:, :3], share[:, None]], axis=1)
         color[part] = in_buffer(shaded, numbers.one_of(bits), numbers.one_of(framebuffer.color_bits))
-    return write(replace(fragments, depth=depth), color, state, profile, framebuffer, saw)
+    return write(replace(fragments, depth=depth), color, state, profile, framebuffer, observe)
 
 
 def in_buffer(color, one, buffer_one):
@@ -123,15 +125,17 @@ def in_buffer(color, one, buffer_one):
 # --------------------------------------------------------------------------------------------- Draws
 
 
-def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=nobody, otherwise=None):
+def column_draw(
+    primitives, covered, state, profile, framebuffer, textures, observe=unobserved, otherwise=None
+):
     """Draw the fragments ``covered`` (triangle, x, y, covered, int [k] each, the last one or None) of window
-    primitives with float colours: bool [k], which passed all tests. ``saw``: who watches; ``otherwise``: an
+    primitives with float colours: bool [k], which passed all tests. ``observe``: the observer; ``otherwise``: an
     Otherwise.
 
     Raises ValueError for an ``otherwise`` of a pass that computes at each texel or turns its colours.
     """
     bits, given = fragment_bits(profile, framebuffer), (primitives, state, profile, framebuffer, textures)
-    draw, finer = IteratedPrimitives(*given, bits, saw), None
+    draw, finer = IteratedPrimitives(*given, bits, observe), None
     if otherwise is not None:
         turned = state.spherical_primary_color or state.spherical_secondary_color
         if state.evaluate_before_filtering or turned:
@@ -152,5 +156,5 @@ def column_draw(primitives, covered, state, profile, framebuffer, textures, saw=
                 fragments = replace(fragments, covered=covered.covered[part].astype(np.int64))
             if finer is not None:
                 fragments = otherwise.with_colors(fragments, finer.fragments(*pixels))
-        passed[part] = shade_and_write(fragments, *given[1:], saw, otherwise)
+        passed[part] = shade_and_write(fragments, *given[1:], observe, otherwise)
     return passed

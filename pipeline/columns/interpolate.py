@@ -23,16 +23,18 @@ from fixedpipe.raster import rows
 from fixedpipe.raster.columns import future, interpolate
 from fixedpipe.raster.columns.numbers import INTEGERS, one_of
 from fixedpipe.raster.columns.w_slope import w_slope
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 
 class IteratedPrimitives:
-    """Primitives with what iteration needs of their state. ``saw``: who watches; ``numbers``: INTEGERS, or
+    """Primitives with what iteration needs of their state. ``observe``: the observer; ``numbers``: INTEGERS, or
     REALS for colours that are not rounded.
     """
 
-    def __init__(self, primitives, state, profile, framebuffer, textures, bits, saw=nobody, numbers=INTEGERS):
-        self._saw, self.numbers = saw, numbers
+    def __init__(
+        self, primitives, state, profile, framebuffer, textures, bits, observe=unobserved, numbers=INTEGERS
+    ):
+        self._saw, self.numbers = observe, numbers
         self.primitives, self.state, self.profile = primitives, state, profile
         self.framebuffer, self.bits = framebuffer, bits
         self.colors = fragment_colors(primitives.colors, state, profile, bits)

@@ -6,7 +6,7 @@ from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, per_fragment
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 
 class _Surface:
@@ -46,7 +46,7 @@ class _Surface:
         return np.concatenate([color[:, :3], alpha], axis=1)
 
 
-def _written(state, source, stored, surface, bits, clamps, saw):
+def _written(state, source, stored, surface, bits, clamps, observe):
     """What blending or a logic operation makes of fragments and what is stored, before the color mask."""
     one, blending = numbers.one_of(bits), state.blending
     if state.logic_op is not None:
@@ -56,14 +56,14 @@ def _written(state, source, stored, surface, bits, clamps, saw):
         colors = surface.source(source), surface.destination(stored), numbers.fixed(blending.color, one)
         factors = blending.source, blending.destination
         source = per_fragment.blend(blending.equation, factors, *colors, bits)
-        saw("blending", colors=colors, result=source)
+        observe("blending", colors=colors, result=source)
     far = per_fragment.FAR
     return surface.stored(np.clip(source, *((0, one) if clamps else (-far, far))))
 
 
-def write(fragments, color, state, profile, framebuffer, saw=nobody):
+def write(fragments, color, state, profile, framebuffer, observe=unobserved):
     """Tests and writes in draw order: bool [k], which fragments passed. ``color``: int64 [k, 4] in the
-    buffer's units; ``saw``: who watches.
+    buffer's units; ``observe``: the observer.
     """
     bits, width = framebuffer.color_bits, framebuffer.width
     clamps = framebuffer.is_bytes or Clamp.BLENDING in profile.arithmetic.clamps
@@ -74,7 +74,9 @@ def write(fragments, color, state, profile, framebuffer, saw=nobody):
     if state.alpha_test is not None:
         reference = numbers.fixed(state.alpha_test.reference, numbers.one_of(bits))
         alive &= per_fragment.compare(state.alpha_test.function, color[:, 3], reference)
-        saw("alpha test", alpha=color[:, 3], reference=reference, inside=fragments.depth >= 0, passed=alive)
+        observe(
+            "alpha test", alpha=color[:, 3], reference=reference, inside=fragments.depth >= 0, passed=alive
+        )
     mask = state.color_mask
     mask = np.array([mask.red, mask.green, mask.blue, mask.alpha])
     passed = np.zeros(len(alive), bool)
@@ -82,27 +84,27 @@ def write(fragments, color, state, profile, framebuffer, saw=nobody):
     pixel = fragments.y[living].astype(np.int64) * width + fragments.x[living]
     for once in per_fragment.in_order(pixel):
         at, here = pixel[once], living[once]
-        saw("fragments", which=here)
+        observe("fragments", which=here)
         closer = np.ones(len(at), bool)
         if state.depth_test is not None:
             old = depth[at].astype(np.int64)
             closer = per_fragment.compare(state.depth_test.function, fragments.depth[here], old)
-            saw("depth test", depth=fragments.depth[here], stored=old, passed=closer)
+            observe("depth test", depth=fragments.depth[here], stored=old, passed=closer)
         if state.stencil_test is not None:
-            closer = _stencil(state.stencil_test, stencil, at, closer, saw)
+            closer = _stencil(state.stencil_test, stencil, at, closer, observe)
         at, here = at[closer], here[closer]
         passed[here] = True
         if state.depth_test is not None and state.depth_test.write:
             depth[at] = fragments.depth[here]
         if mask.any():
             old = stored[at].astype(np.int64)
-            new = _written(state, color[here], old, surface, bits, clamps, saw)
+            new = _written(state, color[here], old, surface, bits, clamps, observe)
             stored[at] = np.where(mask, new, old)
-            saw("write", which=here, source=color[here], stored=old, result=new, mask=mask)
+            observe("write", which=here, source=color[here], stored=old, result=new, mask=mask)
     return passed
 
 
-def _stencil(test, stencil, at, closer, saw):
+def _stencil(test, stencil, at, closer, observe):
     """Stencil test and operations of fragments of distinct pixels; which pass both tests."""
     stored, reference = stencil[at].astype(np.int64), min(max(test.reference, 0), 255)
     agreed = per_fragment.compare(test.function, np.int64(reference & test.mask), stored & test.mask)
@@ -112,5 +114,7 @@ def _stencil(test, stencil, at, closer, saw):
     ]
     new = np.where(agreed, np.where(closer, results[0], results[1]), results[2])
     stencil[at] = (stored & ~test.write_mask) | (new & test.write_mask)
-    saw("stencil test", reference=reference, stored=stored, agreed=agreed, result=new, written=stencil[at])
+    observe(
+        "stencil test", reference=reference, stored=stored, agreed=agreed, result=new, written=stencil[at]
+    )
     return agreed & closer

@@ -37,8 +37,8 @@ from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.vertices.colors import fragment_colors
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
 from fixedpipe.raster.columns import numbers
+from fixedpipe.raster.observer import unobserved
 from fixedpipe.raster.pixels import rectangles as arithmetic
-from fixedpipe.raster.witness import nobody
 
 
 class Drawn(NamedTuple):
@@ -53,13 +53,13 @@ class Drawn(NamedTuple):
     undefined: int = 0
 
 
-def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics, saw=nobody):
+def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics, observe=unobserved):
     """Draw a DrawPixels, CopyPixels or Bitmap: a Drawn for each of ``surfaces``, or none where the raster
     position is not valid or a sink took the image.
 
     ``framebuffer``: what CopyPixels reads; ``surfaces``: the framebuffers that are written, of its size and
     formats, itself or the samples of its pixels. ``statistics``: the machine's PixelStatistics;
-    ``saw``: who watches.
+    ``observe``: the observer.
     """
     state, textures = depths_as_colors(without_footprints(command.state), textures, profile)
     where = raster_vertex(command.position, state, profile, framebuffer.width, framebuffer.height)
@@ -91,7 +91,7 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
     for surface in surfaces:
         target, passed = surface.buffer(state.draw_buffer), np.zeros(len(at.x), np.bool_)
         for chosen, part, held in draws or ((slice(None), fragments, textures),):
-            passed[chosen] = shade_and_write(part, state, profile, target, held, saw)
+            passed[chosen] = shade_and_write(part, state, profile, target, held, observe)
         drawn.append(Drawn(at.numbers, at.x, at.y, passed, undefined))
     return drawn
 

@@ -19,7 +19,7 @@ from fixedpipe.pipeline.programs.texture_environment import environment_program
 from fixedpipe.pipeline.programs.texture_shader_rules import reads_texture
 from fixedpipe.pipeline.vertices.fog import folds, table
 from fixedpipe.raster.columns import numbers
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 
 def columns_of(colors):
@@ -44,19 +44,19 @@ def _fog_register(fog, coordinates, profile, count, one):
     return np.concatenate([filled(color, count), factor[None]])
 
 
-def shade(fragments, state, profile, bits, textures, samplers, made, *, saw=nobody, otherwise=None):
+def shade(fragments, state, profile, bits, textures, samplers, made, *, observe=unobserved, otherwise=None):
     """Colours of fragments, [k, 4] in units of ``bits``: texture units, combiners, color sum, fog. They are
     int64; float64 where something is computed in reals.
 
-    ``made``: registers of texture units by number that a texture shader made; ``saw``: who watches;
+    ``made``: registers of texture units by number that a texture shader made; ``observe``: the observer;
     ``otherwise``: an Otherwise.
     """
     if state.evaluate_before_filtering:
-        return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, saw)
-    return _shade(fragments, state, profile, bits, textures, samplers, made, None, saw, otherwise)
+        return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, observe)
+    return _shade(fragments, state, profile, bits, textures, samplers, made, None, observe, otherwise)
 
 
-def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, saw):
+def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, observe):
     """Colours at each texel that unit 0's filter reads, and then filtered (section 20)."""
     along, first = units_along(state, textures), samplers[0]
     columns = (0, 1) if first.linear else (0,)
@@ -68,7 +68,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
 
     def color(*tap):
         taps = dict.fromkeys(along, tap)
-        return _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw)
+        return _shade(fragments, state, profile, bits, textures, samplers, made, taps, observe)
 
     levels, width = [], profile.arithmetic.filter_fraction_bits
     for level in (0, 1) if first.between_levels else (0,):
@@ -81,7 +81,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
     return mixed(levels, between, LAMBDA_BITS)
 
 
-def _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw, otherwise=None):
+def _shade(fragments, state, profile, bits, textures, samplers, made, taps, observe, otherwise=None):
     count, one = len(fragments.x), numbers.one_of(bits)
     ycbcr = ()
     if state.ycbcr_conversion:
@@ -96,11 +96,11 @@ def _shade(fragments, state, profile, bits, textures, samplers, made, taps, saw,
     if environments:
         program = environment_program(state, textures, profile, has_color_sum(state))
     a = arithmetic_of(profile, bits, environments)
-    saw("program", program=program, environments=environments)
+    observe("program", program=program, environments=environments)
     if program is None:
         own = a if otherwise is None else otherwise.arithmetic(a, "final combiner")
-        return without_combiners(state, registers, count, own, saw).T
+        return without_combiners(state, registers, count, own, observe).T
     registers[Register.SPARE1] = filled((0, 0, 0, 0), count)
     nothing = np.zeros((3, count), np.int64)
     registers[Register.SPARE0] = np.concatenate([nothing, registers[Register.TEXTURE0][3:]])
-    return combine(program, registers, count, a, saw, otherwise).T
+    return combine(program, registers, count, a, observe, otherwise).T

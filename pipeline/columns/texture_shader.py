@@ -16,10 +16,10 @@ from fixedpipe.pipeline.programs.texture_shader_rules import CONVENTIONAL, shade
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import real_texture_shader, texture_shader
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 
-def run_stages(fragments, state, profile, framebuffer, samplers, bits, saw=nobody):
+def run_stages(fragments, state, profile, framebuffer, samplers, bits, observe=unobserved):
     """Every unit's register, by its number, int64 [4, k] in units of ``bits``, and the fragments' depths,
     below 0 where a stage discarded them (docs/numbers.md, section 12).
     """
@@ -33,7 +33,7 @@ def run_stages(fragments, state, profile, framebuffer, samplers, bits, saw=nobod
         profile,
         bits,
         (1.0 if profile.textures.depth_units_in_coordinates else float(largest), largest),
-        saw,
+        observe,
     )
     run.depth = fragments.depth
     run.all_stages()
@@ -73,9 +73,19 @@ class StageRun:
     """
 
     def __init__(
-        self, stages, count, own, sides, units, profile, bits, depths, saw=nobody, arithmetic=texture_shader
+        self,
+        stages,
+        count,
+        own,
+        sides,
+        units,
+        profile,
+        bits,
+        depths,
+        observe=unobserved,
+        arithmetic=texture_shader,
     ):
-        self._saw, self.arithmetic = saw, arithmetic
+        self._saw, self.arithmetic = observe, arithmetic
         self.stages, self.own, self.sides, self.units = stages, cache(own), sides, units
         self.bits, self.real_bits, self.depths = bits, profile.arithmetic.texture_bits, depths
         self.largest_scale = 1.0 if profile.texture_shaders.offset_scale_clamped else np.inf
@@ -85,14 +95,14 @@ class StageRun:
     def in_reals(self):
         """The same stages in real numbers, of the texels that there are."""
         run, widths = copy(self), zip(self.texels, self.widths, strict=True)
-        run.arithmetic, run._saw = real_texture_shader, nobody
+        run.arithmetic, run._saw = real_texture_shader, unobserved
         run.texels = [texel / self.arithmetic.one_of(width) for texel, width in widths]
         return run
 
     def with_unit(self, i, sampler):
-        """The same stages, which nobody watches, with another UnitSampler for unit i."""
+        """The same stages, unobserved, with another UnitSampler for unit i."""
         run = copy(self)
-        run._saw, run.units = nobody, list(self.units)
+        run._saw, run.units = unobserved, list(self.units)
         run.units[i] = SampledUnit(sampler, self.units[i].fragments)
         return run
 
@@ -129,7 +139,7 @@ class StageRun:
                 # Of the register alone: later stages read the texel.
                 shown = arithmetic.scaled(texel, width, *magnitude, *factors)
                 register = arithmetic.convert(shown, width, self.bits)
-        if self._saw is not nobody:
+        if self._saw is not unobserved:
             self._saw(
                 "texture shader", unit=i, stage=stage, coordinates=own(i), texel=texel, width=width,
                 register=register.T, depth=self.depth, alive=self.alive.copy(), run=self,

@@ -28,8 +28,8 @@ from fixedpipe.pipeline.textures.sampled import face_modes, key_unit, sampled_te
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
 from fixedpipe.raster.columns.numbers import INTEGERS, NOISE, REALS
+from fixedpipe.raster.observer import unobserved
 from fixedpipe.raster.pixels.transfer import texture_color_table
-from fixedpipe.raster.witness import nobody
 
 LAMBDA_BITS = 8
 
@@ -41,12 +41,12 @@ def _codes(level, one):
     return np.where(np.abs(found - whole) < NOISE, whole, found)
 
 
-def unit_samplers(state, textures, profile, saw=nobody):
-    """A UnitSampler for each texture unit, None where it reads no texture. ``saw``: who watches them."""
+def unit_samplers(state, textures, profile, observe=unobserved):
+    """A UnitSampler for each texture unit, None where it reads no texture. ``observe``: the observer them."""
     return [
         None
         if unit is None or unit.texture is None
-        else UnitSampler(number, unit, sampled_texture(unit, textures), profile, saw)
+        else UnitSampler(number, unit, sampled_texture(unit, textures), profile, observe)
         for number, unit in enumerate(with_signs(state, textures).texture_units)
     ]
 
@@ -90,8 +90,8 @@ class UnitSampler:
     needs_lambda       whether filters differ from level to level, or from magnification to minification
     """
 
-    def __init__(self, number, unit, texture, profile, saw=nobody):
-        self._saw = saw
+    def __init__(self, number, unit, texture, profile, observe=unobserved):
+        self._saw = observe
         self.number, self.unit, self.texture, self.sampler = number, unit, texture, unit.sampler
         self.fraction_bits = profile.arithmetic.filter_fraction_bits
         self.bits, self.one = texture.bits, numbers.one_of(texture.bits)
@@ -131,7 +131,7 @@ class UnitSampler:
         self.border = self._as_signed(register_components(border[list(KEPT[base])], base, self.one))
 
     def exactly(self, fraction_bits=None, levels=None):
-        """The same unit in real numbers, which nobody watches; its lambda keeps its bits.
+        """The same unit in real numbers, unobserved; its lambda keeps its bits.
 
         fraction_bits   of a filter's fractions; None: they are not rounded either
         levels          real texels for the texture's own, which need not lie in [0, 1]: then the reference of
@@ -142,7 +142,7 @@ class UnitSampler:
         if self.table is not None or (levels is not None and self.compares and self.words.form is not None):
             return None
         unit = copy(self)
-        unit.numbers, unit.fraction_bits, unit._saw = REALS, fraction_bits, nobody
+        unit.numbers, unit.fraction_bits, unit._saw = REALS, fraction_bits, unobserved
         if levels is not None:
             unit.levels = tuple(_codes(level, self.one) for level in levels[: len(self.levels)])
             unit.real_texels = True
@@ -378,7 +378,7 @@ class UnitSampler:
 
         border = words(self.border[None])[0]
         found = sample.filter_level(
-            image, places, face, modes, linear, target, border, self.fraction_bits, words, saw=self._saw,
+            image, places, face, modes, linear, target, border, self.fraction_bits, words, observe=self._saw,
             beside=self.texture.border,
         )  # fmt: skip
         bytes_ = np.stack([found[:, 0], found[:, 1] >> 8, found[:, 1], found[:, 0] >> 8], axis=1) & 255

@@ -67,8 +67,8 @@ from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
+from fixedpipe.raster.observer import unobserved
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
-from fixedpipe.raster.witness import nobody
 
 Engine = Literal["portable", "columns"]
 ENGINES = (None, *get_args(Engine))
@@ -119,8 +119,8 @@ class Machine:
       None: the profile's first. Each pbuffer has its own number.
     - ``color_bits``: int or None. One of ``profile.framebuffers.color_bits``, the width of the window's
       colour components. None: the usual one.
-    - ``witness``: callable, called with each command and with the column engine's work for it
-      (``fixedpipe.raster.witness``): with ``engine="columns"``, with every fragment.
+    - ``observer``: callable, called with each command and with the column engine's work for it
+      (``fixedpipe.raster.observer``): with ``engine="columns"``, with every fragment.
     - ``otherwise``: callable or None, with ``engine="columns"`` alone. From a Draw to an Otherwise, the
       stages that are computed in another way than this machine's, or None.
 
@@ -140,7 +140,7 @@ class Machine:
     statistics: PixelStatistics = field(default_factory=PixelStatistics)
     samples: int | None = None
     color_bits: int | None = None
-    witness: Callable[..., None] = nobody
+    observer: Callable[..., None] = unobserved
     otherwise: Callable[[Draw], Otherwise | None] | None = None
 
     def __post_init__(self) -> None:
@@ -236,7 +236,7 @@ class Machine:
                 kind = type(command)
                 if kind not in _QUEUED:
                     self._flush()
-                self.witness("command", command=command)
+                self.observer("command", command=command)
                 METHODS[kind](self, command, frame)
                 if callable(trace):
                     trace(command, partial(self._snapshot, command))
@@ -345,7 +345,7 @@ class Machine:
             lost = primitives.dropped
         otherwise = None if self.otherwise is None else self.otherwise(command)
         given = primitives, covered, state, profile, target, textures
-        passed = column_draw(*given, self.witness, otherwise)
+        passed = column_draw(*given, self.observer, otherwise)
         columns = (covered.triangle, covered.x, covered.y, passed)
         triangle, x, y, passed = (np.asarray(column, np.int32) for column in columns)
         places = primitives.places() if records else None
@@ -361,7 +361,7 @@ class Machine:
 
     def _rectangle(self, command, frame):
         surfaces = [surface for surface, _ in self._targets(command.state.draw_buffer)]
-        held = self.textures, self.statistics, self.witness
+        held = self.textures, self.statistics, self.observer
         parts = draw_rectangle(command, self.profile, self._current, surfaces, *held)
         self._queue.fragments += sum(len(drawn.x) for drawn in parts)
         frame.undefined += parts[0].undefined if parts else 0

@@ -23,7 +23,7 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns.combine import coefficients
 from fixedpipe.raster.columns.future import real_function
 from fixedpipe.raster.kernel import kernel, separate_loop
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 _SCALE = {
     CombinerScale.NONE: 1.0,
@@ -311,7 +311,7 @@ def constant_color(color):
     return np.array([color], np.float64)
 
 
-def combine(plan, registers, look_up=None, saw=nobody):
+def combine(plan, registers, look_up=None, observe=unobserved):
     """General combiners and final combiner: float64 [k, 4], clamped to [0, 1] at the very end.
 
     ``registers``: Register to float64 [k, 4], or [1, 4] for all fragments: those of ``plan.read`` that no
@@ -319,7 +319,7 @@ def combine(plan, registers, look_up=None, saw=nobody):
     environment's dot product asks for it; users' flags are the NV2A's. Nothing is clamped between the stages;
     the final combiner's A, being the weight of a blend, stays in [0, 1].
     ``look_up(lookup, rgb)``: the texel of a stage's CombinerLookup at its register's colours, float64 [k, 3].
-    ``saw``: who watches: of each stage the file and what its portions computed, of a few fragments.
+    ``observe``: the observer: of each stage the file and what its portions computed, of a few fragments.
     """
     count, stages = len(registers[Register.PRIMARY_COLOR]), plan.combiners.general
     whole = any(_functions(stage) for stage in stages)
@@ -346,9 +346,9 @@ def combine(plan, registers, look_up=None, saw=nobody):
         if stage.lookup is not None:
             found = look_up(stage.lookup, np.ascontiguousarray(file[stage.lookup.register, :3].T))
             file[Register.TEXTURE0 + stage.lookup.unit] = found.T
-        saw("combined", file=file, computed=computed)
+        observe("combined", file=file, computed=computed)
     _finish(file, plan.rows[-1], plan.reals[-1], computed, out)
-    saw("final combiner", file=file, computed=computed, color=out)
+    observe("final combiner", file=file, computed=computed, color=out)
     return out
 
 

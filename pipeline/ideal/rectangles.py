@@ -32,7 +32,7 @@ from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.textures.images import with_signs
 from fixedpipe.pipeline.vertices.raster_position import raster_vertex
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,8 +221,8 @@ def texel_of(found):
     return texel
 
 
-def shade_rectangle(found, state, textures, plans, saw=nobody):
-    """Colours of a Rectangle's fragments, float64 [k, 4]. ``saw``: who watches."""
+def shade_rectangle(found, state, textures, plans, observe=unobserved):
+    """Colours of a Rectangle's fragments, float64 [k, 4]. ``observe``: the observer."""
     state = with_signs(state, textures)
     given = found.primary, found.secondary, found.distances, texel_of(found)
-    return shade_colors(state, textures, plan_for(state, textures, plans), *given, saw)
+    return shade_colors(state, textures, plan_for(state, textures, plans), *given, observe)

@@ -23,7 +23,7 @@ from fixedpipe.pipeline.textures.sampled import key_unit, sampled_texture
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import real_texture_shader
 from fixedpipe.raster.kernel import kernel, separate_loop
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 _COLORS = types.Array(float64, 2, "C", readonly=True)
 
@@ -42,12 +42,12 @@ class Outcome:
     depth: np.ndarray | None
 
 
-def shade(state, textures, primitives, plan, weights, saw=nobody):
+def shade(state, textures, primitives, plan, weights, observe=unobserved):
     """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1], and the Outcome of a
     texture shader, or of color keys that end fragments, or None.
 
     ``textures``: name to Texture with ideal levels. ``primitives``: as the vertex stage makes them; ``plan``:
-    of ``plan_for``; ``weights``: those of ``weigh``; ``saw``: who watches.
+    of ``plan_for``; ``weights``: those of ``weigh``; ``observe``: the observer.
     """
     state = with_signs(state, textures)
     rows = fixed(primitives.colors).reshape(-1, 16)
@@ -98,20 +98,20 @@ def shade(state, textures, primitives, plan, weights, saw=nobody):
             reference = reference_of(weights.iterate(units, 4 * i))
         return sample(texture, unit, where, reference, tap)
 
-    if saw is not nobody:
+    if observe is not unobserved:
         own_coordinates = {i: own(i) for i, unit in enumerate(state.texture_units) if unit is not None}
-        saw("fragment", weights=weights.perspective, colors=colors, fog=distances, own=own_coordinates)
+        observe("fragment", weights=weights.perspective, colors=colors, fog=distances, own=own_coordinates)
     given = state, textures, plan, *colors, distances
     alive = without_keys(state, textures, texel)
     if state.texture_shader is not None:
         outcome = _run_stages(state, textures, len(weights), own, texel, change)
         if alive is not None:
             outcome = replace(outcome, alive=outcome.alive & alive)
-        return shade_colors(*given, lambda i, unit, texture: outcome.registers[i], saw), outcome
+        return shade_colors(*given, lambda i, unit, texture: outcome.registers[i], observe), outcome
     outcome = None if alive is None else Outcome([], alive, None)
     if state.evaluate_before_filtering:
         return _before_filtering(*given, texel), outcome
-    return shade_colors(*given, texel, saw), outcome
+    return shade_colors(*given, texel, observe), outcome
 
 
 def without_keys(state, textures, texel):
@@ -172,10 +172,10 @@ def _reads_secondary(state, plan):
     return has_color_sum(state) if plan is None else Register.SECONDARY_COLOR in plan.read
 
 
-def shade_colors(state, textures, plan, primary, secondary, distances, texel, saw=nobody):
+def shade_colors(state, textures, plan, primary, secondary, distances, texel, observe=unobserved):
     """``shade`` from iterated values: colours float64 [k, 4], fog coordinates [k] (None: no fog), and
     ``texel(number, unit, texture)``, an enabled texture unit's texel: with a texture shader, its register.
-    ``plan``: of ``plan_for``. ``secondary`` may be None where nothing reads it. ``saw``: who watches.
+    ``plan``: of ``plan_for``. ``secondary`` may be None where nothing reads it. ``observe``: the observer.
     """
     factor = None if state.fog is None else fog_factor(state.fog, distances)
     if plan is None:
@@ -215,8 +215,8 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, sa
         )
         return as_register(made, unit, textures[unit.texture].internal_format)
 
-    saw("registers", registers=registers)
-    return combine(plan, registers, look_up, saw)
+    observe("registers", registers=registers)
+    return combine(plan, registers, look_up, observe)
 
 
 def _rgb_of_ycbcr(ycbcr):

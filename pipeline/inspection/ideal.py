@@ -32,7 +32,7 @@ from fixedpipe.pipeline.ideal.rectangles import rectangle, shade_rectangle
 from fixedpipe.pipeline.ideal.shade import plan_for, shade
 from fixedpipe.pipeline.ideal.textures import with_ideal
 from fixedpipe.pipeline.ideal.weights import mesh_of, weigh
-from fixedpipe.pipeline.inspection.pixel import Touch, Witness
+from fixedpipe.pipeline.inspection.pixel import Observer, Touch
 from fixedpipe.pipeline.inspection.recording import RecordedFrame
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
@@ -115,8 +115,10 @@ class IdealPixel:
         self.ideal, self.x, self.y = ideal, x, y
         self.buffers, self._plans = IdealBuffers(1, 1), {}
 
-    def follow(self, touch: Touch, passed: tuple[bool, ...], witness: Callable[[], Witness]) -> list[Witness]:
-        """Do what a command of the machine's did: the witnesses of its fragments' making.
+    def follow(
+        self, touch: Touch, passed: tuple[bool, ...], observer: Callable[[], Observer]
+    ) -> list[Observer]:
+        """Do what a command of the machine's did: the observers of its fragments' making.
 
         ``touch``: the machine's; ``passed``: which of its fragments were written.
         """
@@ -126,13 +128,13 @@ class IdealPixel:
             at_once(replace(command, scissor=None), self.buffers)
             return []
         draw = self._draw if type(command) is Draw else self._rectangle
-        return draw(command, self.ideal.textures[number], touch, passed, witness)
+        return draw(command, self.ideal.textures[number], touch, passed, observer)
 
     def color(self, which: ColorBuffer = ColorBuffer.BACK) -> tuple[float, ...]:
         """What the pixel's colour is now."""
         return tuple(self.buffers.buffer(which).color[0, 0].tolist())
 
-    def _draw(self, command, textures, touch, passed, witness):
+    def _draw(self, command, textures, touch, passed, observer):
         frame, seen = self.ideal.frame, []
         state, textures = depths_as_colors(command.state, textures, IDEAL)
         primitives = primitives_of(command, frame.profile, frame.width, frame.height)
@@ -144,20 +146,20 @@ class IdealPixel:
         for triangle, written, covered in zip(touch.triangles, passed, shares, strict=True):
             where = (triangle, self.x, self.y)
             where = tuple(np.array([value], np.int32) for value in where)
-            seen.append(saw := witness())
-            saw("textures", levels=_levels(state, textures))
+            seen.append(observe := observer())
+            observe("textures", levels=_levels(state, textures))
             with np.errstate(all="ignore"):
                 weights = weigh(mesh, state.polygon.front_face, *where)
-                color, _ = shade(state, textures, primitives, plan, weights, saw)
+                color, _ = shade(state, textures, primitives, plan, weights, observe)
             if covered:
                 color[:, 3] *= covered / samples
-            saw("source", color=color, stored=target.color[0, 0].copy())
+            observe("source", color=color, stored=target.color[0, 0].copy())
             if written:
                 write(state, target, np.zeros(1, np.int64), color, np.zeros(1))
-            saw("written", color=target.color[0, 0].copy())
+            observe("written", color=target.color[0, 0].copy())
         return seen
 
-    def _rectangle(self, command, textures, touch, passed, witness):
+    def _rectangle(self, command, textures, touch, passed, observer):
         number = touch.step.number
         state, textures = depths_as_colors(without_footprints(command.state), textures, IDEAL)
         source = self.ideal.sources[number]
@@ -166,15 +168,15 @@ class IdealPixel:
         alone = replace(command.state, scissor=touch.alone.scissor)
         found = rectangle(replace(command, state=alone), source, deepcopy(touch.step.statistics))
         if found is None or found.stencil is not None:
-            return [witness() for _ in touch.fragments]
-        target, saw = self.buffers.buffer(state.draw_buffer), witness()
-        saw("textures", levels=_levels(state, textures))
-        color = shade_rectangle(found, state, textures, self._plans, saw)
-        saw("source", color=color, stored=target.color[0, 0].copy())
+            return [observer() for _ in touch.fragments]
+        target, observe = self.buffers.buffer(state.draw_buffer), observer()
+        observe("textures", levels=_levels(state, textures))
+        color = shade_rectangle(found, state, textures, self._plans, observe)
+        observe("source", color=color, stored=target.color[0, 0].copy())
         if any(passed):
             write(state, target, np.zeros(1, np.int64), color, np.zeros(1))
-        saw("written", color=target.color[0, 0].copy())
-        return [saw]
+        observe("written", color=target.color[0, 0].copy())
+        return [observe]
 
 
 def _levels(state, textures):

@@ -1,4 +1,4 @@
-"""What the ideal's witness was told of a fragment, by what the machine calls the same number."""
+"""What the ideal's observer was told of a fragment, by what the machine calls the same number."""
 
 from typing import Any
 

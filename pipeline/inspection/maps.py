@@ -67,7 +67,7 @@ class Map:
 
 
 class _Drawn:
-    """A witness of whole frames that draws a map of each command."""
+    """An observer of whole frames that draws a map of each command."""
 
     def __init__(self, kind, width, height):
         self.kind, self.size, self.number, self.maps = kind, (height, width), -1, {}
@@ -222,5 +222,5 @@ def frame_maps(
             Map(number, f"{label}: {stage}", values) for (number, label, stage), values in errors.items()
         )
     drawn = _Drawn(kind, width, height)
-    Machine(profile, width, height, engine="columns", witness=drawn, **machine).run(commands)
+    Machine(profile, width, height, engine="columns", observer=drawn, **machine).run(commands)
     return tuple(drawn.maps[key] for key in sorted(drawn.maps))

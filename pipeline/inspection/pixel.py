@@ -1,4 +1,4 @@
-"""One pixel of a recorded frame, drawn once more by the column engine while a witness watches."""
+"""One pixel of a recorded frame, drawn once more by the column engine while an observer watches."""
 
 from collections.abc import Callable, Iterator
 from copy import deepcopy
@@ -34,7 +34,7 @@ from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
 
-Witness = Callable[..., None]
+Observer = Callable[..., None]
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Touch:
     step           the Step
     sample         which of the window's samples; 0 where there is one
     before, after  PixelValues of the buffer that it draws to
-    fragments      the witness of each fragment's making (``ReplayedPixel.run``)
+    fragments      the observer of each fragment's making (``ReplayedPixel.run``)
     triangles      of a Draw, the primitive of each
     covered        of a Draw, how many samples each covers; empty where nothing is smooth
     passed         whether each passed all tests
@@ -160,17 +160,17 @@ class ReplayedPixel:
             if other != surface and x < there.width and y < there.height:
                 self._sharing[other] = ReplayedPixel(frame, x, y, other, self)
 
-    def run(self, witness: Callable[[], Witness]) -> Iterator[Touch]:
+    def run(self, observer: Callable[[], Observer]) -> Iterator[Touch]:
         """A Touch for every command, and sample, that touched the pixel, in order; of those that drew to
         another framebuffer, where they changed the depth or the stencil value that both have.
 
-        ``witness``: makes the witness of a fragment before it is drawn; the Touch names it.
+        ``observer``: makes the observer of a fragment before it is drawn; the Touch names it.
         """
         for step in self.frame.steps:
             draw, pixel = _DRAWING.get(type(step.command)), self._sharing.get(step.surface)
             if draw is None or pixel is None:
                 continue
-            for touch in draw(pixel, step, step.command, witness):
+            for touch in draw(pixel, step, step.command, observer):
                 if pixel is self or touch.changes_depths:
                     yield touch
 
@@ -195,7 +195,7 @@ class ReplayedPixel:
         first = self._targets[0][0].value()
         return replace(first, color=self._window.value().color)
 
-    # Each takes the Step, its command and ``run``'s witness.
+    # Each takes the Step, its command and ``run``'s observer.
 
     def _inside(self, box):
         x0, y0, x1, y1 = scissored(box, self._shown.width, self._shown.height)
@@ -213,7 +213,7 @@ class ReplayedPixel:
 
     def _on_each(self, step, which, change, alone=None):
         """A Touch of each sample that ``change(buffers, position)`` changes: it returns the fragments'
-        witnesses, primitives, whether they passed and perhaps what they cover, None where there is no
+        observers, primitives, whether they passed and perhaps what they cover, None where there is no
         fragment.
         """
         for sample, (buffers, position) in enumerate(self._targets):
@@ -225,7 +225,7 @@ class ReplayedPixel:
                 yield Touch(step, sample, before, after, fragments, triangles, passed, alone, *covered)
         self._resolve(which)
 
-    def _clear(self, step, command, witness):
+    def _clear(self, step, command, observer):
         if not self._inside(command.scissor):
             return
         whole = replace(command, scissor=None)
@@ -238,7 +238,7 @@ class ReplayedPixel:
             clear_accumulation(self._window.one, whole, self.frame.profile)
         yield from self._on_each(step, command.draw_buffer, change)
 
-    def _draw(self, step, command, witness):
+    def _draw(self, step, command, observer):
         profile, size = self.frame.profile, (self._shown.width, self._shown.height)
         state = within_viewport(command.mesh, command.state, *size)
         if not self._inside(state.scissor):
@@ -259,23 +259,23 @@ class ReplayedPixel:
                 return None
             seen, passed = [], []
 
-            def saw(name, /, **columns):
+            def observe(name, /, **columns):
                 seen[-1](name, **columns)
 
             for k in range(len(covered.triangle)):
-                seen.append(witness())
-                saw("primitives", primitives=primitives)
+                seen.append(observer())
+                observe("primitives", primitives=primitives)
                 row = int(covered.triangle[k])
-                saw("vertices", mesh=command.mesh, state=state, primitives=primitives, triangle=row)
+                observe("vertices", mesh=command.mesh, state=state, primitives=primitives, triangle=row)
                 columns = covered.triangle, covered.x, covered.y, covered.covered
                 one = Covered(*(c if c is None else c[k : k + 1] for c in columns))
-                passed += column_draw(primitives, one, state, profile, target, textures, saw).tolist()
+                passed += column_draw(primitives, one, state, profile, target, textures, observe).tolist()
             shares = () if covered.covered is None else covered.covered.tolist()
             return seen, covered.triangle.tolist(), passed, shares
 
         yield from self._on_each(step, state.draw_buffer, change, alone)
 
-    def _rectangle(self, step, command, witness):
+    def _rectangle(self, step, command, observer):
         state = command.state
         if not self._inside(state.scissor):
             return
@@ -283,15 +283,15 @@ class ReplayedPixel:
         read = self._shown if step.source is None else step.source
 
         def change(buffers, position):
-            saw, statistics = witness(), deepcopy(step.statistics)
-            given = step.textures, statistics, saw
+            observe, statistics = observer(), deepcopy(step.statistics)
+            given = step.textures, statistics, observe
             drawn = draw_rectangle(alone, self.frame.profile, read, [buffers.everywhere], *given)
             passed = [bool(each) for some in drawn for each in some.passed]
-            return ([saw], (), passed) if passed else None
+            return ([observe], (), passed) if passed else None
 
         yield from self._on_each(step, state.draw_buffer, change, alone.state)
 
-    def _saturate(self, step, command, witness):
+    def _saturate(self, step, command, observer):
         if not self._inside(command.scissor):
             return
         whole = replace(command, scissor=None)
@@ -305,7 +305,7 @@ class ReplayedPixel:
 
         yield from self._on_each(step, command.draw_buffer, change)
 
-    def _accum(self, step, command, witness):
+    def _accum(self, step, command, observer):
         if not self._inside(command.scissor):
             return
         whole, profile = replace(command, scissor=None), self.frame.profile

@@ -91,7 +91,7 @@ class _Seen:
 
 
 class RegisterWitness:
-    """A witness of whole frames that counts what registers hold; ``add`` is told of each."""
+    """An observer of whole frames that counts what registers hold; ``add`` is told of each."""
 
     def __init__(self):
         self.seen, self.number, self.label, self.general, self.one = {}, -1, "", 0, 1
@@ -177,5 +177,5 @@ def register_uses(
             "machine with that clamp."
         )
     seen = RegisterWitness()
-    Machine(profile, width, height, engine="columns", witness=seen, **machine).run(commands)
+    Machine(profile, width, height, engine="columns", observer=seen, **machine).run(commands)
     return seen.uses()

@@ -51,7 +51,7 @@ def stage_digests(
     if Clamp.GENERAL_COMBINER not in profile.arithmetic.clamps:
         return {}
     seen = _Digests()
-    Machine(profile, width, height, engine="columns", witness=seen, **machine).run(commands)
+    Machine(profile, width, height, engine="columns", observer=seen, **machine).run(commands)
     return {
         number: {stage: _short(registers) for stage, registers in stages.items()}
         for number, stages in seen.found.items()

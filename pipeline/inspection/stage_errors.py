@@ -36,7 +36,7 @@ class _Chunk:
 
 
 class _Beside:
-    """A witness of a machine's frame that shades every Draw's fragments by the ideal as well.
+    """An observer of a machine's frame that shades every Draw's fragments by the ideal as well.
 
     ``errors``: by command's number, its label and stage, in order, float64 [h, w].
     """
@@ -107,7 +107,7 @@ class _Beside:
         state, textures, primitives, mesh = self.draw
         exact, stages = {}, []
 
-        def saw(stage, /, **columns):
+        def observe(stage, /, **columns):
             if stage == "registers":
                 for unit in range(4):
                     register = Register(Register.TEXTURE0 + unit)
@@ -121,7 +121,7 @@ class _Beside:
 
         with np.errstate(all="ignore"):
             weights = weigh(mesh, state.polygon.front_face, *self.chunk.where)
-            shade(state, textures, primitives, plan_for(state, textures, self.plans), weights, saw)
+            shade(state, textures, primitives, plan_for(state, textures, self.plans), weights, observe)
         return exact
 
     def _map(self, name):
@@ -164,5 +164,5 @@ def stage_errors(
             "machine's; give samples=1, or its own commands."
         )
     seen = _Beside(recorded)
-    Machine(profile, width, height, engine="columns", witness=seen, **machine).run(commands)
+    Machine(profile, width, height, engine="columns", observer=seen, **machine).run(commands)
     return seen.errors

@@ -1,4 +1,4 @@
-"""From what a witness was told of one fragment to its stages: names, equations, codes and values."""
+"""From what an observer was told of one fragment to its stages: names, equations, codes and values."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -29,7 +29,7 @@ _RGBA = "rgba"
 
 
 class FragmentWitness:
-    """A witness of the making of one fragment, the machine's or the ideal's: what it was told, in order."""
+    """An observer of the making of one fragment, the machine's or the ideal's: what it was told, in order."""
 
     def __init__(self) -> None:
         self.told: list[tuple[str, dict[str, Any]]] = []
@@ -45,13 +45,13 @@ class FragmentWitness:
 
 
 def fragment_of(
-    witness: FragmentWitness, state: PassState | None, color_bits: int, ideal: FragmentWitness | None = None
+    observer: FragmentWitness, state: PassState | None, color_bits: int, ideal: FragmentWitness | None = None
 ) -> Fragment:
-    """The Fragment that a witness saw; ``color_bits``: of the buffer that it was written to; ``ideal``: the
-    witness of the same fragment of the ideal.
+    """The Fragment that an observer saw; ``color_bits``: of the buffer that it was written to; ``ideal``: the
+    observer of the same fragment of the ideal.
     """
     reader = _Reader(state, color_bits, {} if ideal is None else ideal_numbers(ideal.told))
-    stages = tuple(stage for told in witness.told for stage in reader.stages(*told))
+    stages = tuple(stage for told in observer.told for stage in reader.stages(*told))
     added = [max((_added(q) for q in stage.made), default=0.0) for stage in stages]
     worst = max(range(len(stages)), key=added.__getitem__, default=None)
     clamped = [place for place, stage in enumerate(stages) if stage.clamped]

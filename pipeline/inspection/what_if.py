@@ -21,7 +21,7 @@ from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.validation.frames import frame_of
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 Commands: TypeAlias = tuple[Any, ...]
 
@@ -63,19 +63,19 @@ def frame_colors(
     *,
     ideal: Any = None,
     otherwise: Callable[[Draw], Otherwise | None] | None = None,
-    witness: Callable[..., None] = nobody,
+    observer: Callable[..., None] = unobserved,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Run ``commands`` on a machine, and the ideal guided by it: red, green and blue of both.
 
     Returns (machine's, ideal's), float64 [h, w, 3], top row first, 1.0 = full intensity; the ideal's are not
-    clamped. ``ideal``: what the ideal evaluates; None: the same commands. ``otherwise``, ``witness``: as of a
+    clamped. ``ideal``: what the ideal evaluates; None: the same commands. ``otherwise``, ``observer``: as of a
     Machine. Raises as ``execute`` and ``execute_ideal``, and ValueError for a machine too wide for
     ``otherwise``.
     """
     if otherwise is None:
         result = execute(commands, profile, width, height, record=True)
     else:
-        asked = {"engine": "columns", "otherwise": otherwise, "witness": witness}
+        asked = {"engine": "columns", "otherwise": otherwise, "observer": observer}
         result = Machine(profile, width, height, **asked).run(commands, record=True)  # type: ignore[arg-type]
     exact = execute_ideal(commands if ideal is None else ideal, width, height, guide=result).color[..., :3]
     return result.framebuffer.color[..., :3] / (2.0**result.framebuffer.color_bits - 1.0), exact
@@ -189,7 +189,7 @@ def attribution(
 
 
 class _Stages:
-    """A witness of which command runs, and of which stages its Draws have, and what they compute otherwise.
+    """An observer of which command runs, and of which stages its Draws have, and what they compute otherwise.
 
     ``number``: of the command whose stages are meant, as they run; None: of all. ``changed``: what those
     compute otherwise.
@@ -234,7 +234,7 @@ class _Stages:
 def _stages_error(given, ideal, number, changed):
     """The Error of a frame whose stages are ``changed``, and the _Stages that watched it."""
     seen = _Stages(number, changed)
-    return frame_error(*given, ideal=ideal, otherwise=seen.otherwise, witness=seen), seen
+    return frame_error(*given, ideal=ideal, otherwise=seen.otherwise, observer=seen), seen
 
 
 def colors_with_stages(
@@ -260,13 +260,13 @@ def colors_with_stages(
         if not name.startswith(("general combiner", "final combiner")):
             raise ValueError(f"{name} has no clamp of its own; general combiners and the final one have.")
     given, seen = (frame_of(commands), profile, width, height), _Stages(number)
-    Machine(*given[1:], engine="columns", witness=seen).run(given[0])
+    Machine(*given[1:], engine="columns", observer=seen).run(given[0])
     there = seen.names()
     for name in (*exact, *unclamped):
         if name not in there:
             raise ValueError(f"No Draw of it has a stage {name!r}; there are: {', '.join(there)}.")
     seen = _Stages(number, Otherwise(frozenset(exact), frozenset(unclamped)))
-    return frame_colors(*given, ideal=ideal, otherwise=seen.otherwise, witness=seen)
+    return frame_colors(*given, ideal=ideal, otherwise=seen.otherwise, observer=seen)
 
 
 def with_stages(commands: Any, profile: Profile, width: int, height: int, **given: Any) -> Error:

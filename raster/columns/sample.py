@@ -11,7 +11,7 @@ from fixedpipe.raster.columns.interpolate import major_axis, on_face
 from fixedpipe.raster.columns.numbers import INTEGERS
 from fixedpipe.raster.columns.per_fragment import compare
 from fixedpipe.raster.floats import TAU
-from fixedpipe.raster.witness import nobody
+from fixedpipe.raster.observer import unobserved
 
 
 def wrapped(texel, mode, size, beside=0):
@@ -92,7 +92,7 @@ def positions(coordinates, target, divided, computed, size, flat=False):
 
 
 def filter_level(
-    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, saw=nobody, beside=0,
+    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, observe=unobserved, beside=0,
     numbers=INTEGERS,
 ):  # fmt: skip
     """One filtered texel of each fragment, [k, c]: int64, or of REALS float64.
@@ -101,7 +101,7 @@ def filter_level(
     ``beside``: how many border texels the level has on either side; ``read``: None, or what is
     made of texels int64 [k, c] before they are filtered. ``tap``: None, or which of the filter's texels is
     wanted, 0 or 1 of layers, rows and columns: then int64 [k, c + 4], the texel, and the fractions
-    between columns, rows and layers, and 0. ``saw``: is told where each axis reads, the fractions, and each
+    between columns, rows and layers, and 0. ``observe``: is told where each axis reads, the fractions, and each
     texel, by (layer, row, column) of the filter. ``fraction_bits``: None of REALS for
     fractions that are not rounded.
     """
@@ -118,7 +118,9 @@ def filter_level(
     else:
         planes, deep = [(0 if face is None else face, None)], None
 
-    saw("filter", columns=columns, rows=rows, layers=planes, fractions=(across, up, deep), bits=fraction_bits)
+    observe(
+        "filter", columns=columns, rows=rows, layers=planes, fractions=(across, up, deep), bits=fraction_bits
+    )
 
     def texel(plane, row, column):
         at = plane[0] + before, row[0] + below, column[0] + beside
@@ -127,7 +129,7 @@ def filter_level(
         for outside in (plane[1], row[1], column[1]):
             if outside is not None:
                 found[outside] = border
-        saw("texel", layer=plane[0], row=row[0], column=column[0], stored=stored, texel=found)
+        observe("texel", layer=plane[0], row=row[0], column=column[0], stored=stored, texel=found)
         return found
 
     if tap is not None:

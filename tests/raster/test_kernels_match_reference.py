@@ -544,10 +544,10 @@ def test_every_pair_of_blend_factors(source_factor, equation):
 def operands_of_every_numerator(sign):
     """s, fs, d, fd (bytes) for every integer s fs + sign d fd that four bytes can give."""
     products = np.unique(np.outer(np.arange(256), np.arange(256)))
-    witness = np.zeros((65026, 2), np.int64)
+    observer = np.zeros((65026, 2), np.int64)
     for a in range(1, 256):
         b = np.arange(1, 256)
-        witness[a * b] = np.stack([np.full(255, a), b], -1)
+        observer[a * b] = np.stack([np.full(255, a), b], -1)
     offset = 0 if sign > 0 else 65025
     first = np.full(130051, -1)
     second = np.zeros(130051, np.int64)
@@ -556,7 +556,7 @@ def operands_of_every_numerator(sign):
         new = n[first[n] < 0]
         first[new], second[new] = p, sign * (new - offset - p)
     reachable = first >= 0
-    return np.hstack([witness[first[reachable]], witness[second[reachable]]])
+    return np.hstack([observer[first[reachable]], observer[second[reachable]]])
 
 
 @pytest.mark.parametrize(

@@ -44,11 +44,11 @@ def run(program, profile, codes):
         [np.zeros((3, count), np.int64), codes[Register.TEXTURE0][3:]]
     )
 
-    def saw(what, **told):
+    def observe(what, **told):
         if what == "combined":
             held[f"general combiner {told['number']}"] = dict(told["registers"])
 
-    color = combine(program, registers, count, a, saw)
+    color = combine(program, registers, count, a, observe)
     return held, color
 
 

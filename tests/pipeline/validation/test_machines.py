@@ -155,9 +155,9 @@ def test_every_limit_set_and_switch_of_a_profile_decides_about_a_feature():
     asked = set()
     for feature in FEATURES:
         for profile in PROFILES.values():
-            witness = Asked(profile, set())
-            if feature.has(witness) and feature.limit is not None:
-                feature.limit(witness)
-            asked |= witness.fields
+            observer = Asked(profile, set())
+            if feature.has(observer) and feature.limit is not None:
+                feature.limit(observer)
+            asked |= observer.fields
     capabilities = {name for name, section in SECTION_OF.items() if section != "arithmetic"}
     assert capabilities - asked == WITHOUT_A_FEATURE
