@@ -29,7 +29,7 @@ PACKAGES = {
     "raster/columns": {"raster": "codes floats float_depths observer"},
     "raster/pixels": {"raster": "codes"},
     "pipeline/enums": {"raster": "codes"},
-    "pipeline/sentences": {"pipeline": "enums"},
+    "pipeline/messages": {"pipeline": "enums"},
     "pipeline/state": {"pipeline": "enums"},
     "pipeline/pixel_transfer": {"pipeline": "enums state"},
     "pipeline/canonical": {"pipeline": "state"},
@@ -37,9 +37,9 @@ PACKAGES = {
     "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums state"},
     "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
     "pipeline/profiles": {"pipeline": "enums textures"},
-    "pipeline/programs": {"raster": "codes", "pipeline": "enums sentences state textures"},
+    "pipeline/programs": {"raster": "codes", "pipeline": "enums messages state textures"},
     "pipeline/notations": {"pipeline": "enums state programs"},
-    "pipeline/description": {"pipeline": "enums sentences state pixel_transfer commands programs notations"},
+    "pipeline/description": {"pipeline": "enums messages state pixel_transfer commands programs notations"},
     "pipeline/vertices": {
         "raster": "codes floats rows primitives",
         "pipeline": "enums state commands profiles",
@@ -50,8 +50,7 @@ PACKAGES = {
     },
     "pipeline/validation": {
         "pipeline": (
-            "enums sentences state pixel_transfer canonical kinds textures commands profiles programs "
-            "vertices"
+            "enums messages state pixel_transfer canonical kinds textures commands profiles programs vertices"
         ),
     },
     "pipeline/native": {
@@ -78,7 +77,7 @@ PACKAGES = {
     "pipeline/inspection": {
         "raster": "codes observer columns",
         "pipeline": (
-            "enums sentences state textures commands profiles programs notations description vertices "
+            "enums messages state textures commands profiles programs notations description vertices "
             "framebuffers validation native columns execution ideal"
         ),
     },
@@ -99,7 +98,7 @@ PACKAGES = {
     "effects/bibliography": {},
     "effects/geometry": {"raster": "kernel", "pipeline": "state textures commands"},
     "effects/passes": {
-        "pipeline": "enums sentences state pixel_transfer textures commands",
+        "pipeline": "enums messages state pixel_transfer textures commands",
         "effects": "technique",
     },
     "effects/scenes": {"effects": "geometry passes"},
@@ -192,7 +191,7 @@ PACKAGES = {
     "effects/cli": {
         "raster": "kernel kernel_folder",
         "pipeline": (
-            "enums sentences profiles notations description framebuffers validation native inspection "
+            "enums messages profiles notations description framebuffers validation native inspection "
             "selftest golden"
         ),
         "effects": (

@@ -9,7 +9,7 @@ import click
 
 from fixedpipe.effects.cli.options import refuse_beside, set_option, threads_option
 from fixedpipe.effects.cli.progress import error_console
-from fixedpipe.pipeline.sentences import count
+from fixedpipe.pipeline.messages import count
 
 # What --profile calls the machine that a figure's paper used.
 PAPER = "paper"

@@ -170,7 +170,7 @@ def _planned(of, chosen, ideal, whole):
     """What will be written, in a sentence, and how many commands draw. Raises Refusal for too much."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.reports.trace import plan
-    from fixedpipe.pipeline.sentences import count
+    from fixedpipe.pipeline.messages import count
 
     found = plan(of.commands, chosen, of.size, ideal)
     if not found.drawing:

@@ -37,7 +37,7 @@ from fixedpipe.pipeline.enums import (
     Mapping,
     Register,
 )
-from fixedpipe.pipeline.sentences import shown as in_words
+from fixedpipe.pipeline.messages import shown as in_words
 from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,

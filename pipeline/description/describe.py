@@ -34,8 +34,8 @@ from fixedpipe.pipeline.description.equations import combiner_lines
 from fixedpipe.pipeline.description.states import differences, mask_words, numbered_lines, titled
 from fixedpipe.pipeline.description.words import format_number, format_value
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat, TextureTarget, WindowOrigin
+from fixedpipe.pipeline.messages import count
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
-from fixedpipe.pipeline.sentences import count
 from fixedpipe.pipeline.state import (
     ColorMask,
     PixelTexture,

@@ -7,9 +7,9 @@ from typing import Any
 from fixedpipe.pipeline.description.equations import combiner_lines, shader_stage_equation
 from fixedpipe.pipeline.description.words import format_value
 from fixedpipe.pipeline.enums import Register
+from fixedpipe.pipeline.messages import count
 from fixedpipe.pipeline.notations.programs import Program
 from fixedpipe.pipeline.notations.register_combiner_words import BLACK, constant_byte
-from fixedpipe.pipeline.sentences import count
 
 _FIELDS = {Register.CONSTANT_COLOR0: "constant_color0", Register.CONSTANT_COLOR1: "constant_color1"}
 

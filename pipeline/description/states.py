@@ -6,8 +6,8 @@ from types import NoneType
 from fixedpipe.pipeline.description.equations import combiner_lines, environment_lines, shader_stage_equation
 from fixedpipe.pipeline.description.words import ALWAYS_SHOWN, FIELD_WORDS, format_value
 from fixedpipe.pipeline.enums import ConvolutionBorderMode
+from fixedpipe.pipeline.messages import count
 from fixedpipe.pipeline.pixel_transfer import ConvolutionFilter, SeparableFilter
-from fixedpipe.pipeline.sentences import count
 from fixedpipe.pipeline.state import (
     ColorMask,
     ColorTable,

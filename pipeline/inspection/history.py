@@ -9,7 +9,7 @@ from types import UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from fixedpipe.pipeline.inspection.pixel import PixelValue
-from fixedpipe.pipeline.sentences import surface_words
+from fixedpipe.pipeline.messages import surface_words
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from fixedpipe.pipeline.enums import (
     TextureEnvironmentMode,
     TextureShaderOperation,
 )
-from fixedpipe.pipeline.sentences import listed
+from fixedpipe.pipeline.messages import listed
 from fixedpipe.pipeline.state import (
     AlphaPortion,
     CombinerInput,

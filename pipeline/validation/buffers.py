@@ -1,8 +1,8 @@
 """Validation of buffers, and of the commands that clear, accumulate and read them."""
 
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat
+from fixedpipe.pipeline.messages import count, depth_words
 from fixedpipe.pipeline.pixel_transfer import has_sink
-from fixedpipe.pipeline.sentences import count, depth_words
 from fixedpipe.pipeline.textures.pixel_formats import (
     DEPTH_FORMAT,
     PACKED_TYPES,

@@ -1,6 +1,7 @@
 """Validation of a state's fragment stages: combiners, fog, tests and blending."""
 
 from fixedpipe.pipeline.enums import ComponentUsage, FogCoordinateSource
+from fixedpipe.pipeline.messages import count, listed
 from fixedpipe.pipeline.programs.combiner_rules import (
     TEXTURE_REGISTERS,
     blue_to_alpha_stage,
@@ -8,7 +9,6 @@ from fixedpipe.pipeline.programs.combiner_rules import (
     nv2a_flag,
     registers_named,
 )
-from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.validation import buffers, surfaces
 
 

@@ -6,7 +6,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.commands import COMMANDS, Command, HostStep
-from fixedpipe.pipeline.sentences import quoted, shown
+from fixedpipe.pipeline.messages import quoted, shown
 from fixedpipe.pipeline.validation.walk import UnsupportedState, Walk
 
 

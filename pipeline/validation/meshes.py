@@ -5,7 +5,7 @@ from weakref import WeakSet
 import numpy as np
 
 from fixedpipe.pipeline.enums import PrimitiveType
-from fixedpipe.pipeline.sentences import shown
+from fixedpipe.pipeline.messages import shown
 from fixedpipe.pipeline.validation.types import check_int, enum_check
 
 checked_meshes = WeakSet()  # meshes without a problem

@@ -5,7 +5,7 @@ The type checks run first: fields have the annotated types, and numbers are fini
 
 from fixedpipe.pipeline.commands import kind_of
 from fixedpipe.pipeline.enums import PixelCopyType, PixelTexGenAlpha, PixelTexGenQ, TextureTarget, VertexStage
-from fixedpipe.pipeline.sentences import count
+from fixedpipe.pipeline.messages import count
 from fixedpipe.pipeline.state import VertexState
 from fixedpipe.pipeline.validation import buffers, surfaces
 from fixedpipe.pipeline.validation.draws import pass_state

@@ -6,7 +6,7 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from fixedpipe.pipeline.sentences import count, listed
+from fixedpipe.pipeline.messages import count, listed
 from fixedpipe.pipeline.state import SignedComponents
 from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, FORMATS_OF_WORDS
 from fixedpipe.pipeline.validation.textures import complete_levels

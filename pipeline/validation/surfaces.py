@@ -2,7 +2,7 @@
 
 from fixedpipe.pipeline.commands import box_read
 from fixedpipe.pipeline.enums import DepthFormat
-from fixedpipe.pipeline.sentences import count, depth_words, listed, quoted, shown, surface_words
+from fixedpipe.pipeline.messages import count, depth_words, listed, quoted, shown, surface_words
 from fixedpipe.pipeline.validation.types import check_int
 from fixedpipe.pipeline.validation.walk import KnownSurface, UnsupportedState
 

@@ -7,6 +7,7 @@ from fixedpipe.pipeline.enums import (
     TextureShaderOperation,
     TextureTarget,
 )
+from fixedpipe.pipeline.messages import count, listed
 from fixedpipe.pipeline.programs.combiner_rules import textures_read
 from fixedpipe.pipeline.programs.texture_environment import (
     disabled_textures_are_ones,
@@ -24,7 +25,6 @@ from fixedpipe.pipeline.programs.texture_shader_rules import (
     stage_problem,
     stage_width_problem,
 )
-from fixedpipe.pipeline.sentences import count, listed
 from fixedpipe.pipeline.state import SignedComponents
 from fixedpipe.pipeline.textures.images import (
     COLORLESS_FORMATS,

@@ -6,8 +6,8 @@ from weakref import WeakSet
 import numpy as np
 
 from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
+from fixedpipe.pipeline.messages import count, depth_words, listed, nearest_power_of_two, quoted
 from fixedpipe.pipeline.pixel_transfer import changes_nothing, convolution, filter_size
-from fixedpipe.pipeline.sentences import count, depth_words, listed, nearest_power_of_two, quoted
 from fixedpipe.pipeline.textures.images import COMPONENT_BITS, DEPTH_TEXELS, TWELVE_BIT_FORMATS, Texture
 from fixedpipe.pipeline.textures.pixel_formats import (
     COLOR_INDEX_FORMAT,

@@ -10,8 +10,8 @@ from itertools import chain
 import numpy as np
 
 from fixedpipe.pipeline.enums import BaseFormat
+from fixedpipe.pipeline.messages import quoted
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER, filter_size, transferred_size
-from fixedpipe.pipeline.sentences import quoted
 from fixedpipe.pipeline.textures.pixel_formats import (
     DEPTH_FORMAT,
     IMAGE_FORMATS,

@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 
-from fixedpipe.pipeline.sentences import shown
+from fixedpipe.pipeline.messages import shown
 from fixedpipe.pipeline.validation.remembered import Remembered
 
 

@@ -42,9 +42,9 @@ from fixedpipe.pipeline.commands import (
     Saturate,
     TexImage,
 )
+from fixedpipe.pipeline.messages import count, shown
 from fixedpipe.pipeline.pixel_transfer import PixelMaps, PixelTransfer
 from fixedpipe.pipeline.profiles.profile import Profile
-from fixedpipe.pipeline.sentences import count, shown
 from fixedpipe.pipeline.state import (
     ColorTable,
     FinalCombiner,

@@ -3,7 +3,7 @@
 from dataclasses import fields
 
 from fixedpipe.pipeline.enums import LightingArithmetic, VertexStage
-from fixedpipe.pipeline.sentences import count, shown
+from fixedpipe.pipeline.messages import count, shown
 from fixedpipe.pipeline.state import Light, Lighting, Material, VertexState, needs_normals
 from fixedpipe.pipeline.vertices.arithmetic import invert_upper_left
 

@@ -10,8 +10,8 @@ from weakref import WeakKeyDictionary
 from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.commands import Clear, Command, Draw, Mesh
 from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
+from fixedpipe.pipeline.messages import depth_words, surface_words
 from fixedpipe.pipeline.profiles.profile import Profile
-from fixedpipe.pipeline.sentences import depth_words, surface_words
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation.meshes import checked_meshes, infinite_fog
 from fixedpipe.pipeline.validation.remembered import Remembered

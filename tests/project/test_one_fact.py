@@ -220,7 +220,7 @@ ROOMS = {
     r"_?IMAGE_FORMATS|_?READ_FORMATS|_?READ_TYPES": "pipeline/textures/pixel_formats.py",
     r"_?fog_thresholds": "pipeline/programs/fog.py",
     r"_(SC|TC|MA)(_\w+)?": "raster/columns/interpolate.py",
-    r"_?(listed|count|shown|quoted|nearest_power_of_two)": "pipeline/sentences.py",
+    r"_?(listed|count|shown|quoted|nearest_power_of_two)": "pipeline/messages.py",
 }
 
 

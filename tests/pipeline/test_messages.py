@@ -3,7 +3,7 @@
 import pytest
 
 from fixedpipe.pipeline.enums import BlendEquation, DepthFormat
-from fixedpipe.pipeline.sentences import count, depth_words, listed, nearest_power_of_two, quoted, shown
+from fixedpipe.pipeline.messages import count, depth_words, listed, nearest_power_of_two, quoted, shown
 
 
 def test_a_long_value_is_shown_by_its_beginning():
