@@ -32,8 +32,8 @@ PACKAGES = {
     "pipeline/messages": {"pipeline": "enums"},
     "pipeline/state": {"pipeline": "enums"},
     "pipeline/pixel_transfer": {"pipeline": "enums state"},
-    "pipeline/canonical": {"pipeline": "state"},
-    "pipeline/kinds": {"pipeline": "state canonical"},
+    "pipeline/interned_states": {"pipeline": "state"},
+    "pipeline/kinds": {"pipeline": "state interned_states"},
     "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums state"},
     "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
     "pipeline/profiles": {"pipeline": "enums textures"},
@@ -50,7 +50,7 @@ PACKAGES = {
     },
     "pipeline/validation": {
         "pipeline": (
-            "enums messages state pixel_transfer canonical kinds textures commands profiles programs vertices"
+            "enums messages state pixel_transfer interned_states kinds textures commands profiles programs vertices"
         ),
     },
     "pipeline/native": {
@@ -64,7 +64,7 @@ PACKAGES = {
     "pipeline/execution": {
         "raster": "observer primitives",
         "pipeline": (
-            "enums canonical textures commands profiles vertices framebuffers validation native columns"
+            "enums interned_states textures commands profiles vertices framebuffers validation native columns"
         ),
     },
     "pipeline/ideal": {

@@ -129,8 +129,8 @@ def column_draw(
     primitives, covered, state, profile, framebuffer, textures, observe=unobserved, otherwise=None
 ):
     """Draw the fragments ``covered`` (triangle, x, y, covered, int [k] each, the last one or None) of window
-    primitives with float colours: bool [k], which passed all tests. ``observe``: the observer; ``otherwise``: an
-    Otherwise.
+    primitives with float colours: bool [k], which passed all tests. ``observe``: the observer;
+    ``otherwise``: an Otherwise.
 
     Raises ValueError for an ``otherwise`` of a pass that computes at each texel or turns its colours.
     """

@@ -27,8 +27,9 @@ from fixedpipe.raster.observer import unobserved
 
 
 class IteratedPrimitives:
-    """Primitives with what iteration needs of their state. ``observe``: the observer; ``numbers``: INTEGERS, or
-    REALS for colours that are not rounded.
+    """Primitives with the parts of their state that iteration needs.
+
+    ``observe``: the observer. ``numbers``: INTEGERS, or REALS for colours that are not rounded.
     """
 
     def __init__(

@@ -15,7 +15,6 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.columns.engine import column_draw, needs_columns
 from fixedpipe.pipeline.columns.otherwise import Otherwise
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
@@ -54,6 +53,7 @@ from fixedpipe.pipeline.framebuffers.texture_copies import (
 from fixedpipe.pipeline.framebuffers.texture_queries import texture_pixels
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, widths_of
+from fixedpipe.pipeline.interned_states import interned
 from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles, recorded_fragments
 from fixedpipe.pipeline.native.preparation import Prepared
 from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
@@ -292,7 +292,7 @@ class Machine:
 
     def _draw(self, command, frame):
         size = self._current.width, self._current.height
-        state = within_viewport(command.mesh, canonical(command.state), *size)
+        state = within_viewport(command.mesh, interned(command.state), *size)
         state, textures = depths_as_colors(state, self.textures, self.profile)
         for number, (surface, place) in enumerate(self._targets(state.draw_buffer)):
             position, sample = sampled(place, self.profile)

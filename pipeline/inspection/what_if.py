@@ -68,8 +68,8 @@ def frame_colors(
     """Run ``commands`` on a machine, and the ideal guided by it: red, green and blue of both.
 
     Returns (machine's, ideal's), float64 [h, w, 3], top row first, 1.0 = full intensity; the ideal's are not
-    clamped. ``ideal``: what the ideal evaluates; None: the same commands. ``otherwise``, ``observer``: as of a
-    Machine. Raises as ``execute`` and ``execute_ideal``, and ValueError for a machine too wide for
+    clamped. ``ideal``: what the ideal evaluates; None: the same commands. ``otherwise``, ``observer``: as of
+    a Machine. Raises as ``execute`` and ``execute_ideal``, and ValueError for a machine too wide for
     ``otherwise``.
     """
     if otherwise is None:

@@ -2,8 +2,8 @@
 
 from types import NoneType
 
-from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.enums import ColorBuffer, FogArithmetic, LineRasterization, PolygonMode, VertexStage
+from fixedpipe.pipeline.interned_states import interned
 from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
@@ -14,7 +14,7 @@ from fixedpipe.pipeline.validation.meshes import checked_meshes, finite_problem,
 
 def draw(walk, command):
     """Refuse a Draw whose mesh or state the machine could not draw."""
-    mesh, state = command.mesh, canonical(command.state)
+    mesh, state = command.mesh, interned(command.state)
     if mesh not in checked_meshes:
         if problem := mesh_problem(mesh):
             walk.refuse(problem)
@@ -40,7 +40,7 @@ def is_like_another(walk, command, checks):
 
     ``checks`` are TypeChecks. Raises UnsupportedState where the vertex state is wrong.
     """
-    mesh, state = command.mesh, canonical(command.state)
+    mesh, state = command.mesh, interned(command.state)
     program = getattr(state, "register_combiners", None)
     if (
         not walk.is_whole(command)

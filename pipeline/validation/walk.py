@@ -7,9 +7,9 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 from weakref import WeakKeyDictionary
 
-from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.commands import Clear, Command, Draw, Mesh
 from fixedpipe.pipeline.enums import ColorFormat, InternalFormat, PrimitiveType, TextureTarget
+from fixedpipe.pipeline.interned_states import interned
 from fixedpipe.pipeline.messages import depth_words, surface_words
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.textures.images import Texture
@@ -214,7 +214,7 @@ class Walk:
             return id(command) in self.taken.states
         if type(command) is not Draw or not self.is_whole(command):
             return False
-        found = self.taken.states.get(id(canonical(command.state)))
+        found = self.taken.states.get(id(interned(command.state)))
         return found is not None and found[1] == self.beside(command.mesh, found[1].names)
 
     def is_whole(self, command: Draw) -> bool:

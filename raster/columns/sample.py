@@ -92,8 +92,8 @@ def positions(coordinates, target, divided, computed, size, flat=False):
 
 
 def filter_level(
-    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, observe=unobserved, beside=0,
-    numbers=INTEGERS,
+    level, places, face, modes, linear, target, border, fraction_bits, read, tap=None, observe=unobserved,
+    beside=0, numbers=INTEGERS,
 ):  # fmt: skip
     """One filtered texel of each fragment, [k, c]: int64, or of REALS float64.
 
@@ -101,9 +101,9 @@ def filter_level(
     ``beside``: how many border texels the level has on either side; ``read``: None, or what is
     made of texels int64 [k, c] before they are filtered. ``tap``: None, or which of the filter's texels is
     wanted, 0 or 1 of layers, rows and columns: then int64 [k, c + 4], the texel, and the fractions
-    between columns, rows and layers, and 0. ``observe``: is told where each axis reads, the fractions, and each
-    texel, by (layer, row, column) of the filter. ``fraction_bits``: None of REALS for
-    fractions that are not rounded.
+    between columns, rows and layers, and 0. ``observe`` receives where each axis reads, the fractions, and
+    each texel, by (layer, row, column) of the filter. ``fraction_bits``: None, of REALS, for fractions that
+    are not rounded.
     """
     layers, height, width = (extent - 2 * beside for extent in level.shape[:3])
     below, before = beside, 0  # border texels of the image below row 0 and before layer 0

@@ -32,7 +32,7 @@ class _NoStateError(Exception):
     """A value that no annotation of ``fixedpipe.pipeline.state`` means."""
 
 
-def canonical(value: T) -> T:
+def interned(value: T) -> T:
     """The first object that equals a state, or a part of one, and has equal parts in common with others.
 
     What is no state, or holds what it must not, is returned as it is. So is a PassState that
@@ -56,7 +56,7 @@ def _is_changed(state):
 
 
 def _first(value):
-    """As ``canonical`` for what is not known; raises what taking apart something else raises."""
+    """As ``interned`` for what is not known; raises what taking apart something else raises."""
     kind = type(value)
     if (layout := _layouts.get(kind)) is None:
         layout = _layouts[kind] = (

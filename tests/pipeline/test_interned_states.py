@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fixedpipe.pipeline import canonical as canonical_module
+from fixedpipe.pipeline import interned_states as interned_module
 from fixedpipe.pipeline import kinds
-from fixedpipe.pipeline.canonical import canonical
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, Register, StencilOperation, VertexStage
 from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.interned_states import interned
 from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.native import state_rows
 from fixedpipe.pipeline.profiles import NV2A
@@ -44,8 +44,8 @@ from tests.support.random_frames import random_frame
 
 def forget():
     """As in a process that has drawn nothing."""
-    canonical_module._by_value.clear()
-    canonical_module._forget()
+    interned_module._by_value.clear()
+    interned_module._forget()
     kinds._of_state.clear()
     kinds._kinds.clear()
     state_rows._rows.clear()
@@ -89,14 +89,14 @@ def others(value):
 def test_a_copy_is_found_and_nothing_else(seed):
     forget()
     for state in states(800_000 + seed):
-        first = canonical(pickle.loads(pickle.dumps(state)))
+        first = interned(pickle.loads(pickle.dumps(state)))
         assert first == state
-        assert canonical(pickle.loads(pickle.dumps(state))) is first
-        assert canonical(deepcopy(state)) is first
+        assert interned(pickle.loads(pickle.dumps(state))) is first
+        assert interned(deepcopy(state)) is first
         different = list(others(first))
         assert len(different) > 50
         for other in different[seed % 7 :: 7]:
-            assert canonical(other) is not first
+            assert interned(other) is not first
             if _CHECKS[PassState](other) is None:  # of what is refused nobody asks the kind
                 assert kind_of(first) is not kind_of(other) or _moves_or_colors(first, other)
 
@@ -128,21 +128,21 @@ def _moves_or_colors(one, other):
 def test_what_equals_but_is_something_else_is_not_found(one, other):
     for first, second in ((one, other), (other, one)):
         forget()
-        found = canonical(first)
-        assert canonical(second) is not found
+        found = interned(first)
+        assert interned(second) is not found
 
 
 @pytest.mark.parametrize("value", [None, 3, "a", [1], object(), PassState, {"a": 1}])
 def test_what_is_no_state_is_itself(value):
-    assert canonical(value) is value
+    assert interned(value) is value
 
 
 def test_what_is_remembered_is_bounded():
-    for k in range(3 * canonical_module._MOST):
-        canonical(PassState(alpha_test=AlphaTest(reference=k / 8)))
+    for k in range(3 * interned_module._MOST):
+        interned(PassState(alpha_test=AlphaTest(reference=k / 8)))
         kind_of(PassState(alpha_test=AlphaTest(reference=k / 8)))
-    assert len(canonical_module._known) <= canonical_module._MOST + 4
-    assert len(canonical_module._by_value) <= canonical_module._MOST + 4
+    assert len(interned_module._known) <= interned_module._MOST + 4
+    assert len(interned_module._by_value) <= interned_module._MOST + 4
     assert len(kinds._kinds) <= kinds._MOST and len(kinds._of_state) <= kinds._MOST
 
 
@@ -264,4 +264,4 @@ def test_matrices_of_a_pattern_share_their_sums(entries, components):
 
 def test_an_input_of_a_known_program_is_told_apart():
     one = RegisterCombiners().final
-    assert canonical(replace(one, a=CombinerInput(Register.SPARE1))) is not canonical(one)
+    assert interned(replace(one, a=CombinerInput(Register.SPARE1))) is not interned(one)
