@@ -33,7 +33,7 @@ PACKAGES = {
     "pipeline/state": {"pipeline": "enums"},
     "pipeline/pixel_transfer": {"pipeline": "enums state"},
     "pipeline/interned_states": {"pipeline": "state"},
-    "pipeline/kinds": {"pipeline": "state interned_states"},
+    "pipeline/state_kinds": {"pipeline": "state interned_states"},
     "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums state"},
     "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
     "pipeline/profiles": {"pipeline": "enums textures"},
@@ -50,12 +50,12 @@ PACKAGES = {
     },
     "pipeline/validation": {
         "pipeline": (
-            "enums messages state pixel_transfer interned_states kinds textures commands profiles programs vertices"
+            "enums messages state pixel_transfer interned_states state_kinds textures commands profiles programs vertices"
         ),
     },
     "pipeline/native": {
         "raster": "codes rows arrays primitives portable vector columns",
-        "pipeline": "enums state kinds textures commands profiles programs vertices framebuffers",
+        "pipeline": "enums state state_kinds textures commands profiles programs vertices framebuffers",
     },
     "pipeline/columns": {
         "raster": "codes rows observer columns pixels",

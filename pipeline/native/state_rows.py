@@ -7,7 +7,6 @@ import numpy as np
 from fixedpipe.pipeline.enums import ColorWeights, ProductRounding, Register, ShadeModel
 from fixedpipe.pipeline.framebuffers.boxes import scissor_box
 from fixedpipe.pipeline.framebuffers.widths import fragment_bits
-from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.native.pack_combiners import has_stage_constants, pack_combiners, pack_constants
 from fixedpipe.pipeline.native.pack_fragments import (
     pack_coverage,
@@ -19,6 +18,7 @@ from fixedpipe.pipeline.native.pack_fragments import (
     pack_writing,
 )
 from fixedpipe.pipeline.native.pack_units import pack_units
+from fixedpipe.pipeline.state_kinds import kind_of
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 

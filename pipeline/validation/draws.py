@@ -4,10 +4,10 @@ from types import NoneType
 
 from fixedpipe.pipeline.enums import ColorBuffer, FogArithmetic, LineRasterization, PolygonMode, VertexStage
 from fixedpipe.pipeline.interned_states import interned
-from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
 from fixedpipe.pipeline.state import Color, PassState, RegisterCombiners, VertexState
+from fixedpipe.pipeline.state_kinds import kind_of
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
 from fixedpipe.pipeline.validation.meshes import checked_meshes, finite_problem, infinite_fog, mesh_problem
 

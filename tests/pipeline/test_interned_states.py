@@ -12,12 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fixedpipe.pipeline import interned_states as interned_module
-from fixedpipe.pipeline import kinds
+from fixedpipe.pipeline import state_kinds
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, Register, StencilOperation, VertexStage
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.interned_states import interned
-from fixedpipe.pipeline.kinds import kind_of
 from fixedpipe.pipeline.native import state_rows
 from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import (
@@ -34,6 +33,7 @@ from fixedpipe.pipeline.state import (
     TextureUnit,
     VertexState,
 )
+from fixedpipe.pipeline.state_kinds import kind_of
 from fixedpipe.pipeline.validation import walk
 from fixedpipe.pipeline.validation.validate import _CHECKS
 from fixedpipe.pipeline.validation.walk import UnsupportedState
@@ -46,8 +46,8 @@ def forget():
     """As in a process that has drawn nothing."""
     interned_module._by_value.clear()
     interned_module._forget()
-    kinds._of_state.clear()
-    kinds._kinds.clear()
+    state_kinds._of_state.clear()
+    state_kinds._kinds.clear()
     state_rows._rows.clear()
     state_rows._first_rows.clear()
     plan._formulas.clear()
@@ -143,7 +143,7 @@ def test_what_is_remembered_is_bounded():
         kind_of(PassState(alpha_test=AlphaTest(reference=k / 8)))
     assert len(interned_module._known) <= interned_module._MOST + 4
     assert len(interned_module._by_value) <= interned_module._MOST + 4
-    assert len(kinds._kinds) <= kinds._MOST and len(kinds._of_state) <= kinds._MOST
+    assert len(state_kinds._kinds) <= state_kinds._MOST and len(state_kinds._of_state) <= state_kinds._MOST
 
 
 def test_states_that_move_and_color_are_of_a_kind():
