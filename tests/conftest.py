@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
-from fixedpipe.pipeline.native import readiness
+from fixedpipe.pipeline.native import background_compiling
 
 # Another project's tests, which tests/project/test_golden_outside.py runs where they belong.
 collect_ignore = ["stranger"]
@@ -32,7 +32,7 @@ settings.load_profile("fixedpipe")
 @pytest.fixture(autouse=True)
 def engines_as_asked(monkeypatch):
     """What a command sets for its process, where kernels have to be compiled, ends with the test."""
-    monkeypatch.setattr(readiness, "_never_waits", False)
+    monkeypatch.setattr(background_compiling, "_never_waits", False)
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ def warmup():
     container. If several users share an install, let its owner do it: all of them read what it leaves. Exit
     status 1 if the kernels could not be kept.
     """
-    from fixedpipe.pipeline.native.readiness import compile_beside
+    from fixedpipe.pipeline.native.background_compiling import compile_beside
     from fixedpipe.raster.kernel import CACHE_FOLDER, make_all_ready
     from fixedpipe.raster.kernel_folder import kept
 

@@ -18,7 +18,7 @@ from fixedpipe.effects.reports import figure_record
 from fixedpipe.effects.reports.figure_failures import failure, failures_of
 from fixedpipe.effects.reports.figure_files import write_figure, write_record
 from fixedpipe.effects.reports.own_figures import own_figure
-from fixedpipe.pipeline.native import readiness
+from fixedpipe.pipeline.native import background_compiling
 from fixedpipe.pipeline.native.compiling import watch_compiling
 from fixedpipe.pipeline.native.threads import limit_threads
 
@@ -99,7 +99,7 @@ def draw_all(orders, jobs, threads, step, compiling):
         while waiting or any(order for _, order in working.values()):  # not for a compiler alone
             while waiting and free:
                 process, (function, argument, order) = free.pop(), waiting.popleft()
-                with readiness.interrupts_kept():  # the first submitted begins the process
+                with background_compiling.interrupts_kept():  # the first submitted begins the process
                     working[process.submit(function, argument)] = process, order
             done, _ = wait(working, _SECONDS, FIRST_COMPLETED)
             _tell(said, step, compiling)
@@ -125,10 +125,10 @@ def draw_all(orders, jobs, threads, step, compiling):
         for process in ours:
             process.terminate()
         for process in ours:
-            process.join(readiness.SECONDS_TO_CLEAN)
-            while process.is_alive():  # ``readiness.end_with_parent`` says why once is not enough
+            process.join(background_compiling.SECONDS_TO_CLEAN)
+            while process.is_alive():  # ``background_compiling.end_with_parent`` says why once is not enough
                 process.terminate()
-                process.join(readiness.SECONDS_TO_CLEAN)
+                process.join(background_compiling.SECONDS_TO_CLEAN)
 
 
 def _tasks(orders, jobs):
@@ -138,9 +138,9 @@ def _tasks(orders, jobs):
     # tens of seconds to do. The portable engine tells a figure's ideal which fragments there are; the vector
     # engine draws what a figure is checked by.
     engines = ["portable", "vector"] if first.with_checks else ["portable"]
-    missing = [engine for engine in engines if jobs > 1 and not readiness.is_ready(engine)]
+    missing = [engine for engine in engines if jobs > 1 and not background_compiling.is_ready(engine)]
     tasks = deque([(_draw_at_once if missing else _draw, first, first)])
-    tasks.extend((readiness.make_ready, engine, None) for engine in missing)
+    tasks.extend((background_compiling.make_ready, engine, None) for engine in missing)
     tasks.extend((_draw, order, order) for order in rest)
     return tasks
 
@@ -175,13 +175,13 @@ def _begin(said, threads):
     _SAID = said
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
-    readiness.end_with_parent()
+    background_compiling.end_with_parent()
     limit_threads(threads)
     watch_compiling(lambda kernel, *_: said.put(("compiling", kernel)), lambda: None)
 
 
 def _draw_at_once(order):
-    with readiness.without_waiting():
+    with background_compiling.without_waiting():
         return _draw(order)
 
 

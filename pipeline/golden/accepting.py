@@ -5,7 +5,7 @@ from pathlib import Path
 
 from fixedpipe.pipeline.golden.candidates import Candidate, accept
 from fixedpipe.pipeline.golden.store import StoreError
-from fixedpipe.pipeline.native.readiness import without_waiting
+from fixedpipe.pipeline.native.background_compiling import without_waiting
 
 
 def accept_where_sound(root: Path, candidates: Iterable[Candidate]) -> list[str]:

@@ -10,10 +10,10 @@ from fixedpipe.pipeline.enums import ComparisonFunction, Face, FrontFace
 from fixedpipe.pipeline.framebuffers.boxes import scissor_box, scissored
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
+from fixedpipe.pipeline.native.background_compiling import covers_by_kernels
 from fixedpipe.pipeline.native.pack_fragments import asks_for_depth
 from fixedpipe.pipeline.native.preparation import NO_RECORD, Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
-from fixedpipe.pipeline.native.readiness import covers_by_kernels
 from fixedpipe.pipeline.state import ColorMask, DepthTest, LineState, PassState
 from fixedpipe.raster.columns import interpolate
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST

@@ -9,7 +9,7 @@ from pathlib import Path
 import llvmlite.binding as llvm
 import numba
 
-from fixedpipe.pipeline.native.readiness import chosen_engine, covers_by_kernels
+from fixedpipe.pipeline.native.background_compiling import chosen_engine, covers_by_kernels
 from fixedpipe.pipeline.selftest.checks import check_frames, usual_threads, ways
 from fixedpipe.pipeline.selftest.digests import ACCEPTED
 from fixedpipe.pipeline.selftest.processors import numpy_extensions

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.cli import warmup as command
-from fixedpipe.pipeline.native import readiness
+from fixedpipe.pipeline.native import background_compiling
 from fixedpipe.raster import kernel, kernel_folder
 
 STATE = "0123456789abcdef"
@@ -66,7 +66,7 @@ def test_warmup_leaves_nothing_to_compile(base, monkeypatch):
         asked.append(name)
         return importlib.import_module(name) if name.count(".") == 1 else None
 
-    monkeypatch.setattr(readiness, "compile_beside", lambda engine: None)
+    monkeypatch.setattr(background_compiling, "compile_beside", lambda engine: None)
     monkeypatch.setattr(kernel, "_of_one_signature", ready := [])
     monkeypatch.setattr(command, "importlib", SimpleNamespace(import_module=import_module))
     monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE)
@@ -101,7 +101,7 @@ def test_warmup_lets_another_process_compile_the_engines_where_it_can_read_them(
         def make_ready(self):
             assert all(process() is not None for process in alive)
 
-    monkeypatch.setattr(readiness, "compile_beside", Beside)
+    monkeypatch.setattr(background_compiling, "compile_beside", Beside)
     monkeypatch.setattr(kernel, "_of_one_signature", [Kernel()])
     monkeypatch.setattr(command, "pkgutil", SimpleNamespace(walk_packages=lambda *where: []))
     monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE if is_kept else base / "alone")
@@ -121,7 +121,7 @@ def test_warmup_fails_where_nothing_is_kept(base, monkeypatch):
 
 def test_warmup_lets_another_process_compile_the_engine_that_is_missing(base, monkeypatch):
     asked = []
-    monkeypatch.setattr(readiness, "compile_beside", asked.append)  # which none of them needs
+    monkeypatch.setattr(background_compiling, "compile_beside", asked.append)  # which none of them needs
     monkeypatch.setattr(kernel, "_of_one_signature", [])
     monkeypatch.setattr(command, "pkgutil", SimpleNamespace(walk_packages=lambda *where: []))
     monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE)

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from rich.console import Console
 
 from fixedpipe.effects.cli import compiling, main, progress
-from fixedpipe.pipeline.native import readiness
+from fixedpipe.pipeline.native import background_compiling
 from fixedpipe.pipeline.native.compiling import needed_by, watch_compiling
 
 
@@ -117,7 +117,7 @@ def test_ctrl_c_reaches_no_process_that_begins_where_interrupts_are_kept():
     def blocked():
         return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
 
-    with readiness.interrupts_kept():
+    with background_compiling.interrupts_kept():
         assert blocked() == "True\n"
     assert blocked() == "False\n"
 
@@ -131,7 +131,7 @@ def test_a_command_that_has_done_its_work_waits_for_kernels_of_the_next(monkeypa
                 raise KeyboardInterrupt
 
     monkeypatch.setattr(compiling, "_SECONDS", 0.0)
-    monkeypatch.setattr(readiness, "compile_beside", {"portable": Compiling()}.get)
+    monkeypatch.setattr(background_compiling, "compile_beside", {"portable": Compiling()}.get)
     compiling.announce_compiling.cache_clear()
     monkeypatch.setattr(compiling, "announce_compiling", compiling.announce_compiling.__wrapped__)
     done = CliRunner().invoke(main, ["precision", "F004-4", "--size", "8", "--bits", "8"])

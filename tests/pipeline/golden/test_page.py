@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from fixedpipe.pipeline.golden.store import FORMAT
-from fixedpipe.pipeline.native.readiness import make_ready
+from fixedpipe.pipeline.native.background_compiling import make_ready
 
 ROOT = Path(__file__).parents[3]
 PAGE = ROOT / "docs" / "golden-images.md"

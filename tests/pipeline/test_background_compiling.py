@@ -9,7 +9,7 @@ from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import Face
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
-from fixedpipe.pipeline.native import readiness
+from fixedpipe.pipeline.native import background_compiling
 from fixedpipe.pipeline.native.preparation import Prepared
 from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import PassState, PolygonState, Scissor
@@ -20,8 +20,8 @@ from tests.support.random_frames import random_frame
 @pytest.fixture
 def waiting(monkeypatch):
     """As where neither engine is compiled, and nobody waits; what the portable engine drew is counted."""
-    monkeypatch.setattr(readiness, "is_ready", lambda engine: False)
-    monkeypatch.setattr(readiness, "_never_waits", True)
+    monkeypatch.setattr(background_compiling, "is_ready", lambda engine: False)
+    monkeypatch.setattr(background_compiling, "_never_waits", True)
     drawn, bands = [], Prepared.bands
 
     def counted(*given):
@@ -38,7 +38,7 @@ def test_random_frames_are_the_same_bits(waiting, first):
         frame = random_frame(seed)
         without = fuzz.outcome(frame, fuzz.Way())
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(readiness, "_never_waits", False)
+            patch.setattr(background_compiling, "_never_waits", False)
             assert not fuzz.differing(without, fuzz.outcome(frame, fuzz.Way())), seed
 
 
@@ -65,7 +65,7 @@ def test_triangles_are_recorded_and_covered_without_kernels(waiting, monkeypatch
     without = execute(frame, GEFORCE_256, 32, 24, record=True)
     ideal = execute_ideal(frame, 32, 24)
     assert not waiting
-    monkeypatch.setattr(readiness, "_never_waits", False)
+    monkeypatch.setattr(background_compiling, "_never_waits", False)
     withal = execute(frame, GEFORCE_256, 32, 24, record=True)
     assert len(waiting) == len(frame)
     np.testing.assert_array_equal(without.framebuffer.color, withal.framebuffer.color)
@@ -78,11 +78,11 @@ def test_triangles_are_recorded_and_covered_without_kernels(waiting, monkeypatch
 @pytest.mark.parametrize("asked", [None, "portable", "columns"])
 @pytest.mark.parametrize("ready", [(), ("portable",), ("vector",), ("portable", "vector")])
 def test_an_engine_that_is_ready_is_chosen(monkeypatch, asked, ready):
-    monkeypatch.setattr(readiness, "is_ready", ready.__contains__)
-    assert readiness.chosen_engine(asked) == asked
-    with readiness.without_waiting():
-        chosen = readiness.chosen_engine(asked)
-    assert readiness.chosen_engine(asked) == asked
+    monkeypatch.setattr(background_compiling, "is_ready", ready.__contains__)
+    assert background_compiling.chosen_engine(asked) == asked
+    with background_compiling.without_waiting():
+        chosen = background_compiling.chosen_engine(asked)
+    assert background_compiling.chosen_engine(asked) == asked
     if asked == "columns":
         assert chosen == "columns"
     elif asked is None and "vector" in ready:
@@ -93,19 +93,19 @@ def test_an_engine_that_is_ready_is_chosen(monkeypatch, asked, ready):
 
 def test_a_kernel_that_was_called_is_ready():
     execute(tuple(meshes()), GEFORCE_256, 8, 8)
-    assert readiness.is_ready("vector")
+    assert background_compiling.is_ready("vector")
 
 
 @pytest.mark.parametrize("asked", ["vector", "portable"])
 def test_another_process_compiles_what_was_asked_for_first(monkeypatch, asked):
-    ready = readiness.is_ready
-    monkeypatch.setattr(readiness, "_never_waits", False)
-    monkeypatch.setattr(readiness, "default_threads", lambda: 2)
-    monkeypatch.setattr(readiness, "is_ready", lambda engine: False)
+    ready = background_compiling.is_ready
+    monkeypatch.setattr(background_compiling, "_never_waits", False)
+    monkeypatch.setattr(background_compiling, "default_threads", lambda: 2)
+    monkeypatch.setattr(background_compiling, "is_ready", lambda engine: False)
     before, said = multiprocessing.active_children(), []
-    compiling = readiness.compile_beside(asked)
+    compiling = background_compiling.compile_beside(asked)
     (process,) = set(multiprocessing.active_children()) - set(before)
-    assert readiness._never_waits and process.daemon
+    assert background_compiling._never_waits and process.daemon
     compiling.wait(lambda *line: said.append(line))
     assert ready(asked)
     process.terminate()
@@ -115,19 +115,19 @@ def test_another_process_compiles_what_was_asked_for_first(monkeypatch, asked):
 
 @pytest.mark.parametrize(("processors", "ready"), [(1, False), (2, True)])
 def test_nothing_is_begun_for_one_processor_or_for_what_is_there(monkeypatch, processors, ready):
-    monkeypatch.setattr(readiness, "default_threads", lambda: processors)
-    monkeypatch.setattr(readiness, "is_ready", lambda engine: ready)
-    assert readiness.compile_beside("vector") is None
-    assert not readiness._never_waits
+    monkeypatch.setattr(background_compiling, "default_threads", lambda: processors)
+    monkeypatch.setattr(background_compiling, "is_ready", lambda engine: ready)
+    assert background_compiling.compile_beside("vector") is None
+    assert not background_compiling._never_waits
 
 
 def test_where_no_process_can_be_begun_this_one_compiles(monkeypatch):
     def refuse(method):
         raise OSError("no locks between processes")
 
-    monkeypatch.setattr(readiness, "default_threads", lambda: 2)
-    monkeypatch.setattr(readiness, "is_ready", lambda engine: False)
+    monkeypatch.setattr(background_compiling, "default_threads", lambda: 2)
+    monkeypatch.setattr(background_compiling, "is_ready", lambda engine: False)
     context = multiprocessing.get_context("spawn")
     monkeypatch.setattr(type(context), "SimpleQueue", refuse)
-    assert readiness.compile_beside("vector") is None
-    assert not readiness._never_waits
+    assert background_compiling.compile_beside("vector") is None
+    assert not background_compiling._never_waits
