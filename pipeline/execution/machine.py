@@ -56,7 +56,7 @@ from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, wi
 from fixedpipe.pipeline.interned_states import interned
 from fixedpipe.pipeline.native.background_compiling import chosen_engine, covers_by_kernels
 from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles, recorded_fragments
-from fixedpipe.pipeline.native.preparation import Prepared
+from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS, Profile

@@ -12,7 +12,7 @@ from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
 from fixedpipe.pipeline.native.background_compiling import covers_by_kernels
 from fixedpipe.pipeline.native.pack_fragments import asks_for_depth
-from fixedpipe.pipeline.native.preparation import NO_RECORD, Prepared
+from fixedpipe.pipeline.native.prepared_draw import NO_RECORD, Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
 from fixedpipe.pipeline.state import ColorMask, DepthTest, LineState, PassState
 from fixedpipe.raster.columns import interpolate

@@ -10,7 +10,7 @@ from fixedpipe.pipeline.enums import Face
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.native import background_compiling
-from fixedpipe.pipeline.native.preparation import Prepared
+from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.profiles import GEFORCE_256
 from fixedpipe.pipeline.state import PassState, PolygonState, Scissor
 from tests import fuzz

@@ -7,7 +7,7 @@ from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import BlendFactor, PolygonMode
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.native import coverage
-from fixedpipe.pipeline.native.preparation import Prepared
+from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import Blending, PassState, PolygonState, Scissor
 

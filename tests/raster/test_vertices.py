@@ -14,7 +14,7 @@ from bench.scenes import SCENES, torus
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import Face, PolygonMode, ProvokingVertex, TexGenMode, WindowOrigin
 from fixedpipe.pipeline.execution.machine import Machine, execute
-from fixedpipe.pipeline.native import preparation
+from fixedpipe.pipeline.native import prepared_draw
 from fixedpipe.pipeline.native.pack import pack
 from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A
 from fixedpipe.pipeline.state import (
@@ -448,7 +448,7 @@ def sorted_both_ways(primitives, state, width, height):
     for known in (True, False):
         fresh = replace(primitives)
         fresh.knowing(orderly=known)
-        order, ends, dropped = preparation.sort_into_bands(fresh, draw, height)
+        order, ends, dropped = prepared_draw.sort_into_bands(fresh, draw, height)
         assert order.dtype == ends.dtype == np.int32
         results.append(([band.tolist() for band in np.split(order, ends)], ends.tolist(), dropped))
     return results

@@ -22,7 +22,7 @@ from fixedpipe.effects.figures.costs import SECONDS, longest_after_the_first
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_inputs, figure_pool
 from fixedpipe.pipeline.native import queue
-from fixedpipe.pipeline.native.preparation import Prepared
+from fixedpipe.pipeline.native.prepared_draw import Prepared
 
 SMALL = "--profile", "GEFORCE_256", "--size", "8"
 

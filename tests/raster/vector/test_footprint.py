@@ -8,7 +8,7 @@ import pytest
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import TextureEnvironmentMode, TextureFilter, WrapMode
 from fixedpipe.pipeline.execution.machine import execute
-from fixedpipe.pipeline.native import preparation
+from fixedpipe.pipeline.native import prepared_draw
 from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import (
     PassState,
@@ -63,13 +63,13 @@ def a_frame(seed):
 @pytest.fixture
 def covered(monkeypatch):
     """Whether each Draw so far is the vector engine's."""
-    found, fill = [], preparation.fill_draw
+    found, fill = [], prepared_draw.fill_draw
 
     def noted(*arguments):
         found.append(bool(fill(*arguments)))
         return found[-1]
 
-    monkeypatch.setattr(preparation, "fill_draw", noted)
+    monkeypatch.setattr(prepared_draw, "fill_draw", noted)
     return found
 
 
