@@ -13,7 +13,7 @@ from fixedpipe.pipeline.enums import (
     LineRasterization,
     ShadeModel,
 )
-from fixedpipe.pipeline.framebuffers.boxes import scissor_box
+from fixedpipe.pipeline.framebuffers.bounds import scissor_box
 from fixedpipe.pipeline.framebuffers.depths import depth_units
 from fixedpipe.pipeline.programs.texture_shader_rules import shader_stages
 from fixedpipe.pipeline.vertices.colors import COLOR_REACH, fragment_colors

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.pipeline.enums import AccumOperation
-from fixedpipe.pipeline.framebuffers.boxes import scissored_part
+from fixedpipe.pipeline.framebuffers.bounds import scissored_part
 from fixedpipe.raster.pixels.accumulation import added, from_colors, from_value, multiplied, to_colors
 
 

@@ -17,7 +17,7 @@ from fixedpipe.pipeline.commands import (
     box_read,
 )
 from fixedpipe.pipeline.enums import ColorBuffer, ColorFormat, DepthFormat
-from fixedpipe.pipeline.framebuffers.boxes import scissored, scissored_part
+from fixedpipe.pipeline.framebuffers.bounds import scissored, scissored_part
 from fixedpipe.pipeline.framebuffers.scaled_words import Words
 from fixedpipe.pipeline.framebuffers.transfer import (
     PixelStatistics,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fixedpipe.pipeline.enums import PixelFragmentSource, PixelTexGenMode
-from fixedpipe.pipeline.framebuffers.boxes import scissor_box
+from fixedpipe.pipeline.framebuffers.bounds import scissor_box
 from fixedpipe.raster.pixels import rectangles as arithmetic
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from fixedpipe.pipeline.commands import box_read
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
-from fixedpipe.pipeline.framebuffers import boxes
+from fixedpipe.pipeline.framebuffers import bounds
 from fixedpipe.pipeline.framebuffers.transfer import (
     elements_of,
     transfer_colors,
@@ -70,7 +70,7 @@ def written_channels(color_mask):
 def scissored(scissor, buffers):
     """x, y, width, height of the scissor box inside the framebuffer."""
     height, width = buffers.depth.shape
-    left, top, right, bottom = boxes.scissored(scissor, width, height)
+    left, top, right, bottom = bounds.scissored(scissor, width, height)
     return left, height - bottom, right - left, bottom - top
 
 

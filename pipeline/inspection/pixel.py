@@ -23,7 +23,7 @@ from fixedpipe.pipeline.commands import (
 )
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer
 from fixedpipe.pipeline.framebuffers.accumulation import accumulate, clear_accumulation
-from fixedpipe.pipeline.framebuffers.boxes import scissored
+from fixedpipe.pipeline.framebuffers.bounds import scissored
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.multisample import SAMPLE_POSITIONS, mean, sampled
 from fixedpipe.pipeline.inspection.recording import RecordedFrame, Step

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.pipeline.enums import ComparisonFunction, Face, FrontFace
-from fixedpipe.pipeline.framebuffers.boxes import scissor_box, scissored
+from fixedpipe.pipeline.framebuffers.bounds import scissor_box, scissored
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
 from fixedpipe.pipeline.native.background_compiling import covers_by_kernels

@@ -16,7 +16,7 @@ from fixedpipe.pipeline.enums import (
     Register,
     StencilOperation,
 )
-from fixedpipe.pipeline.framebuffers.boxes import device_edges
+from fixedpipe.pipeline.framebuffers.bounds import device_edges
 from fixedpipe.pipeline.framebuffers.framebuffer import SURFACE_WORDS, color_codes, to_code
 from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS

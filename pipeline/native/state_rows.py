@@ -5,7 +5,7 @@ from copy import copy
 import numpy as np
 
 from fixedpipe.pipeline.enums import ColorWeights, ProductRounding, Register, ShadeModel
-from fixedpipe.pipeline.framebuffers.boxes import scissor_box
+from fixedpipe.pipeline.framebuffers.bounds import scissor_box
 from fixedpipe.pipeline.framebuffers.widths import fragment_bits
 from fixedpipe.pipeline.native.pack_combiners import has_stage_constants, pack_combiners, pack_constants
 from fixedpipe.pipeline.native.pack_fragments import (

@@ -4,7 +4,7 @@ import pytest
 
 from fixedpipe.pipeline.commands import Clear
 from fixedpipe.pipeline.execution.machine import execute
-from fixedpipe.pipeline.framebuffers.boxes import device_edges, scissored, scissored_part
+from fixedpipe.pipeline.framebuffers.bounds import device_edges, scissored, scissored_part
 from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import Scissor
 
