@@ -24,7 +24,7 @@ from fixedpipe.raster.vector.sample import LOCATED
 
 class Scratch(NamedTuple):
     """Columns that a thread draws in, each ``batch + rows.SLACK`` long (``rows``: which is what), and what
-    sixteen triangles have before their fragments are there (``small``).
+    sixteen triangles have before their fragments are there (``small_triangles``).
     """
 
     floats: np.ndarray

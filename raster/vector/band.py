@@ -57,7 +57,7 @@ from fixedpipe.raster.vector.lanes import (
     store,
 )
 from fixedpipe.raster.vector.per_fragment import are_hidden, is_hidden, tests_early
-from fixedpipe.raster.vector.small import LARGEST_SMALL, set_up, share
+from fixedpipe.raster.vector.small_triangles import LARGEST_SMALL, set_up, share
 from fixedpipe.raster.vector.weights import run_color_weights, whole_weights
 
 SMALL = 32  # pixels: triangles whose box is not wider share segments
@@ -380,7 +380,7 @@ def draw_band(job, members, number, capacity, buffers, scratch):
 
     Triangles are set up and covered in draw order, and their fragments fill a batch of ``capacity`` columns;
     a full batch is shaded and written (``finish_batch``). The smallest triangles are set up sixteen at a time
-    (``small``). Other small ones share a mixed segment, or are one from ALONE fragments on. All others go row
+    (``small_triangles``). Other small ones share a mixed segment, or are one from ALONE fragments on. All others go row
     by row. Of a solid triangle only the runs are kept, and no columns.
     """
     separate_function()

@@ -26,7 +26,7 @@ from fixedpipe.pipeline.state import (
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.vector.small import HIGHEST, WIDEST, cover
+from fixedpipe.raster.vector.small_triangles import HIGHEST, WIDEST, cover
 
 WIDTH, HEIGHT = 75, 70  # three bands
 # 1/16 pixel: how far a triangle's corners lie from its middle.
