@@ -279,7 +279,8 @@ FIXED0 = _ints(2 * 4)  # floor(256 u size) of s and t of each unit
 PIXEL = _ints()  # y * width + x of each fragment of a mixed segment
 DEPTH_WORD = _ints()
 VECTOR_INT_COLUMNS = _ints.size
-# lanes int32[LANES, 16]: small triangles that are set up together (``fixedpipe.raster.vector.small_triangles``).
+# lanes int32[LANES, 16]: small triangles that are set up together
+# (``fixedpipe.raster.vector.small_triangles``).
 _lanes = _Row()
 LANE_X0 = _lanes()  # corners, 1/16 pixel
 LANE_Y0 = _lanes()

@@ -50,7 +50,8 @@ PACKAGES = {
     },
     "pipeline/validation": {
         "pipeline": (
-            "enums messages state pixel_transfer interned_states state_kinds textures commands profiles programs vertices"
+            "enums messages state pixel_transfer interned_states state_kinds textures commands profiles"
+            " programs vertices"
         ),
     },
     "pipeline/native": {

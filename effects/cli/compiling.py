@@ -73,7 +73,7 @@ def announce_compiling(engine="vector"):
     an engine; once is enough.
 
     engine    that most of the command is drawn by: where it has to be compiled, another process does, and
-              this one does not wait for it (``fixedpipe.pipeline.native.background_compiling``); None: it waits
+              this one does not wait (``fixedpipe.pipeline.native.background_compiling``); None: it waits
     """
     from fixedpipe.pipeline.golden.provenance import kernels_are_cold
     from fixedpipe.pipeline.native.background_compiling import compile_beside

@@ -380,8 +380,8 @@ def draw_band(job, members, number, capacity, buffers, scratch):
 
     Triangles are set up and covered in draw order, and their fragments fill a batch of ``capacity`` columns;
     a full batch is shaded and written (``finish_batch``). The smallest triangles are set up sixteen at a time
-    (``small_triangles``). Other small ones share a mixed segment, or are one from ALONE fragments on. All others go row
-    by row. Of a solid triangle only the runs are kept, and no columns.
+    (``small_triangles``). Other small ones share a mixed segment, or are a segment of their own from ALONE
+    fragments on. All others are drawn row by row. A solid triangle keeps only its runs, and no columns.
     """
     separate_function()
     p = pass_of(job)

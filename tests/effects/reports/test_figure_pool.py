@@ -196,7 +196,7 @@ def test_other_processes_compile_what_the_first_figure_does_not_wait_for(
         def shutdown(self, **_):
             pass
 
-    monkeypatch.setattr(figure_pool.readiness, "is_ready", ready.__contains__)
+    monkeypatch.setattr(figure_pool.background_compiling, "is_ready", ready.__contains__)
     monkeypatch.setattr(figure_pool, "ProcessPoolExecutor", Pool)
     orders = [figure_pool.Order(i, (), 8, 1, checked, tmp_path, None, None) for i in ("K02", "K12")]
     drawn = list(figure_pool.draw_all(orders, jobs, 1, print, print))
@@ -209,7 +209,7 @@ def test_other_processes_compile_what_the_first_figure_does_not_wait_for(
 
 
 def test_the_first_figure_waits_for_no_compiler(tmp_path, monkeypatch):
-    monkeypatch.setattr(figure_pool.readiness, "is_ready", lambda engine: False)
+    monkeypatch.setattr(figure_pool.background_compiling, "is_ready", lambda engine: False)
     monkeypatch.setattr(Prepared, "bands", lambda *_: pytest.fail("it was drawn by the portable engine"))
     monkeypatch.setattr(queue, "draw_frame", lambda *_: pytest.fail("it was drawn by the vector engine"))
     monkeypatch.setattr(figure_pool, "_SAID", SimpleQueue())
