@@ -123,8 +123,8 @@ class _Reader:
 
     def stages(self, name, columns) -> Iterator[Stage]:
         """The Stages that one thing told makes: none, or one."""
-        tell = _TELLERS.get(name)
-        made = None if tell is None else tell(self, **columns)
+        read = _READERS.get(name)
+        made = None if read is None else read(self, **columns)
         return iter(() if made is None else (made,))
 
     # ------------------------------------------------------------------------------------ iteration
@@ -489,7 +489,7 @@ def _clamps(name, components, before, after, one):
     ]
 
 
-_TELLERS = {
+_READERS = {
     "vertices": _Reader.vertices,
     "iteration": _Reader.iteration,
     "depth": _Reader.depth,
