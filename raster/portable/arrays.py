@@ -94,3 +94,17 @@ _COLUMNS = (_f64[:, ::1], _i32[:, ::1], _u32[:, ::1], _i16[:, ::1], _i32[:, ::1]
 SCRATCH = type_of(
     Scratch, EDGES, *_COLUMNS, _u32[::1], _i32[::1], _u8[::1], _i32[:, ::1], types.int64[:, ::1]
 )
+
+
+class Batch(NamedTuple):
+    """What a batch holds so far: how many fragments (``position``), segments and runs; ``drawn``: fragments
+    of the batches before it.
+    """
+
+    position: int
+    segments: int
+    runs: int
+    drawn: int
+
+
+BATCH = type_of(Batch, *(types.int64,) * 4)

@@ -22,11 +22,10 @@ from fixedpipe.raster.arrays import (
     Segments,
     as_buffers,
     plain,
-    type_of,
 )
 from fixedpipe.raster.fixed import one_of, truncate_24
 from fixedpipe.raster.kernel import kernel, separate_function
-from fixedpipe.raster.portable.arrays import PASS, SCRATCH, Edges, Scratch, as_pass
+from fixedpipe.raster.portable.arrays import BATCH, PASS, SCRATCH, Batch, Edges, Scratch, as_pass
 from fixedpipe.raster.portable.check import usable
 from fixedpipe.raster.portable.combine import (
     convert_plane,
@@ -179,20 +178,6 @@ class Primitive(NamedTuple):
     offset: float
     back: int
     by_samples: bool
-
-
-class Batch(NamedTuple):
-    """What a batch holds so far: how many fragments (``position``), segments and runs; ``drawn``: fragments
-    of the batches before it.
-    """
-
-    position: int
-    segments: int
-    runs: int
-    drawn: int
-
-
-BATCH = type_of(Batch, int64, int64, int64, int64)
 
 
 @kernel

@@ -35,13 +35,16 @@ from fixedpipe.raster.vector.batch import (
     with_small,
     without,
 )
-from fixedpipe.raster.vector.interpolate import (
+from fixedpipe.raster.vector.colors import (
     Colors,
+    spread_colors,
+)
+from fixedpipe.raster.vector.hidden import are_hidden, is_hidden, tests_early
+from fixedpipe.raster.vector.interpolate import (
     Depths,
     run_depth,
     run_weights,
     spread,
-    spread_colors,
     spread_coordinates,
     spread_depth,
     triangle_depth,
@@ -56,7 +59,6 @@ from fixedpipe.raster.vector.lanes import (
     ramp_i32x16,
     store,
 )
-from fixedpipe.raster.vector.per_fragment import are_hidden, is_hidden, tests_early
 from fixedpipe.raster.vector.small_triangles import LARGEST_SMALL, set_up, share
 from fixedpipe.raster.vector.weights import run_color_weights, whole_weights
 
@@ -75,7 +77,7 @@ class Band(NamedTuple):
     mixes        whether small triangles share segments
     one_color    whether one colour is all that fragments have, or none is needed
     iterates     whether the primary or the secondary colour is needed
-    early        whether fragments are left out that are hidden (``per_fragment.tests_early``)
+    early        whether fragments are left out that are hidden (``hidden.tests_early``)
     """
 
     left: int

@@ -11,13 +11,15 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import BUFFERS, Runs, type_of
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
-from fixedpipe.raster.vector.combine import combine
-from fixedpipe.raster.vector.interpolate import (
+from fixedpipe.raster.vector.colors import (
     Colors,
     ColorWeights,
-    Listed,
     iterate_colors,
     iterate_packed,
+)
+from fixedpipe.raster.vector.combine import combine
+from fixedpipe.raster.vector.interpolate import (
+    Listed,
     mixed_depth,
     mixed_weights,
 )

@@ -36,7 +36,6 @@ from fixedpipe.raster.vector.lanes import (
     load_i32x32,
     load_u8x16,
     load_u8x32,
-    mask_bits,
     maximum,
     minimum,
     minimum_unsigned,
@@ -51,7 +50,7 @@ from fixedpipe.raster.vector.lanes import (
     widen_unsigned_i16,
 )
 
-_FAR_DEPTH = 1 << 30  # two depth words differ by less than this
+FAR_DEPTH = 1 << 30  # two depth words differ by less than this
 _FAR_BYTE = 1 << 14  # two bytes differ by less than this
 _BLENDED = 8  # pixels: shorter runs take longer to prepare than to blend one by one
 
@@ -99,59 +98,6 @@ def interval(function, far):
     elif function == C.COMPARISON_GREATER:
         first = int64(1)
     return first, width
-
-
-# -------------------------------------------------------------------------------------------- hidden pixels
-
-
-@kernel
-def tests_early(draw):
-    """Whether a fragment that fails the depth test now can be left out before it is shaded.
-
-    Leaving it out is safe. No stencil operation depends on its failure. And a fragment that fails against the
-    present depth fails later too, because until then only passing fragments of the same Draw change depths.
-    With LESS, LEQUAL, GREATER and GEQUAL they move depths away from the failed one. With EQUAL, or where
-    depths are not written, depths stay.
-    """
-    function, still = draw[R.DEPTH_FUNCTION], draw[R.DEPTH_WRITE] == 0
-    useful = draw[R.NEEDS_DEPTH] != 0 and draw[R.NEEDS_COLOR] != 0 and function != C.COMPARISON_ALWAYS
-    return useful and draw[R.STENCIL_TEST] == 0 and (still or function != C.COMPARISON_NOTEQUAL)
-
-
-@kernel("boolean(u4[::1],i4[::1],i4[::1],i8,i8,i8)")
-def are_hidden(depth_words, pixel, depth, start, count, function):
-    """Whether none of ``count`` fragments from ``start`` passes the depth test, each at its ``pixel``."""
-    separate_function()
-    first, width = interval(function, _FAR_DEPTH)
-    low, near = int32(first), int32(width)
-    whole = start + (count & ~15)
-    for i in range(start, whole, 16):
-        value, old = load_i32x16(depth, i), load_each_i32x16(depth_words, pixel, i)
-        if mask_bits(below(value - old - low, near)) != 0:
-            return False
-    for i in range(whole, start + count):
-        old = depth_words[uint64(pixel[i])]
-        if uint32(uint32(depth[i]) - old - uint32(low)) < uint32(near):
-            return False
-    return True
-
-
-@kernel("boolean(u4[::1],i8,i4[::1],i8,i8,i8)")
-def is_hidden(depth_row, x, depth, start, count, function):
-    """``are_hidden`` for a run from ``x`` of a row."""
-    separate_function()
-    first, width = interval(function, _FAR_DEPTH)
-    low, near = int32(first), int32(width)
-    whole = count & ~15
-    for i in range(0, whole, 16):
-        value, old = load_i32x16(depth, start + i), load_i32x16(depth_row, x + i)
-        if mask_bits(below(value - old - low, near)) != 0:
-            return False
-    for i in range(whole, count):
-        old = depth_row[uint64(x + i)]
-        if uint32(uint32(depth[uint64(start + i)]) - old - uint32(low)) < uint32(near):
-            return False
-    return True
 
 
 # ------------------------------------------------------------------------------------------------- blending
@@ -275,7 +221,7 @@ def depth_and_write(depth_row, color_row, run, source, depth, alive, draw):
     """Depth test and replacing, or blending with ONE, ONE, FUNC_ADD, of one run."""
     separate_loop()
     x, _y, count, start = run
-    first, width = interval(draw[R.DEPTH_FUNCTION], _FAR_DEPTH)
+    first, width = interval(draw[R.DEPTH_FUNCTION], FAR_DEPTH)
     low, near = int32(first), int32(width)
     writes_depth, adds = draw[R.DEPTH_WRITE] != 0, draw[R.BLEND] == C.BLEND_ADD
     mask = uint32(draw[R.COLOR_MASK])
@@ -328,7 +274,7 @@ def stencil_run(stencil_row, depth_row, run, alive, depth, draw):
     mask = int16(draw[R.STENCIL_MASK])
     reference = int16((draw[R.STENCIL_REFERENCE] & draw[R.STENCIL_MASK]) - first)
     range_ = int16(width)
-    first_depth, width_depth = interval(draw[R.DEPTH_FUNCTION], _FAR_DEPTH)
+    first_depth, width_depth = interval(draw[R.DEPTH_FUNCTION], FAR_DEPTH)
     low, range_depth = int32(first_depth), int32(width_depth)
     needs_depth, writes_depth = draw[R.NEEDS_DEPTH] != 0, draw[R.DEPTH_WRITE] != 0
     write = int16(draw[R.STENCIL_WRITE_MASK])
@@ -368,7 +314,7 @@ def scatter_depth(depth_buffer, pixel, start, end, depth, alive, function, write
     depth         int32[.]: depth words
     """
     separate_loop()
-    first64, width64 = interval(function, _FAR_DEPTH)
+    first64, width64 = interval(function, FAR_DEPTH)
     first, width = int32(first64), uint32(width64)
     for i in range(start, end):
         k = uint64(i)

@@ -15,7 +15,15 @@ from fixedpipe.raster.portable.interpolate import coordinate_difference, weight_
 from fixedpipe.raster.primitives.triangle import polygon_offset
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
 from fixedpipe.raster.vector.batch import BATCH, add_mixed_run, add_run, open_mixed, with_small
-from fixedpipe.raster.vector.interpolate import Colors, keep_24, reciprocals_24, spread, spread_colors
+from fixedpipe.raster.vector.colors import (
+    Colors,
+    spread_colors,
+)
+from fixedpipe.raster.vector.interpolate import (
+    keep_24,
+    reciprocals_24,
+    spread,
+)
 from fixedpipe.raster.vector.lanes import (
     absolute,
     bits_of_lanes,
