@@ -167,6 +167,11 @@ def _tell(said, step, compiling):
 _SAID = None
 
 
+def _print_but_ends(unraisable):
+    if not issubclass(unraisable.exc_type, SystemExit):
+        sys.__unraisablehook__(unraisable)
+
+
 def _begin(said, threads):
     """A process's first call: it has so many threads, ends when it is told to or who began it has ended, and
     leaves Ctrl-C to that.
@@ -175,6 +180,8 @@ def _begin(said, threads):
     _SAID = said
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
+    # Inside a compiler's callback SystemExit is ignored and printed; the next signal ends the process.
+    sys.unraisablehook = _print_but_ends
     background_compiling.end_with_parent()
     limit_threads(threads)
     watch_compiling(lambda kernel, *_: said.put(("compiling", kernel)), lambda: None)

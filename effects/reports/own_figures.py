@@ -7,7 +7,8 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from fixedpipe.effects.figures import FIGURES, Figure
+from fixedpipe.effects import figures
+from fixedpipe.effects.figures import Figure
 from fixedpipe.effects.refusal import Refusal, choose, line_of
 
 KIND = ".py"
@@ -17,7 +18,7 @@ _ID = re.compile(r"\w[\w-]{0,59}")
 
 def figure_of(word):
     """The Figure of an id, or of a user's file: what commands take as ID|FILE.py. Raises Refusal."""
-    return own_figure(word) if word.endswith(KIND) else choose("figure", word, FIGURES)
+    return own_figure(word) if word.endswith(KIND) else choose("figure", word, figures.FIGURES)
 
 
 @cache
@@ -51,6 +52,6 @@ def own_figure(path):
         raise Refusal(
             f"{path}: the id {figure.id!r} names no file. Give up to 60 letters, digits, _ and -, as X01."
         )
-    if figure.id.casefold() in {known.casefold() for known in FIGURES}:
+    if figure.id.casefold() in {known.casefold() for known in figures.FIGURES}:
         raise Refusal(f"{path}: the package has a figure {figure.id} already. Give FIGURE another id.")
     return figure

@@ -103,6 +103,7 @@ def shade(primary, secondary, fog_coordinate, texels, state, textures, profile, 
     Source: NV_register_combiners section 3.8.12; OpenGL 1.2.1 sections 3.8.9, 3.9, 3.10.
     """
     machine = combine.machine_of(profile, bits)
+    texels = signed_formats.as_colors(texels, state, textures, profile)
     fog_color = fixed.color_codes(state.fog.color) if state.fog else [0, 0, 0, 0]
     factor = fog.fog_factor(fog_coordinate, state.fog, profile) if state.fog else machine.one
     if state.register_combiners is not None:

@@ -56,7 +56,7 @@ def test_bits_alone_are_slow(tmp_path):
     ("arguments", "words"),
     [
         ((), "Name a figure"),
-        (("--list", "K14"), "leave ID out"),
+        (("--list", "K14"), "leave ID|FILE.py out"),
         (("torus",), "There is no figure 'torus'"),
         (("K13",), "K13 does not move by itself"),
         (("K14", "--vary", "light"), "give NAME=FROM:TO"),

@@ -581,7 +581,7 @@ def test_a_pattern_of_names_needs_no_module(project):
     assert sorted(read_store(project.store)) == NAMES[1:3]
 
 
-EXPECTED = """
+STRICT = """
 import pytest
 
 @pytest.mark.xfail(reason="known", strict=True)
@@ -596,7 +596,7 @@ def test_plain(golden):
 @pytest.mark.parametrize("choice", [("--all",), ("*",), ("-k", "strict or plain")])
 def test_what_is_expected_to_fail_is_accepted_by_its_name_alone(project, choice):
     """With a golden picture it would pass, and strictly that is a failure."""
-    project.write(EXPECTED)
+    project.write(STRICT)
     project()
     assert project.golden("accept", *choice)[0] == 0
     assert list(read_store(project.store)) == ["test_plain"]

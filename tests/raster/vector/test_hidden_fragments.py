@@ -19,6 +19,7 @@ from fixedpipe.pipeline.state import (
 )
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.vector import hidden as hides
 from fixedpipe.raster.vector import per_fragment
 
 WIDTH, HEIGHT = 70, 53
@@ -104,7 +105,7 @@ def test_what_failed_once_fails_at_its_turn(function, write):
         relation = 1 if value < stored else (2 if value == stored else 4)
         return bool(function & relation)
 
-    may_be_left_out = bool(per_fragment.tests_early.py_func(draw))
+    may_be_left_out = bool(hides.tests_early.py_func(draw))
     safe = all(
         not passing(value, between if write and passing(between, stored) else stored)
         for value in range(4)
@@ -116,7 +117,7 @@ def test_what_failed_once_fails_at_its_turn(function, write):
     for value in range(4):
         assert all(bool(passes(function, value, stored)) == passing(value, stored) for stored in range(4))
     draw[R.STENCIL_TEST] = 1
-    assert not per_fragment.tests_early.py_func(draw)
+    assert not hides.tests_early.py_func(draw)
 
 
 @pytest.mark.parametrize("count", [0, 1, 15, 16, 17, 40])
@@ -137,6 +138,6 @@ def test_all_and_no_others_are_hidden(count):
 
             own = slice(start, start + count)
             hidden = not any(passing(int(words[p])) for p in pixel[own])
-            assert per_fragment.are_hidden(words, pixel, depth, start, count, function) == hidden
+            assert hides.are_hidden(words, pixel, depth, start, count, function) == hidden
             hidden = not any(passing(int(w)) for w in words[own])
-            assert per_fragment.is_hidden(words, start, depth, 3, count, function) == hidden
+            assert hides.is_hidden(words, start, depth, 3, count, function) == hidden
