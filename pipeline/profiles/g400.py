@@ -13,7 +13,12 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
 )
 from fixedpipe.pipeline.profiles.known import known
-from fixedpipe.pipeline.profiles.opengl_1_2 import OF_COMBINERS, as_on_the_plain_board
+from fixedpipe.pipeline.profiles.opengl_1_2 import (
+    OF_COMBINERS,
+    OF_PICTURES,
+    OF_QUERIES,
+    as_on_the_plain_board,
+)
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.profiles.specified import CORE, CORE_FORMATS
 
@@ -94,28 +99,7 @@ G400 = Profile.of(
     add_signed_scale_by_four=known(
         True, "Assumed: as EXT_texture_env_combine has it; the board would settle it"
     ),
-    **as_on_the_plain_board(
-        _DRIVER,
-        "max_texture_size",
-        "max_point_size",
-        "max_line_width",
-        "max_viewport",
-        "color_bits",
-        "depth_bits",
-        "stencil_bits",
-        "accumulation_bits",
-        "max_pixel_map_table",
-    ),
-    **as_on_the_plain_board(
-        _PICTURE,
-        "fog_arithmetic",
-        "guard_band",
-        "device_origin",
-        "color_weights",
-        "filter_fraction_bits",
-        "texture_bits",
-        "product_rounding",
-        "round_before_scale",
-    ),
+    **as_on_the_plain_board(_DRIVER, *OF_QUERIES),
+    **as_on_the_plain_board(_PICTURE, "texture_bits", *OF_PICTURES),
     **as_on_the_plain_board(_NO_COMBINERS, *OF_COMBINERS),
 )

@@ -5,7 +5,7 @@ No picture of one was at hand, nor a manual: what no paper or extension says is 
 
 from fixedpipe.pipeline.enums import WrapMode
 from fixedpipe.pipeline.profiles.known import known
-from fixedpipe.pipeline.profiles.opengl_1_2 import OF_COMBINERS, as_on_the_plain_board
+from fixedpipe.pipeline.profiles.opengl_1_2 import OF_COMBINERS, OF_PICTURES, as_on_the_plain_board
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.profiles.specified import (
     CORE,
@@ -67,15 +67,6 @@ OCTANE = Profile.of(
         "max_pixel_map_table",
         "subpixel_bits",
     ),
-    **as_on_the_plain_board(
-        _PICTURE,
-        "fog_arithmetic",
-        "guard_band",
-        "device_origin",
-        "color_weights",
-        "filter_fraction_bits",
-        "product_rounding",
-        "round_before_scale",
-    ),
+    **as_on_the_plain_board(_PICTURE, *OF_PICTURES),
     **as_on_the_plain_board(_NO_COMBINERS, *OF_COMBINERS),
 )

@@ -75,6 +75,30 @@ OPENGL_1_2_IMAGING = OPENGL_1_2.descendant(
 )
 
 
+# What a query of a driver tells.
+OF_QUERIES = (
+    "max_texture_size",
+    "max_point_size",
+    "max_line_width",
+    "max_viewport",
+    "color_bits",
+    "depth_bits",
+    "stencil_bits",
+    "accumulation_bits",
+    "max_pixel_map_table",
+)
+
+# What a picture tells, pixel by pixel.
+OF_PICTURES = (
+    "fog_arithmetic",
+    "guard_band",
+    "device_origin",
+    "color_weights",
+    "filter_fraction_bits",
+    "product_rounding",
+    "round_before_scale",
+)
+
 # What only register combiners ask for.
 OF_COMBINERS = (
     "blue_to_alpha",

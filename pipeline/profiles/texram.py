@@ -5,7 +5,12 @@ What Schilling's paper of 1997 does not say of it is as on the plain board.
 
 from fixedpipe.pipeline.enums import TextureEnvironmentMode, TextureShaderOperation, TextureTarget
 from fixedpipe.pipeline.profiles.known import known
-from fixedpipe.pipeline.profiles.opengl_1_2 import OF_COMBINERS, as_on_the_plain_board
+from fixedpipe.pipeline.profiles.opengl_1_2 import (
+    OF_COMBINERS,
+    OF_PICTURES,
+    OF_QUERIES,
+    as_on_the_plain_board,
+)
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.profiles.specified import CORE, CORE_ENVIRONMENTS
 
@@ -48,25 +53,6 @@ TEXRAM = Profile.of(
     ),
     offset_fraction=known(False, "Assumed: whole units; the chip was never sold"),
     expand_half=known(128, "Assumed: as on the plain board, 128; no stage of TEXRAM's expands"),
-    **as_on_the_plain_board(
-        _PAPER,
-        "max_texture_size",
-        "max_point_size",
-        "max_line_width",
-        "max_viewport",
-        "color_bits",
-        "depth_bits",
-        "stencil_bits",
-        "accumulation_bits",
-        "max_pixel_map_table",
-        "fog_arithmetic",
-        "guard_band",
-        "device_origin",
-        "color_weights",
-        "filter_fraction_bits",
-        "texture_bits",
-        "product_rounding",
-        "round_before_scale",
-    ),
+    **as_on_the_plain_board(_PAPER, "texture_bits", *OF_QUERIES, *OF_PICTURES),
     **as_on_the_plain_board(_NO_COMBINERS, *OF_COMBINERS),
 )
