@@ -66,8 +66,12 @@ def kernel_folder(state):
 
 
 def shared_folder(state):
-    """The installation's folder of kernels for a state of the sources, which this process may only read."""
-    return of_installation() / "kernels" / state
+    """The folder in which kernels of a state of the sources are looked for as well, and never written.
+
+    It is the installation's, unless the user chose a folder: then no other is read, so an empty one is empty.
+    """
+    base = Path(chosen) if (chosen := os.environ.get(CHOSEN)) else of_installation()
+    return base / "kernels" / state
 
 
 def _can_be_written(folder):

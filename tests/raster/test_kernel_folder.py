@@ -112,6 +112,8 @@ import sys
 from pathlib import Path
 from fixedpipe.raster import kernel_folder
 kernel_folder.of_installation = lambda: Path(sys.argv[1])
+own, writes = Path(sys.argv[2]), kernel_folder._can_be_written
+kernel_folder._can_be_written = lambda folder: folder.is_relative_to(own) and writes(folder)
 import kernels
 from numba.core import event
 
@@ -127,24 +129,32 @@ print(kernels.added(3.0))
 """
 
 
+def run_kernel(folder, installation, own, **chosen):
+    """What a process says that calls a kernel and may write below ``own`` alone."""
+    (folder / "kernels.py").write_text(KERNELS)
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    environment |= {"XDG_CACHE_HOME": str(own), "PYTHONPATH": str(folder), **chosen}
+    command = [sys.executable, "-c", CALLS, installation, own]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.split()
+
+
 def test_kernels_of_the_installation_are_read_by_who_cannot_write_there(tmp_path):
     """Its owner compiles; another user, whose own folder is empty, does not."""
-    (tmp_path / "kernels.py").write_text(KERNELS)
-
-    def run(own):
-        environment = {**os.environ, "NUMBA_CACHE_DIR": str(own), "PYTHONPATH": str(tmp_path)}
-        command = [sys.executable, "-c", CALLS, tmp_path / "owner"]
-        return subprocess.run(
-            command, env=environment, capture_output=True, text=True, check=True
-        ).stdout.split()
-
-    assert run(tmp_path / "owner") == ["compiled", "4.0"]
-    assert run(tmp_path / "user") == ["4.0"]
-    assert not list((tmp_path / "user").rglob("*.nbc"))
-    for path in (tmp_path / "owner").rglob("*.nbc"):
+    owner, user = tmp_path / "owner", tmp_path / "user"
+    assert run_kernel(tmp_path, owner, owner) == ["compiled", "4.0"]
+    assert run_kernel(tmp_path, owner, user) == ["4.0"]
+    assert not list(user.rglob("*.nbc"))
+    for path in owner.rglob("*.nbc"):
         path.write_bytes(path.read_bytes()[:-1])
-    assert run(tmp_path / "user") == ["compiled", "4.0"]  # a damaged one counts as none
-    assert list((tmp_path / "user").rglob("*.nbc"))
+    assert run_kernel(tmp_path, owner, user) == ["compiled", "4.0"]  # a damaged one counts as none
+    assert list(user.rglob("*.nbc"))
+
+
+def test_in_a_folder_that_the_user_chose_only_its_own_kernels_are_read(tmp_path):
+    owner, chosen = tmp_path / "owner", tmp_path / "chosen"
+    assert run_kernel(tmp_path, owner, owner) == ["compiled", "4.0"]
+    assert run_kernel(tmp_path, owner, chosen, NUMBA_CACHE_DIR=str(chosen)) == ["compiled", "4.0"]
+    assert run_kernel(tmp_path, owner, chosen, NUMBA_CACHE_DIR=str(chosen)) == ["4.0"]
 
 
 def test_an_import_needs_no_home(tmp_path):
