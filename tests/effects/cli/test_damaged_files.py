@@ -171,3 +171,10 @@ def test_a_picture_never_replaces_what_it_is_made_of(tmp_path, monkeypatch, name
     for command in (("shadows", mesh), ("bump", photo, "--mesh", mesh)):
         assert "of which the picture is made" in refusal_of(*command, "--out", "mesh.png")
     assert photo.read_bytes() == of_picture("PNG") and mesh.read_text() == OBJ
+
+
+@pytest.mark.parametrize(
+    ("words", "wrong"), [("the size is (3, 4)", False), ("found '1 0 ('", False), ("found ('a', 1)", True)]
+)
+def test_what_a_sentence_quotes_of_a_file_is_no_tuple(tmp_path, words, wrong):
+    assert bool(wrong_with(f"a.obj: {words}.", tmp_path / "a.obj")) == wrong
