@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.messages import shown
 from fixedpipe.pipeline.validation.types import check_int, enum_check
+from fixedpipe.raster.primitives.meshes import all_below, all_finite
 
 checked_meshes = WeakSet()  # meshes without a problem
 infinite_fog = WeakSet()  # meshes with fog coordinates that are not finite; a vertex program can write them
@@ -34,10 +35,9 @@ def _array_problem(name, array, vertices, low, high):
 
 def finite_problem(name, array):
     """A sentence that names the first number of a vertex array that is not finite, or None."""
-    finite = np.isfinite(array)
-    if finite.all():
+    if array.dtype == np.bool_ or all_finite(array):
         return None
-    bad = np.argwhere(~finite)[0]
+    bad = np.argwhere(~np.isfinite(array))[0]
     value = array[tuple(bad)]
     return (
         f"{name} of vertex {bad[0]} holds {value}; the machine has no meaning for it. Give finite numbers, "
@@ -76,7 +76,7 @@ def mesh_problem(mesh):
         if mesh.indices.ndim != 1:
             return f"the mesh's indices has shape {mesh.indices.shape}; give one list of vertex numbers."
         drawn = len(mesh.indices)
-        if drawn and not 0 <= mesh.indices.min() <= mesh.indices.max() < vertices:
+        if not all_below(mesh.indices, vertices):
             at = int(np.argmax((mesh.indices < 0) | (mesh.indices >= vertices)))
             return (
                 f"index {at} of the mesh is vertex {mesh.indices[at]}, but it has {vertices} vertices; give "

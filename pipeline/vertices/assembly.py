@@ -3,6 +3,7 @@
 import numpy as np
 
 from fixedpipe.pipeline.enums import PrimitiveType, ProvokingVertex
+from fixedpipe.raster.primitives.meshes import separate_triangles
 
 _FLAGGED = frozenset({PrimitiveType.TRIANGLES, PrimitiveType.QUADS, PrimitiveType.POLYGON})
 
@@ -130,11 +131,9 @@ def assemble(mesh, provoking):
     """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
     if mesh.counts is None and mesh.primitive == PrimitiveType.TRIANGLES:  # most meshes; as ``split``
-        whole = stream - stream % 3
-        vertices = np.arange(whole) if mesh.indices is None else mesh.indices[:whole]
-        triangles = np.empty((whole // 3, 4), np.int32)
-        triangles[:, :3] = vertices.reshape(-1, 3)
-        triangles[:, 3] = triangles[:, 0 if provoking == ProvokingVertex.FIRST else 2]
+        vertices = np.arange(stream) if mesh.indices is None else mesh.indices
+        triangles = np.empty((stream // 3, 4), np.int32)
+        separate_triangles(vertices, 0 if provoking == ProvokingVertex.FIRST else 2, triangles)
         return triangles
     counts = [stream] if mesh.counts is None else mesh.counts
     splits = split if mesh.primitive.is_polygons else split_lines

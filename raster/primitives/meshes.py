@@ -1,10 +1,41 @@
-"""What of a mesh's arrays reaches fragments as it is: bytes of colours, texture coordinates of units."""
+"""Kernels over a mesh's own arrays: whether they are usable, and what reaches fragments as it is."""
 
 import math
 
-from numba import int64
+from numba import int32, int64, types
 
 from fixedpipe.raster.kernel import bits_of, float_of, kernel
+
+
+@kernel("b1(Array(float64,2,'C',readonly=True))")
+def all_finite(numbers):
+    """Whether all numbers are finite."""
+    finite = True
+    for i in range(numbers.shape[0]):
+        for k in range(numbers.shape[1]):
+            finite &= math.isfinite(numbers[i, k])
+    return finite
+
+
+@kernel("b1(Array(int64,1,'C',readonly=True),i8)")
+def all_below(indices, count):
+    """Whether all numbers are from 0 to ``count - 1``."""
+    below = True
+    for i in range(indices.shape[0]):
+        below &= (indices[i] >= 0) & (indices[i] < count)
+    return below
+
+
+@kernel("void(Array(int64,1,'C',readonly=True),i8,i4[:,::1])")
+def separate_triangles(stream, provoking, out):
+    """Rows of TRIANGLES: three vertices of ``stream`` each, then the one of these (0 to 2) that provokes.
+
+    ``out``: int32[k, 4]; ``stream`` has at least 3 k vertices.
+    """
+    for t in range(out.shape[0]):
+        for k in range(3):
+            out[t, k] = int32(stream[3 * t + k])
+        out[t, 3] = int32(stream[3 * t + provoking])
 
 
 @kernel("b1(Array(float64,2,'C',readonly=True),Array(float64,2,'C',readonly=True),i8,u1[:,:,::1])")
@@ -32,18 +63,24 @@ def color_bytes(colors, secondary, mask, out):
     return same
 
 
-@kernel("b1(Array(float64,2,'C',readonly=True),i8,f8[:,:,::1])")
-def unit_coordinates(given, unit, out):
-    """A unit's s, t, r, q for all vertices from a texture coordinate set: what it lacks is 0, 0, 0 and 1.
+_SETS = types.UniTuple(types.Array(types.float64, 2, "C", readonly=True), 4)
 
-    given  float64[n, 0..4]
-    out    float64[n, units, 4]
 
-    Returns whether some q is not 1.
+@kernel(int64(_SETS, types.float64[:, :, ::1]))
+def unit_coordinates(sets, out):
+    """The units' s, t, r, q for all vertices from a texture coordinate set each.
+
+    sets  float64[n, 0..4], of each unit; what a set lacks is 0, 0, 0 and 1
+    out   float64[n, units, 4], up to four units
+
+    Returns bits: 1 << u for a unit some of whose q are not 1.
     """
-    projective = False
-    for i in range(out.shape[0]):
-        for k in range(4):
-            out[i, unit, k] = given[i, k] if k < given.shape[1] else (1.0 if k == 3 else 0.0)
-        projective |= out[i, unit, 3] != 1.0
+    projective = int64(0)
+    for u in range(out.shape[1]):
+        given, varies = sets[u], False
+        for i in range(out.shape[0]):
+            for k in range(4):
+                out[i, u, k] = given[i, k] if k < given.shape[1] else (1.0 if k == 3 else 0.0)
+            varies |= out[i, u, 3] != 1.0
+        projective |= int64(1) << u if varies else int64(0)
     return projective

@@ -8,7 +8,13 @@ from hypothesis.extra import numpy as arrays
 from fixedpipe.pipeline.vertices.arithmetic import ONE, columns_of, positive
 from fixedpipe.pipeline.vertices.colors import stacked_colors
 from fixedpipe.raster.floats import kept
-from fixedpipe.raster.primitives.meshes import color_bytes, unit_coordinates
+from fixedpipe.raster.primitives.meshes import (
+    all_below,
+    all_finite,
+    color_bytes,
+    separate_triangles,
+    unit_coordinates,
+)
 
 values = st.one_of(
     st.floats(-0.5, 1.5), st.integers(-1, 256).map(lambda k: (k + 0.5) / 255), st.floats(-1e300, 1e300)
@@ -44,8 +50,29 @@ def test_bytes_of_colors(both, bits):
 def test_coordinates_of_units(both):
     *sets, _ = both
     out = np.empty((len(sets[0]), 2, 4))
+    projective = unit_coordinates((*sets, *[np.empty((0, 0))] * 2), out)
     for unit, given_set in enumerate(sets):
-        projective = unit_coordinates(given_set, unit, out)
         columns = [np.broadcast_to(c, len(out)) for c in columns_of(given_set, (0.0, 0.0, 0.0, 1.0))]
         np.testing.assert_array_equal(out[:, unit], np.stack(columns, axis=1))
-        assert projective == (columns[3] != 1.0).any()
+        assert bool(projective >> unit & 1) == (columns[3] != 1.0).any()
+
+
+@given(given_array(7, 1, 4), st.integers(0, 27), st.sampled_from([np.nan, np.inf, -np.inf, 1e308]))
+def test_numbers_that_are_not_finite(numbers, place, number):
+    assert all_finite(numbers)
+    numbers.reshape(-1)[place % numbers.size] = number
+    assert all_finite(numbers) == np.isfinite(number)
+
+
+@given(arrays.arrays(np.int64, st.integers(0, 9), elements=st.integers(-2, 6)), st.integers(0, 5))
+def test_indices_that_are_no_vertices(indices, count):
+    assert all_below(indices, count) == all(0 <= index < count for index in indices.tolist())
+
+
+@given(st.integers(0, 10), st.sampled_from([0, 2]))
+def test_rows_of_separate_triangles(length, provoking):
+    stream = np.random.default_rng(length).integers(0, 50, length)
+    out = np.empty((length // 3, 4), np.int32)
+    separate_triangles(stream, provoking, out)
+    expected = [[*row, row[provoking]] for row in stream[: length - length % 3].reshape(-1, 3).tolist()]
+    assert out.tolist() == expected
