@@ -49,6 +49,12 @@ def interned(value: T) -> T:
         return value
 
 
+def all_interned(values):
+    """``interned`` of each value, in a list."""
+    known = _known.get
+    return [found[1] if (found := known(id(value))) else interned(value) for value in values]
+
+
 def _is_changed(state):
     """Whether a state has its texture units, or its program's stages, in common with one that is known."""
     stages = getattr(state.register_combiners, "general", ())

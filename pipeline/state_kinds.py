@@ -5,7 +5,7 @@ that moves things, or colours them, draws each in a state of its own, and all of
 from dataclasses import fields
 from operator import attrgetter
 
-from fixedpipe.pipeline.interned_states import interned
+from fixedpipe.pipeline.interned_states import all_interned
 from fixedpipe.pipeline.state import PassState
 
 _MOST = 1024
@@ -47,8 +47,8 @@ def _kind(state):
     held = (
         vertex.stage,
         lighting is not None and lighting.separate_specular_color,
-        *map(interned, _SECTIONS(state)),
-        *(() if program is None else map(interned, _PROGRAM(program))),
+        *all_interned(_SECTIONS(state)),
+        *(() if program is None else all_interned(_PROGRAM(program))),
     )
     key = tuple(map(id, held))
     kind = _kinds.get(key)

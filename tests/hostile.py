@@ -74,9 +74,9 @@ class Arrays(dict):
                 texels[i], levels[i] = found.packed, found.levels[0]
                 if packed.units[i, R.TARGET] != TextureTarget.TEXTURE_3D:
                     pairs[i], pair_levels[i] = found.pairs[0], found.pairs[1][0]
-        rows = (packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, packed.units)
+        rows = packed.draw, packed.program, packed.final, packed.arithmetic, packed.units
         arrays = cls(texels=texels, pairs=pairs, levels=levels, pair_levels=pair_levels)
-        arrays["plan"] = plan_combiners(*rows).rows
+        arrays["plan"] = plan_combiners(*rows).filled(packed.constants, packed.draw)
         for name in ("triangles", "strokes", "x", "y", "inverse_w", "colors", "coordinates", "fog"):
             arrays[name] = getattr(p, name)
         for name in ROWS:

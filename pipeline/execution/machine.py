@@ -15,7 +15,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from fixedpipe.pipeline.columns.engine import column_draw, needs_columns
+from fixedpipe.pipeline.columns.engine import column_draw
 from fixedpipe.pipeline.columns.otherwise import Otherwise
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
 from fixedpipe.pipeline.commands import (
@@ -52,21 +52,20 @@ from fixedpipe.pipeline.framebuffers.texture_copies import (
 )
 from fixedpipe.pipeline.framebuffers.texture_queries import texture_pixels
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
-from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, widths_of
+from fixedpipe.pipeline.framebuffers.widths import fragment_bits
 from fixedpipe.pipeline.interned_states import interned
 from fixedpipe.pipeline.native.background_compiling import chosen_engine, covers_by_kernels
 from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles, recorded_fragments
 from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
+from fixedpipe.pipeline.native.state_records import StateRecords
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS, Profile
-from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.textures.words import stored_texture
 from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices import stage
-from fixedpipe.pipeline.vertices.view_volume import within_viewport
 from fixedpipe.raster.observer import unobserved
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 
@@ -185,6 +184,7 @@ class Machine:
         )
         bands = -(-self.height // BAND_HEIGHT)
         self._queue: Queue = Queue(min(self.threads or default_threads(), bands), self.batch)
+        self._records: StateRecords = StateRecords(self.profile)
         self._current: Framebuffer = self.framebuffer
         self._samples: Samples | None = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
         self._surface_samples: dict[str, Samples] = {}  # of the pbuffers with several samples
@@ -291,14 +291,15 @@ class Machine:
     # Every command's method takes the command and its _Frame.
 
     def _draw(self, command, frame):
-        size = self._current.width, self._current.height
-        state = within_viewport(command.mesh, interned(command.state), *size)
-        state, textures = depths_as_colors(state, self.textures, self.profile)
+        mesh, size = command.mesh, (self._current.width, self._current.height)
+        record = self._records.of(mesh, interned(command.state), self._current, self.textures)
+        state, textures = record.state, record.textures
+        by_columns = self._draws_columns(record, frame.engine)
+        submits = self._drawn_samples is None and frame.engine is None and not frame.record
         for number, (surface, place) in enumerate(self._targets(state.draw_buffer)):
             position, sample = sampled(place, self.profile)
             target = surface.buffer(state.draw_buffer)
-            draw = frame.kept.get(command, surface, textures)  # only the native engines keep Draws
-            if draw is None and self._draws_columns(state, textures, target, frame.engine):
+            if by_columns:
                 self._queue.flush()
                 drawn, lost = self._drawn_by_columns(
                     command, state, textures, target, position, sample, frame.record
@@ -307,12 +308,14 @@ class Machine:
                 if frame.record and number == 0:
                     frame.records.append(drawn)
                 continue
+            draw = frame.kept.get(command, surface, textures)
             if draw is None:
-                # Vertices' colours are rounded at the fragments' width.
-                rounded = fragment_bits(self.profile, target) == NATIVE_BITS
-                given = command.mesh, state, self.profile, *size, position
-                primitives = stage.process(*given, rounded=rounded)
-                draw = Prepared.of(primitives, state, self.profile, self._current, textures, sample)
+                draw = record.submitted(mesh) if submits else None
+                if draw is None:
+                    # Vertices' colours are rounded at the fragments' width.
+                    rounded = fragment_bits(self.profile, target) == NATIVE_BITS
+                    primitives = stage.process(mesh, state, self.profile, *size, position, rounded=rounded)
+                    draw = Prepared.of(primitives, state, self.profile, self._current, textures, sample)
                 frame.kept.keep(command, surface, draw)
             lost = draw.dropped
             if frame.record:
@@ -326,12 +329,11 @@ class Machine:
                 self._queue.draw(draw, target, frame.engine)
         frame.dropped += lost  # every sample drops the same number
 
-    def _draws_columns(self, state, textures, target, engine):
-        """Whether the column engine draws a Draw."""
+    def _draws_columns(self, record, engine):
+        """Whether the column engine draws a Draw in the state of a StateRecord."""
         if "columns" in (self.engine, engine):
             return True
-        given = state, self.profile, target, textures
-        return needs_columns(*given) or not (covers_by_kernels() or are_native(widths_of(*given)))
+        return record.by_columns or not (record.native or covers_by_kernels())
 
     def _drawn_by_columns(self, command, state, textures, target, position, sample, records):
         """Draw with the column engine; returns its Fragments and the number of dropped primitives."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -150,6 +151,12 @@ class Framebuffer:
     def height(self) -> int:
         """The number of rows."""
         return self.color.shape[0]
+
+    @cached_property
+    def kind(self) -> tuple[Any, ...]:
+        """What the rows of a pass depend on: its size and formats. Equal for framebuffers of one kind."""
+        size = self.width, self.height, self.is_bytes
+        return *size, self.depth_format, self.color_format, self.color_bits
 
     def buffer(self, which: ColorBuffer) -> "Framebuffer":
         """The framebuffer for a ColorBuffer: this one, or one with an auxiliary buffer's colours.

@@ -23,10 +23,21 @@ class CombinerPlan:
     - ``rows``: int32 [operations, OPERATION_SIZE].
     - ``planes``: the planes of colors, fog factor and texels (register * 4 + channel) on which the program's
       result depends; no other plane must be computed.
+    - ``constants``: int32 [k, 6], the places in ``rows`` of values that follow from constant colours.
     """
 
     rows: np.ndarray
     planes: frozenset
+    constants: np.ndarray
+
+    def filled(self, constants, draw):
+        """The rows with the values of a pass's constant colours, which are its packed rows ``constants``."""
+        rows, where = self.rows.copy(), self.constants  # kernels take only writable arrays
+        if len(where):
+            values = np.concatenate((constants.reshape(-1), draw[R.FOG_RED : R.FOG_BLUE + 1]))[where[:, 2]]
+            mapped = np.minimum(np.maximum(values, where[:, 3]) * where[:, 4] + where[:, 5], 255)
+            rows[where[:, 0], where[:, 1]] = mapped
+        return rows
 
 
 class _Value(NamedTuple):
@@ -420,18 +431,18 @@ def _plan(program, final, direct, color_sum, fog, arithmetic, units):
     planner.emit(_Operation(C.PLAN_PACK, tuple(outputs)))
     rows, planes, constants = _rows(planner.operations)
     rows.setflags(write=False)
-    return rows, planes, constants
+    return CombinerPlan(rows, planes, constants)
 
 
-def plan_combiners(draw, program, final, constants, arithmetic, units):
+def plan_combiners(draw, program, final, arithmetic, units):
     """The CombinerPlan of a pass, from its packed rows (``fixedpipe.pipeline.native.pack.PackedState``).
 
-    Programs that differ in their constants alone share a cached plan.
+    Programs that differ in their constants alone share it; ``filled`` gives the rows of each.
     """
     least = tuple(
         (-256 if row[R.SIGNED] or draw[R.TEXTURE_SHADER] else 0) if row[R.ENABLED] else None for row in units
     )
-    rows, planes, where = _plan(
+    return _plan(
         program.tobytes(),
         final.tobytes(),
         bool(draw[R.DIRECT]),
@@ -440,9 +451,3 @@ def plan_combiners(draw, program, final, constants, arithmetic, units):
         tuple(arithmetic.tolist()),
         least,
     )
-    rows = rows.copy()  # kernels take only writable arrays
-    if len(where):
-        values = np.concatenate((constants.reshape(-1), draw[R.FOG_RED : R.FOG_BLUE + 1]))[where[:, 2]]
-        mapped = np.minimum(np.maximum(values, where[:, 3]) * where[:, 4] + where[:, 5], 255)
-        rows[where[:, 0], where[:, 1]] = mapped
-    return CombinerPlan(rows, planes)

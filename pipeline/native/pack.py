@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fixedpipe.pipeline.framebuffers.depths import depth_units
-from fixedpipe.pipeline.native.state_rows import rows_of
+from fixedpipe.pipeline.native.state_rows import StateRows, rows_of
 from fixedpipe.pipeline.state import PassState
-from fixedpipe.raster import codes as C
 
 
 class PackedState(NamedTuple):
@@ -30,6 +29,7 @@ class PackedState(NamedTuple):
     reads: tuple  # for each unit that reads a texture: its number, the texture's name, the inverted bits
     area: int  # pixels of the scissor box
     wide: bool  # whether a component is wider than a byte; only the portable engine draws such
+    rows: StateRows  # that these are of
     derived: dict  # data that others derive from these rows, kept with them
 
 
@@ -43,19 +43,13 @@ def pack(state: PassState, profile, framebuffer, textures, primitives, sample=No
     Equal passes share the rows: never write to them.
     """
     rows = rows_of(state, profile, framebuffer, textures, sample)
-    flat = C.COLORS_SMOOTH
-    if rows.reads_color and (rows.flat or primitives.constant_color):
-        flat = C.COLORS_FLAT if rows.flat else C.COLORS_EQUAL
-    varies = (
-        primitives.two_side,
-        len(primitives.strokes) > 0,
-        flat,
-        *[primitives.projective[unit] for unit in rows.divided],
-    )
-    draw, units, derived = rows.varied.get(varies) or rows.vary(varies)
+    p = primitives
+    one_color = rows.reads_color and not rows.flat and p.constant_color
+    projective = p.projective if rows.divided else ()
+    draw, units, derived = rows.variant(p.two_side, len(p.strokes) > 0, one_color, projective)
     depths = depth_units(state, framebuffer, primitives) if rows.needs_depth else primitives.z
     shared = rows.shared
     return PackedState(
         draw, rows.draw_float, *shared, units, rows.fog_thresholds, depths, rows.reads, rows.area, rows.wide,
-        derived,
+        rows, derived,
     )  # fmt: skip

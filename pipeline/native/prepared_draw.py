@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from fixedpipe.pipeline.native import pack
-from fixedpipe.pipeline.native.combiner_plan import plan_combiners
 from fixedpipe.pipeline.native.texels import NO_LEVELS, NO_TEXELS, texels_of
 from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.pipeline.vertices.colors import fragment_colors
@@ -95,10 +94,7 @@ class Prepared:
         order, ends, dropped = sort_into_bands(p, packed.draw, framebuffer.height)
         if len(order) == 0:
             return cls(dropped + p.dropped, bound)
-        texels, levels = [None] * 4, [NO_LEVELS] * len(packed.units)
-        for i, _, signed in packed.reads:
-            texels[i] = texels_of(sampled_texture(state.texture_units[i], textures), signed)
-            levels[i] = texels[i].levels
+        texels, levels = texels_and_levels(packed.reads, state, textures, len(packed.units))
         size = p.colors.nbytes + p.coordinates.nbytes + 40 * len(p.x) + 16 * len(p.triangles) + 4 * len(order)
         return cls(
             dropped + p.dropped,
@@ -109,7 +105,7 @@ class Prepared:
             packed,
             colors,
             texels,
-            _stacked(levels),
+            levels,
             order,
             ends,
         )
@@ -146,33 +142,15 @@ class Prepared:
 
     def fill_job(self):
         """Make ``job``."""
-        if self.packed.wide or self.packed.draw[R.COVER_SAMPLES]:
-            self.job = False
-            return
-        job = np.zeros((1, JOB_SIZE), np.int64)
-        if not self._fill(job, _NO_PAIRS, self.levels):
-            self.job = False
-            return
-        self.job = job[0]
-        # Now the sampling path of each unit is known, and so the textures that are needed as row pairs.
-        paths = job[0, R.JOB_UNIT_PATH : R.JOB_UNIT_PATH + 4].tolist()
-        if paths != [C.PATH_DISABLED] * 4:
-            pairs, levels = [NO_TEXELS] * 4, [NO_LEVELS] * len(self.levels)
-            for i, (path, read) in enumerate(zip(paths, self.texels, strict=True)):
-                if path != C.PATH_DISABLED:
-                    pairs[i], levels[i] = read.pairs
-            self.beside = pairs, _stacked(levels)
-            self._fill(job, *self.beside)
-
-    def _fill(self, job, pairs, levels):
         packed = self.packed
-        if (plan := packed.derived.get("plan")) is None:
-            plan = packed.derived["plan"] = plan_combiners(
-                packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, packed.units
-            ).rows
-        textures = tuple(pairs), levels, packed.units
-        arrays = self._state(), plan, self.primitives.triangles, self._vertices(), textures
-        return fill_draw(job, 0, arrays, (self.order, self.ends))
+        self.job = False
+        if packed.wide or packed.draw[R.COVER_SAMPLES]:
+            return
+        plan = packed.rows.filled_plan(packed.draw, packed.units, packed.derived)
+        given = self._state(), plan, self.primitives.triangles, self._vertices(), packed.units
+        made = make_job(given, (self.order, self.ends), self.texels, self.levels)
+        if made is not None:
+            self.job, self.beside = made
 
     # The arrays that both engines' kernels take; ``raster/arrays.py`` names the members.
 
@@ -185,6 +163,43 @@ class Prepared:
         return p.x, p.y, self.packed.depths, p.inverse_w, colors, p.coordinates
 
 
-def _stacked(levels):
+def make_job(given, bands, texels, levels):
+    """(a row of the vector engine's table, the arrays that only this row names), or None: it does not cover
+    the Draw.
+
+    - ``given``: the arrays of a Pass, but units' rows alone in place of its textures.
+    - ``bands``: the arrays of Bands.
+    - ``texels``: the Texels of four units, or None.
+    - ``levels``: int32 [units, MAX_LEVELS, 3].
+    """
+    *arrays, units = given
+    job, beside = np.zeros((1, JOB_SIZE), np.int64), (_NO_PAIRS, levels)
+    if not fill_draw(job, 0, (*arrays, (tuple(_NO_PAIRS), levels, units)), bands):
+        return None
+    # Now the sampling path of each unit is known, and so the textures that are needed as row pairs.
+    paths = job[0, R.JOB_UNIT_PATH : R.JOB_UNIT_PATH + 4].tolist()
+    if paths != [C.PATH_DISABLED] * 4:
+        pairs, of_pairs = [NO_TEXELS] * 4, [NO_LEVELS] * len(levels)
+        for i, (path, read) in enumerate(zip(paths, texels, strict=True)):
+            if path != C.PATH_DISABLED:
+                pairs[i], of_pairs[i] = read.pairs
+        beside = pairs, stacked(of_pairs)
+        fill_draw(job, 0, (*arrays, (tuple(pairs), beside[1], units)), bands)
+    return job[0], beside
+
+
+def texels_and_levels(reads, state, textures, units):
+    """The Texels of four units, or None; and their levels, int32 [units, MAX_LEVELS, 3].
+
+    ``reads`` is as in PackedState, and ``units`` the number of units' rows.
+    """
+    texels, levels = [None] * 4, [NO_LEVELS] * units
+    for i, _, signed in reads:
+        texels[i] = texels_of(sampled_texture(state.texture_units[i], textures), signed)
+        levels[i] = texels[i].levels
+    return texels, stacked(levels)
+
+
+def stacked(levels):
     """Levels int32 [1, MAX_LEVELS, 3] of each unit as one array."""
     return levels[0] if len(levels) == 1 else np.concatenate(levels)

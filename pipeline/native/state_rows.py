@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.pipeline.enums import ColorWeights, ProductRounding, Register, ShadeModel
 from fixedpipe.pipeline.framebuffers.bounds import scissor_box
 from fixedpipe.pipeline.framebuffers.widths import fragment_bits
+from fixedpipe.pipeline.native.combiner_plan import plan_combiners
 from fixedpipe.pipeline.native.pack_combiners import has_stage_constants, pack_combiners, pack_constants
 from fixedpipe.pipeline.native.pack_fragments import (
     pack_coverage,
@@ -30,14 +31,9 @@ def rows_of(state, profile, framebuffer, textures, sample=None):
     profile, so that no other object gets their identity. States that differ in their vertex state alone share
     the rows. States that also differ in constant colours share all rows except the constants.
     """
-    height, width, _ = framebuffer.color.shape
     beside = (
         id(profile),
-        width,
-        height,
-        framebuffer.depth_format,
-        framebuffer.color_format,
-        framebuffer.color_bits,
+        framebuffer.kind,
         sample,
         *[_texture_kind(textures, unit) for unit in state.texture_units],
     )
@@ -122,10 +118,7 @@ class StateRows:
 
     def with_constants(self, program):
         """The rows for a combiner program of the same stages and flags, with its own constant colours."""
-        own = self.program
-        if program is own or (
-            program.constant_color0 is own.constant_color0 and program.constant_color1 is own.constant_color1
-        ):
+        if self.has_constants_of(program):
             return self
         made = copy(self)
         stages, final, _, *others = self.shared
@@ -136,12 +129,24 @@ class StateRows:
         made.program, made.varied = program, {}
         return made
 
-    def vary(self, varies):
-        """(draw, units, derived data) for primitives of these properties.
+    def has_constants_of(self, program):
+        """Whether a combiner program of the same stages and flags has the same constant colours."""
+        own = self.program
+        return program is own or (
+            program.constant_color0 is own.constant_color0 and program.constant_color1 is own.constant_color1
+        )
 
-        ``varies`` says whether they are two-sided and hold strokes, how colours vary, and which units vary in
-        q.
+    def variant(self, two_side, strokes, constant_color, projective):
+        """(draw, units, derived data) for primitives that are two-sided or not, hold strokes or not, have one
+        colour or several, and with which units' q varies.
         """
+        flat = C.COLORS_SMOOTH
+        if self.reads_color and (self.flat or constant_color):
+            flat = C.COLORS_FLAT if self.flat else C.COLORS_EQUAL
+        varies = two_side, strokes, flat, *[projective[unit] for unit in self.divided]
+        return self.varied.get(varies) or self._vary(varies)
+
+    def _vary(self, varies):
         two_side, strokes, flat, *projective = varies
         draw, units = self.draw.copy(), self.units.copy()
         draw[R.BACK_SIGN] = self.back_sign if two_side else 0
@@ -156,3 +161,16 @@ class StateRows:
             draw[R.NEEDS_WEIGHTS] = draw[R.FOG_ENABLED] and not by_table
         self.varied[varies] = made = draw, units, {}
         return made
+
+    def plan(self, draw, units, derived):
+        """The CombinerPlan of a variant."""
+        if (plan := derived.get("plan")) is None:
+            program, final, _, arithmetic, _ = self.shared
+            plan = derived["plan"] = plan_combiners(draw, program, final, arithmetic, units)
+        return plan
+
+    def filled_plan(self, draw, units, derived):
+        """The rows of a variant's plan, with the constant colours of these rows."""
+        if (rows := derived.get("rows")) is None:
+            rows = derived["rows"] = self.plan(draw, units, derived).filled(self.shared[2], draw)
+        return rows

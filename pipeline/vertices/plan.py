@@ -8,6 +8,7 @@ import weakref
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,9 +28,11 @@ _PLANS_KEPT = 32  # for one mesh; a program that makes a new state for every fra
 class MeshColumns:
     """Data that follow from a Mesh alone, computed at first use. The arrays are shared: never write to them.
 
+    - ``widths``: the number of components of positions and of each texture coordinate set.
     - ``triangles``: {provoking vertex: rows of ``fixedpipe.pipeline.vertices.assembly.assemble``}.
     - ``coordinates``: {each unit's texture coordinate set, None where the unit is disabled: (float64 [n,
       units, 4], for each unit whether some q is not 1)}.
+    - ``facts``: {the same: ``fixedpipe.raster.vector.unit.coordinate_facts`` of these coordinates}.
     - ``given``: {texture coordinate sets: float64 [c, n]}, the components of the positions, then of the sets.
     - ``colors``: colours of vertices without lighting, by the way they become bytes
       (``colors.stacked_colors``).
@@ -41,6 +44,8 @@ class MeshColumns:
     """
 
     no_fog: np.ndarray
+    widths: tuple
+    facts: dict = field(default_factory=dict)
     triangles: dict = field(default_factory=dict)
     coordinates: dict = field(default_factory=dict)
     given: dict = field(default_factory=dict)
@@ -56,11 +61,13 @@ def mesh_columns(mesh):
     """The MeshColumns of a Mesh."""
     found = _of_mesh.get(mesh)
     if found is None:
-        found = _of_mesh.setdefault(mesh, MeshColumns(np.zeros(len(mesh.positions))))
+        widths = mesh.positions.shape[1], *[array.shape[1] for array in mesh.texture_coordinates]
+        found = _of_mesh.setdefault(mesh, MeshColumns(np.zeros(len(mesh.positions)), widths))
     return found
 
 
-def _triangles(mesh, columns, provoking):
+def triangles_of(mesh, columns, provoking):
+    """The rows of ``assemble`` for a mesh, kept in its MeshColumns."""
     found = columns.triangles.get(provoking)
     if found is None:
         found = columns.triangles[provoking] = assemble(mesh, provoking)
@@ -68,25 +75,29 @@ def _triangles(mesh, columns, provoking):
 
 
 def _set(mesh, number):
-    return mesh.texture_coordinates[number] if number < len(mesh.texture_coordinates) else None
+    return mesh.texture_coordinates[number] if number < len(mesh.texture_coordinates) else _NONE
 
 
-def _coordinates(mesh, columns, sets):
+def coordinates_of(mesh, columns, sets):
+    """MeshColumns' ``coordinates`` of these texture coordinate sets."""
     found = columns.coordinates.get(sets)
     if found is None:
         stacked = np.empty((len(mesh.positions), len(sets), 4))
-        arrays = [None if number is None else _set(mesh, number) for number in sets]
-        arrays = [_NONE if array is None else np.ascontiguousarray(array) for array in arrays]
-        projective = tuple([unit_coordinates(array, unit, stacked) for unit, array in enumerate(arrays)])
-        found = columns.coordinates[sets] = stacked, projective
+        arrays = [_NONE if number is None else _set(mesh, number) for number in sets]
+        varies = unit_coordinates((*arrays, *[_NONE] * (4 - len(sets))), stacked)
+        found = stacked, tuple([bool(varies >> unit & 1) for unit in range(len(sets))])
+        columns.coordinates[sets] = found
     return found
 
 
-def _given(mesh, columns, sets):
+def given_of(mesh, columns, sets):
+    """MeshColumns' ``given`` of these texture coordinate sets."""
     found = columns.given.get(sets)
     if found is None:
-        arrays = [mesh.positions.T, *(_set(mesh, number).T for number in sets)]
-        found = columns.given[sets] = np.ascontiguousarray(np.concatenate(arrays))
+        given = mesh.positions.T
+        if sets:
+            given = np.concatenate([given, *(_set(mesh, number).T for number in sets)])
+        found = columns.given[sets] = np.ascontiguousarray(given)
     return found
 
 
@@ -145,31 +156,32 @@ def _vector(first, components):
 
 
 def _parameters(state, profile, width, height):
-    viewport, arithmetic = state.vertex.viewport, profile.arithmetic
-    place = viewport.x, viewport.y, viewport.width, viewport.height
+    v, arithmetic = state.vertex.viewport, profile.arithmetic
     upper_left = arithmetic.device_origin == WindowOrigin.UPPER_LEFT
-    row = _of_window(place, width, height, arithmetic.guard_band, arithmetic.subpixel_bits, upper_left).copy()
-    near, far = np.float64(viewport.near), np.float64(viewport.far)
-    row[V.DEPTH_SCALE], row[V.DEPTH_OFFSET] = (far - near) * np.float64(0.5), (far + near) * np.float64(0.5)
-    row[V.PERSPECTIVE] = state.perspective_correction
-    return row
+    machine = arithmetic.guard_band, arithmetic.subpixel_bits, upper_left
+    viewport = v.x, v.y, v.width, v.height, v.near, v.far
+    return _of_window(viewport, width, height, *machine, state.perspective_correction)
 
 
 @lru_cache(256)
-def _of_window(place, width, height, band, subpixel_bits, upper_left):
-    """Parameters of window x and y. ``place``: the viewport's x, y, width and height, whole numbers."""
-    half_size, center = viewport_transform(Viewport(*place), width, height)
+def _of_window(viewport, width, height, band, subpixel_bits, upper_left, perspective):
+    """The parameters for a viewport: its x, y, width, height, near and far."""
+    half_size, center = viewport_transform(Viewport(*viewport), width, height)
     row = np.zeros(V.PARAMETERS)
     row[[V.HALF_X, V.HALF_Y]] = half_size
     row[[V.CENTER_X, V.CENTER_Y]] = center
     row[[V.LOW_X, V.LOW_Y]] = center[0] + band, center[1] + band
     row[[V.HIGH_X, V.HIGH_Y]] = (width + band) - center[0], (height + band) - center[1]
+    near, far = np.float64(viewport[4]), np.float64(viewport[5])
+    row[V.DEPTH_SCALE], row[V.DEPTH_OFFSET] = (far - near) * np.float64(0.5), (far + near) * np.float64(0.5)
     row[V.SNAP_LOW], row[V.SNAP_HIGH_X], row[V.SNAP_HIGH_Y] = -band, width + band, height + band
     row[V.STEPS], row[V.HEIGHT], row[V.UPPER_LEFT] = 1 << subpixel_bits, height, upper_left
+    row[V.PERSPECTIVE] = perspective
     return row
 
 
-def _is_covered(mesh, state):
+def is_covered(mesh, state):
+    """Whether ``raster.primitives.vertices`` transforms a mesh's vertices in a state."""
     vertex, polygon = state.vertex, state.polygon
     return (
         vertex.stage == VertexStage.FIXED_FUNCTION
@@ -207,8 +219,7 @@ def _linear_coordinates(widths, units, sets, first, sums, position, eye):
     return results
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Formula:
+class Formula(NamedTuple):
     """The part of a Plan that follows from a state and the widths of a mesh's arrays; members as in Plan.
 
     - ``sets``: the texture coordinate sets that the kernel reads.
@@ -227,18 +238,38 @@ class _Formula:
     clip: np.ndarray
 
 
-def _formula(widths, state, profile, width, height):
-    """The _Formula for ``widths``: the components of positions and of each texture coordinate set."""
+_ways = {}  # by the identity of a state's units: what _way_of finds, and the units
+_WAYS_KEPT = 1024
+
+
+def _way_of(units):
+    """How the coordinates of a state's units follow from a mesh's.
+
+    Returns each unit's texture coordinate set where no unit changes coordinates, else None; whether they are
+    weighted sums, which differ from the mesh's; and the sets in these sums.
+    """
+    found = _ways.get(id(units))
+    if found is None:
+        modes = {gen.mode for unit in units if unit is not None for gen in unit.gen}
+        as_given = modes <= {TexGenMode.NONE} and all(u is None or u.matrix == IDENTITY for u in units)
+        linear = not as_given and modes <= _LINEAR_MODES
+        own = tuple(None if u is None else u.coordinates for u in units) if as_given else None
+        used = {unit.coordinates for unit in units if unit is not None} if linear else ()
+        if len(_ways) >= _WAYS_KEPT:
+            _ways.clear()
+        found = _ways[id(units)] = (own, linear, used), units
+    return found[0]
+
+
+def _formula(widths, state, units, profile, width, height):
+    """The Formula for ``widths``: the components of positions and of each texture coordinate set."""
     components, *of_sets = widths
-    units, vertex = state.texture_units, state.vertex
-    modes = {gen.mode for unit in units if unit is not None for gen in unit.gen}
-    as_given = modes <= {TexGenMode.NONE} and all(u is None or u.matrix == IDENTITY for u in units)
-    linear = not as_given and modes <= _LINEAR_MODES
-    used = {unit.coordinates for unit in units if unit is not None} if linear else ()
+    vertex = state.vertex
+    own, linear, used = _way_of(units)
     sets = tuple(sorted(number for number in used if number < len(of_sets)))
     given = components + sum(of_sets[number] for number in sets)
     position = _vector(V.FIRST_GIVEN, components)
-    keeps_eye = vertex.lighting is not None or state.fog is not None or not (as_given or linear)
+    keeps_eye = vertex.lighting is not None or state.fog is not None or (own is None and not linear)
     if linear:
         sums = _Sums(given)
         eye = sums.transform(vertex.modelview, position)
@@ -249,7 +280,7 @@ def _formula(widths, state, profile, width, height):
     else:
         found = _transforms(vertex.modelview, vertex.projection, components, keeps_eye)
     sums, coefficients, results, rows, clip = found
-    return _Formula(
+    return Formula(
         sums=sums,
         coefficients=coefficients,
         results=results,
@@ -257,7 +288,7 @@ def _formula(widths, state, profile, width, height):
         rows=rows,
         units=len(units) if linear else 0,
         sets=sets,
-        own=tuple(None if u is None else u.coordinates for u in units) if as_given else None,
+        own=own,
         keeps_eye=keeps_eye,
         clip=clip,
     )
@@ -301,34 +332,41 @@ def _pattern(pattern, components, keeps_eye):
     return sums, where.astype(np.int64), *others
 
 
-# Keyed by the widths of a mesh's arrays and the parts of the state, for any mesh: the _Formula, and the
+# Keyed by the widths of a mesh's arrays and the parts of the state, for any mesh: the Formula, and the
 # objects whose ids are in the key.
 _formulas = {}
 _FORMULAS_KEPT = 1024
 
 
-def _plan(mesh, columns, state, profile, size, key):
-    """The Plan under ``key``, the ids of the parts of state and machine that it follows from, or None."""
-    if not _is_covered(mesh, state):
-        return None
-    widths = mesh.positions.shape[1], *[array.shape[1] for array in mesh.texture_coordinates]
-    found = _formulas.get((widths, key))
+def formula_of(widths, state, units, profile, size):
+    """The Formula for meshes of these ``widths`` (MeshColumns), from a cache.
+
+    ``units`` are the state's texture units, or equal ones that more states have in common.
+    """
+    vertex, fogged, perspective = state.vertex, state.fog is not None, state.perspective_correction
+    key = widths, id(vertex), id(units), id(profile), size, fogged, perspective
+    found = _formulas.get(key)
     if found is None:
         if len(_formulas) >= _FORMULAS_KEPT:
             _formulas.clear()
-        held = state.vertex, state.texture_units, state.polygon, profile
-        found = _formulas[widths, key] = _formula(widths, state, profile, *size), *held
-    formula = found[0]
+        found = _formulas[key] = _formula(widths, state, units, profile, *size), vertex, units, profile
+    return found[0]
+
+
+def _plan(mesh, columns, state, profile, size):
+    if not is_covered(mesh, state):
+        return None
+    formula = formula_of(columns.widths, state, state.texture_units, profile, size)
     return Plan(
-        triangles=_triangles(mesh, columns, state.polygon.provoking_vertex),
-        given=_given(mesh, columns, formula.sets),
+        triangles=triangles_of(mesh, columns, state.polygon.provoking_vertex),
+        given=given_of(mesh, columns, formula.sets),
         sums=formula.sums,
         coefficients=formula.coefficients,
         results=formula.results,
         parameters=formula.parameters,
         rows=formula.rows,
         units=formula.units,
-        coordinates=None if formula.own is None else _coordinates(mesh, columns, formula.own),
+        coordinates=None if formula.own is None else coordinates_of(mesh, columns, formula.own),
         keeps_eye=formula.keeps_eye,
         clip=formula.clip,
     )
@@ -348,7 +386,7 @@ def plan_of(mesh, columns, state, profile, width, height):
     found = columns.plans.get(key)
     # The entry holds the objects whose ids are in the key, so that no other object gets these ids meanwhile.
     if found is None:
-        plan = _plan(mesh, columns, state, profile, (width, height), key)
+        plan = _plan(mesh, columns, state, profile, (width, height))
         if len(columns.plans) >= _PLANS_KEPT:
             columns.plans.clear()
         found = columns.plans[key] = plan, vertex, units, polygon, profile

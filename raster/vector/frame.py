@@ -26,7 +26,7 @@ from fixedpipe.raster.vector.arrays import (
 )
 from fixedpipe.raster.vector.band import draw_band
 from fixedpipe.raster.vector.check import usable_job
-from fixedpipe.raster.vector.unit import plan_units
+from fixedpipe.raster.vector.unit import coordinate_facts, plan_units
 
 
 @kernel(void(JOBS, int64, types.UniTuple(int64, 4), int64, types.UniTuple(int64, 5)))
@@ -46,25 +46,14 @@ def fill_clear(jobs, k, box, buffers, words):
     job[R.JOB_DEPTH], job[R.JOB_STENCIL], job[R.JOB_STENCIL_MASK] = depth, stencil, stencil_mask
 
 
-@kernel(boolean(JOBS, int64, plain(PASS), plain(BANDS)))
-def fill_draw(jobs, k, arrays, bands):
-    """Row k of ``jobs`` from a Draw's arrays, which must outlive it: those of a Pass and of Bands, in plain
-    tuples. False where the vector engine does not cover the Draw, or where its arrays would lead a kernel
-    outside of them (``fixedpipe.raster.vector.check``).
+@kernel
+def fill_vertices(job, p, facts):
+    """The entries of a job that depend on the vertices of its Pass; False where the portable engine draws it.
+
+    ``facts`` of the units' coordinates are the result of ``coordinate_facts``.
     """
-    p = as_pass(arrays)
-    if not usable_job(p):
-        return False
-    draw, vertices, textures = p.state.draw, p.vertices, p.textures
-    inverse_w = vertices.inverse_w
-    unusual = (
-        draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
-    ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS] | draw[R.YCBCR])
-    if unusual or draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT:
-        return False
-    job = jobs[k]
-    job[R.JOB_KIND] = C.JOB_DRAW
-    if not plan_units(job, draw, textures, vertices.coordinates):
+    draw, textures, inverse_w = p.state.draw, p.textures, p.vertices.inverse_w
+    if not plan_units(job, draw, textures, facts):
         return False
     job[R.JOB_ROW_RUNS] = 0
     for u in range(4):
@@ -81,14 +70,36 @@ def fill_draw(jobs, k, arrays, bands):
     for u in range(draw[R.UNITS]):
         textured = textured or job[R.JOB_COMPONENTS + u] != 0
     job[R.JOB_OF_COLORS] = draw[R.NEEDS_ITERATION_WEIGHTS] != 0 and not (textured or perspective)
-    for edge in range(4):
-        job[R.JOB_X0 + edge] = draw[R.X0 + edge]
     job[R.JOB_USABLE] = 1
     for u in range(draw[R.UNITS]):
         size, reads = textures.texels[u].shape[0], job[R.JOB_UNIT_PATH + u] != C.PATH_DISABLED
         if reads and not usable_levels(textures.units[u], textures.levels[u], size, True):
             job[R.JOB_USABLE] = 0
+    return True
+
+
+@kernel(boolean(JOBS, int64, plain(PASS), plain(BANDS)))
+def fill_draw(jobs, k, arrays, bands):
+    """Row k of ``jobs`` from a Draw's arrays, which must outlive it: those of a Pass and of Bands, in plain
+    tuples. False where the vector engine does not cover the Draw, or where its arrays would lead a kernel
+    outside of them (``fixedpipe.raster.vector.check``).
+    """
+    p = as_pass(arrays)
+    if not usable_job(p):
+        return False
+    draw = p.state.draw
+    unusual = (
+        draw[R.STROKES] | draw[R.STIPPLE] | draw[R.WINDOW_CLIP] | draw[R.W_BUFFERING] | draw[R.DEPTH_FORMAT]
+    ) | (draw[R.DEPTH_CULL] | draw[R.FOG_ENABLED] | draw[R.TEXTURE_SHADER] | draw[R.DISCARDS] | draw[R.YCBCR])
+    if unusual or draw[R.NEEDS_WEIGHTS] or draw[R.NEEDS_COLOR_WEIGHTS] == C.WEIGHTS_EXACT:
+        return False
+    job = jobs[k]
+    job[R.JOB_KIND] = C.JOB_DRAW
+    for edge in range(4):
+        job[R.JOB_X0 + edge] = draw[R.X0 + edge]
     job[R.JOB_ONE_COLOR] = draw[R.FLAT] == C.COLORS_EQUAL and draw[R.BACK_SIGN] == 0
+    if not fill_vertices(job, p, coordinate_facts(p.vertices.coordinates)):
+        return False
     keep_bands(job, as_bands(bands))
     keep_pass(job, p)
     return True

@@ -53,6 +53,11 @@ def log2_of(n):
     return k
 
 
+# Facts of a unit's coordinates, bits of ``coordinate_facts``; those of unit u are shifted by u FACTS. Units
+# that have the same s and t follow: bit SAME_AS + k for unit k.
+WITHIN_TEXELS, WITHIN_FLOATS, SAME_AS, FACTS = 1, 2, 2, 8
+
+
 @kernel
 def within(coordinates, unit, components, largest):
     """Whether the first coordinates of a unit are numbers up to ``largest``."""
@@ -73,9 +78,27 @@ def same_coordinates(coordinates, one, other):
     return True
 
 
+@kernel(int64(float64[:, :, ::1]))
+def coordinate_facts(coordinates):
+    """What ``plan_units`` asks of the coordinates float64[n, units, 4]: bits, as above."""
+    separate_function()
+    facts = int64(0)
+    for u in range(coordinates.shape[1]):
+        found = int64(0)
+        if within(coordinates, u, 2, LARGEST_COORDINATE):
+            found |= WITHIN_TEXELS
+        if within(coordinates, u, 4, LARGEST_FLOAT):
+            found |= WITHIN_FLOATS
+        for other in range(u):
+            if same_coordinates(coordinates, other, u):
+                found |= int64(1) << (SAME_AS + other)
+        facts |= found << (FACTS * u)
+    return facts
+
+
 @kernel
-def unit_path(row, levels, coordinates, unit):
-    """How a unit is sampled."""
+def unit_path(row, levels, facts):
+    """How a unit is sampled whose coordinates have these facts."""
     if not row[R.ENABLED]:
         return int64(C.PATH_DISABLED)
     target = row[R.TARGET]
@@ -99,11 +122,11 @@ def unit_path(row, levels, coordinates, unit):
     plain = target == C.TARGET_1D or target == C.TARGET_2D
     plain = plain and not row[R.PROJECTIVE] and not row[R.COMPARE]
     plain = plain and is_power(width) and is_power(height) and width <= largest and height <= largest
-    if plain and within(coordinates, unit, 2, LARGEST_COORDINATE):
+    if plain and facts & WITHIN_TEXELS:
         if footprint:
             return int64(C.PATH_FOOTPRINT)
         return int64(C.PATH_ITERATED) if one_level else int64(C.PATH_MIPMAPPED)
-    if one_level and not footprint and within(coordinates, unit, 4, LARGEST_FLOAT):
+    if one_level and not footprint and facts & WITHIN_FLOATS:
         return int64(C.PATH_COMPUTED)
     return int64(C.PATH_PORTABLE)
 
@@ -118,17 +141,22 @@ def components_of(row, path):
     return int64(3) | third | (int64(8) if row[R.PROJECTIVE] else int64(0))
 
 
-@kernel(boolean(JOB, int64[::1], TEXTURES, float64[:, :, ::1]))
-def plan_units(job, draw, textures, coordinates):
-    """Fill in how a Draw's units are sampled; False where one of them is the portable engine's."""
+@kernel(boolean(JOB, int64[::1], TEXTURES, int64))
+def plan_units(job, draw, textures, facts):
+    """Fill in how a Draw's units are sampled; False where one of them is the portable engine's.
+
+    ``facts`` of the units' coordinates are the result of ``coordinate_facts``.
+    """
     separate_function()
     units, levels = textures.units, textures.levels
     for u in range(4):
-        job[R.JOB_UNIT_PATH + u] = job[R.JOB_COMPONENTS + u] = 0
+        job[R.JOB_UNIT_PATH + u] = job[R.JOB_COMPONENTS + u] = job[R.JOB_COORDINATES_OF + u] = 0
+        job[R.JOB_LOG2_S + u] = job[R.JOB_LOG2_T + u] = 0
     if not draw[R.NEEDS_COLOR]:
         return True
     for u in range(draw[R.UNITS]):
-        path = unit_path(units[u], levels[u], coordinates, u)
+        known = facts >> (FACTS * u)
+        path = unit_path(units[u], levels[u], known)
         job[R.JOB_UNIT_PATH + u] = path
         if path == C.PATH_PORTABLE:
             return False
@@ -146,7 +174,7 @@ def plan_units(job, draw, textures, coordinates):
             same = same and job[R.JOB_LOG2_T + other] == job[R.JOB_LOG2_T + u]
             for field in (R.WRAP_S, R.WRAP_T, R.MAG_LINEAR, R.TARGET):
                 same = same and units[other, field] == units[u, field]
-            if same and same_coordinates(coordinates, other, u):
+            if same and known & (int64(1) << (SAME_AS + other)):
                 job[R.JOB_COORDINATES_OF + u], job[R.JOB_COMPONENTS + u] = other, 0
                 break
     return True

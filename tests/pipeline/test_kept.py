@@ -125,7 +125,7 @@ def test_a_formula_that_another_mesh_left_is_the_one_that_is_made_anew():
         sets = tuple(random.random((3, width)) for width in widths)
         mesh = Mesh(random.random((3, components)), texture_coordinates=sets)
         found = plan.plan_of(mesh, plan.mesh_columns(mesh), state, NV2A, 8, 8)
-        anew = plan._formula((components, *widths), state, NV2A, 8, 8)
+        anew = plan._formula((components, *widths), state, state.texture_units, NV2A, 8, 8)
         for name in ("sums", "coefficients", "results", "parameters", "clip"):
             np.testing.assert_array_equal(getattr(found, name), getattr(anew, name), err_msg=name)
         for name in ("rows", "units", "keeps_eye"):

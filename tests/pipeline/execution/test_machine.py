@@ -40,7 +40,7 @@ from fixedpipe.pipeline.enums import (
     WrapMode,
 )
 from fixedpipe.pipeline.execution.machine import ENGINES, Machine, execute
-from fixedpipe.pipeline.native import queue
+from fixedpipe.pipeline.native import queue, state_records
 from fixedpipe.pipeline.native import threads as threads_module
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.texels import texels_of
@@ -776,14 +776,17 @@ def test_when_a_run_fails_no_thread_draws_on(monkeypatch, engine, kernel):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_what_comes_before_an_error_is_drawn(monkeypatch, engine):
     machine = Machine(GEFORCE_256, WIDTH, HEIGHT, engine=engine)
-    process = stage.process
 
-    def failing(mesh, *others, **named):
-        if len(mesh.positions) > 3:
-            raise MemoryError("no room for vertices")
-        return process(mesh, *others, **named)
+    def failing(way):
+        def first(mesh, *others, **named):
+            if len(mesh.positions) > 3:
+                raise MemoryError("no room for vertices")
+            return way(mesh, *others, **named)
 
-    monkeypatch.setattr(stage, "process", failing)
+        return first
+
+    for module, name in ((stage, "process"), (state_records, "mesh_columns")):
+        monkeypatch.setattr(module, name, failing(getattr(module, name)))
     with pytest.raises(MemoryError, match="no room for vertices"):
         machine.run((Clear(label="c", depth=0.5), flood(30), triangles(2), flood(90)))
     monkeypatch.undo()
@@ -1214,6 +1217,7 @@ def draw_random_bytes(monkeypatch, seeds):
     both = RegisterCombiners(final=replace(SHOW_TEXTURE.final, d=CombinerInput(Register.TEXTURE1)))
     stencil = StencilTest(ComparisonFunction.GREATER, 3, depth_pass=StencilOperation.INCR_WRAP)
     fragments = dropped = 0
+    monkeypatch.setattr(state_records.StateRecord, "submitted", lambda *_: None)  # these come from no mesh
     for seed in seeds:
         random = np.random.default_rng(seed)
         primitives = window_primitives(random, 24, 40, width, height)

@@ -98,13 +98,12 @@ def portable_colors(planes, packed, kinds, count):
 
 
 def vector_colors(planes, packed, kinds, count):
-    plan = plan_combiners(
-        packed.draw, packed.program, packed.final, packed.constants, packed.arithmetic, unit_rows(kinds)
-    )
+    plan = plan_combiners(packed.draw, packed.program, packed.final, packed.arithmetic, unit_rows(kinds))
+    rows = plan.filled(packed.constants, packed.draw)
     out = np.zeros(count + SLACK, np.uint32)
     scratch = np.random.default_rng(1).integers(-(2**31), 2**31, (V.SCRATCH_PLANES, count + SLACK), np.int32)
     before = planes.copy()
-    V.combine(planes, plan.rows, count, scratch, out)
+    V.combine(planes, rows, count, scratch, out)
     inputs = [
         *range(C.REGISTER_FOG * 4 + 3, C.REGISTER_SPARE0 * 4),
         *range(C.REGISTER_TEXTURE0 * 4, C.REGISTER_E_TIMES_F * 4),
@@ -266,7 +265,6 @@ def operations(combiners):
         packed.draw,
         packed.program,
         packed.final,
-        packed.constants,
         packed.arithmetic,
         unit_rows((BYTES_UNIT,) * 4),
     )

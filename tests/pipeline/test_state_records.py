@@ -1,0 +1,153 @@
+"""A Draw by one kernel call has the arrays of the Draw that the vertex stage and later steps make in turn."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import TexGenMode
+from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.native.prepared_draw import Prepared
+from fixedpipe.pipeline.native.state_records import StateRecord, StateRecords
+from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.state import PassState, TexGen, TextureUnit, VertexState
+from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.vertices import stage
+from fixedpipe.raster import rows as R
+from tests.support.random_frames import random_frame
+
+SIZE = 64
+
+
+@pytest.fixture
+def by_one_call(monkeypatch):
+    """Compares each Draw that one call makes with the one that the steps make.
+
+    A list: for each Draw, whether one call made it.
+    """
+    found, targets, of, submitted = [], {}, StateRecords.of, StateRecord.submitted
+
+    def noted(records, mesh, state, framebuffer, textures):
+        record = of(records, mesh, state, framebuffer, textures)
+        targets[record] = framebuffer
+        return record
+
+    def compared(record, mesh):
+        made = submitted(record, mesh)
+        found.append(made is not None)
+        if made is not None:
+            state, target, profile = record.state, targets[record], record._profile
+            primitives = stage.process(mesh, state, profile, target.width, target.height)
+            assert_same(made, Prepared.of(primitives, state, profile, target, record.textures))
+        return made
+
+    monkeypatch.setattr(StateRecords, "of", noted)
+    monkeypatch.setattr(StateRecord, "submitted", compared)
+    return found
+
+
+def assert_same(made, by_steps):
+    assert (made.dropped, made.bound, made.area) == (by_steps.dropped, by_steps.bound, by_steps.area)
+    if not made.area:
+        return
+    by_steps.fill_job()
+    np.testing.assert_array_equal(made.job[: R.JOB_ARRAYS], by_steps.job[: R.JOB_ARRAYS])
+    _, plan, ints, floats, triangles, colors, coordinates = made.beside
+    p, packed, n = by_steps.primitives, by_steps.packed, len(by_steps.primitives.x)
+    bands, count = len(by_steps.ends), len(by_steps.order)
+    x, y, ends, order, _ = np.split(ints, np.cumsum([n, n, bands, count]))
+    inverse_w, depths, computed = np.split(floats, [n, 2 * n])
+    for got, expected in (
+        (plan, packed.rows.filled_plan(packed.draw, packed.units, packed.derived)),
+        (x, p.x),
+        (y, p.y),
+        (inverse_w, p.inverse_w),
+        (depths, packed.depths),
+        (colors, p.colors),
+        (computed.reshape(p.coordinates.shape) if len(computed) else coordinates, p.coordinates),
+        (triangles, p.triangles),
+        (ends, by_steps.ends),
+        (order, by_steps.order),
+    ):
+        np.testing.assert_array_equal(got, expected)
+
+
+def test_of_random_frames(by_one_call):
+    for seed in range(150):
+        frame = random_frame(seed)
+        Machine(frame.profile, frame.width, frame.height, frame.depth_bits).run(frame.commands)
+    assert sum(by_one_call) > 50
+
+
+# --------------------------------------------------------------------------------------- chosen Draws
+
+TEXELS = np.arange(256, dtype=np.uint8).reshape(8, 8, 4)
+LOAD = TexImage(label="t", texture="t", image=texture_2d(TEXELS))
+UNIT = TextureUnit("t")
+DOUBLED = ((2.0, 0.0, 0.0, 0.0), (0.0, 2.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+PROJECTED = (*DOUBLED[:3], (0.0, 1.0, 0.0, 1.0))
+LINEAR = TexGen(TexGenMode.OBJECT_LINEAR, (0.5, 0.25, 0.0, 0.5))
+STATES = {
+    "no unit": (),
+    "as given": (UNIT,),
+    "the second alone": (None, UNIT),
+    "by a matrix": (replace(UNIT, matrix=DOUBLED),),
+    "q varies": (replace(UNIT, matrix=PROJECTED), UNIT),
+    "generated": (replace(UNIT, gen=(LINEAR, LINEAR, TexGen(), TexGen())),),
+}
+
+
+def triangles(count, seed=0, sets=2, reach=0.9):
+    random = np.random.default_rng(seed)
+    positions = random.uniform(-reach, reach, (3 * count, 3))
+    coordinates = tuple(random.uniform(0, 1, (3 * count, 2)) for _ in range(sets))
+    return Mesh(positions, colors=random.uniform(0, 1, (3 * count, 4)), texture_coordinates=coordinates)
+
+
+def drawn(*draws):
+    machine = Machine(GEFORCE_256, SIZE, SIZE)
+    machine.run((LOAD, *draws))
+    return machine.framebuffer.color
+
+
+@pytest.mark.parametrize("units", STATES.values(), ids=STATES)
+def test_ways_to_coordinates(by_one_call, units):
+    state = PassState(texture_units=units)
+    draws = [Draw(label="d", mesh=triangles(n, n), state=state) for n in (1, 2, 200)]
+    drawn(*draws)
+    assert by_one_call == [True] * 3
+
+
+def test_q_that_varies_in_one_mesh_alone(by_one_call):
+    # The unit's row differs, so one call finds that its template is another mesh's.
+    state = PassState(texture_units=(replace(UNIT, matrix=PROJECTED),))
+    flat = triangles(5, 5)
+    flat = Mesh(flat.positions, texture_coordinates=(flat.texture_coordinates[0] * (1, 0),))
+    meshes = triangles(5), flat, triangles(6), flat
+    drawn(*[Draw(label="d", mesh=mesh, state=state) for mesh in meshes])
+    assert by_one_call == [True] * 4
+
+
+def test_more_triangles_in_a_band_than_there_is_room_for_at_first(by_one_call):
+    tall = np.tile([[-0.9, -0.9, 0.0], [0.9, -0.9, 0.0], [0.0, 0.9, 0.0]], (300, 1))
+    drawn(Draw(label="d", mesh=Mesh(tall), state=PassState()))
+    assert by_one_call == [True]
+
+
+def test_a_clipped_mesh_goes_through_the_vertex_stage(by_one_call):
+    mesh = Mesh(np.array([[0.0, 0.0, -3.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]))
+    drawn(Draw(label="d", mesh=mesh, state=PassState()))
+    assert by_one_call == [False]
+
+
+def test_a_texture_that_is_replaced_is_read_by_later_draws_alone(by_one_call):
+    draw = Draw(label="d", mesh=triangles(30), state=PassState(texture_units=(UNIT,)))
+    other = replace(LOAD, image=texture_2d(255 - TEXELS))
+    moved = replace(draw, state=replace(draw.state, vertex=VertexState(modelview=DOUBLED)))
+    before, after = drawn(draw), drawn(draw, other, draw, moved)
+    expected = Machine(GEFORCE_256, SIZE, SIZE, engine="portable")
+    expected.run((LOAD, draw, other, draw, moved))
+    np.testing.assert_array_equal(after, expected.framebuffer.color)
+    assert (before != after).any()
+    assert by_one_call.count(True) >= 3
