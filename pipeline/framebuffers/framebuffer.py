@@ -153,10 +153,10 @@ class Framebuffer:
         return self.color.shape[0]
 
     @cached_property
-    def kind(self) -> tuple[Any, ...]:
-        """What the rows of a pass depend on: its size and formats. Equal for framebuffers of one kind."""
-        size = self.width, self.height, self.is_bytes
-        return *size, self.depth_format, self.color_format, self.color_bits
+    def kind(self) -> str:
+        """Its size and formats: equal for framebuffers that a pass has the same rows for."""
+        formats = self.depth_format.name, self.color_format.name, self.color_bits, self.color.dtype
+        return f"{self.width}x{self.height} {formats}"
 
     def buffer(self, which: ColorBuffer) -> "Framebuffer":
         """The framebuffer for a ColorBuffer: this one, or one with an auxiliary buffer's colours.

@@ -12,7 +12,7 @@ from fixedpipe.pipeline.enums import Clamp, SecondaryColor
 from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, widths_of
 from fixedpipe.pipeline.native.pack_combiners import pack_constants
 from fixedpipe.pipeline.native.prepared_draw import Prepared, make_job, texels_and_levels
-from fixedpipe.pipeline.native.state_rows import rows_of
+from fixedpipe.pipeline.native.state_rows import rows_of, texture_kind
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.state_kinds import kind_of
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
@@ -28,8 +28,9 @@ from fixedpipe.pipeline.vertices.plan import (
 )
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.primitives import bins, vertices
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
+from fixedpipe.raster.primitives.bins import CHUNK as TRIANGLES_AT_A_TIME
+from fixedpipe.raster.primitives.vertices import CHUNK as VERTICES_AT_A_TIME
 from fixedpipe.raster.vector.arrays import JOB_SIZE
 from fixedpipe.raster.vector.submit import CLIPS, OTHER_PROJECTIVE, PORTABLE, submit
 from fixedpipe.raster.vector.unit import coordinate_facts
@@ -46,45 +47,58 @@ class StateRecords:
     """A machine's StateRecords, by state, kind of primitive and target.
 
     States of one kind (``fixedpipe.pipeline.state_kinds``) share all but what their matrices and constant
-    colours decide.
+    colours decide. Records of a texture that was replaced are forgotten, so that none keeps it in memory.
     """
 
     def __init__(self, profile):
         self._profile, self._scratch = profile, _Scratch()
-        self._of_state, self._of_kind = {}, {}
+        self._forget()
+
+    def _forget(self):
+        self._of_state, self._of_kind, self._readers = {}, {}, {}
 
     def of(self, mesh, state, framebuffer, textures):
         """The StateRecord for drawing a mesh; ``textures`` are the machine's, by name."""
         beside = mesh.primitive.is_polygons, framebuffer.kind
-        found = self._of_state.get((id(state), beside))
+        key = id(state), beside
+        found = self._of_state.get(key)
         if found is not None and found.reads(textures):
             return found
         if len(self._of_state) >= _MOST:
-            self._of_state.clear()
-            self._of_kind.clear()
-        kind = kind_of(state)
-        first = self._of_kind.get((kind, beside))
-        if first is None or not (first.reads(textures) and first.is_like(state)):
+            self._forget()
+        kind = kind_of(state), beside
+        first = found or self._of_kind.get(kind)
+        if first is None or not first.is_like(state, textures):
             first = StateRecord(mesh, state, self._profile, framebuffer, textures, self._scratch)
-            self._of_kind[kind, beside] = first
-        self._of_state[id(state), beside] = made = first.for_state(state)
+        made = first.in_place_of(state, textures)
+        for name, texture in zip(made.names, made.given, strict=True):
+            read, readers = self._readers.get(name, (None, ()))
+            if read is not texture:
+                for reader in readers:
+                    self._of_state.pop(reader, None)
+                    self._of_kind.pop(reader, None)
+                readers = set()
+                self._readers[name] = texture, readers
+            readers.update((key, kind))
+        self._of_state[key] = self._of_kind[kind] = made
         return made
 
 
 class StateRecord:
     """What drawing in a state needs.
 
+    - ``names``, ``given``: the textures that the state's units name.
     - ``state``, ``textures``: what engines draw with (``within_viewport``, ``depths_as_colors``).
     - ``by_columns``: whether only the column engine draws it.
     - ``native``: whether all components are bytes.
     """
 
     def __init__(self, mesh, state, profile, framebuffer, textures, scratch):
-        self._given, self._names, vertex = state, _names(state), state.vertex
-        self._read = [textures.get(name) for name in self._names]
+        self._of, self.names, vertex = state, _names(state), state.vertex
+        self.given = [textures[name] for name in self.names]
         state = within_viewport(mesh, state, framebuffer.width, framebuffer.height)
         self.state, held = depths_as_colors(state, textures, profile)
-        self._replaced = self.state is not self._given
+        self._replaced = self.state is not self._of
         self.textures = {name: held[name] for name in _names(self.state)}
         self.by_columns = needs_columns(self.state, profile, framebuffer, self.textures)
         self.native = are_native(widths_of(self.state, profile, framebuffer, self.textures))
@@ -108,28 +122,32 @@ class StateRecord:
             farthest = 1.0 if depth.is_float else DEPTH_WORDS[depth].farthest
             self._scale = int(np.float64(farthest).view(np.int64)) if rows.needs_depth else 0
             self._bands = -(-framebuffer.height // BAND_HEIGHT)
-            self._bound = tuple([(name, self.textures[name]) for _, name, _ in rows.reads])
         self._templates, self._plans, self._projective = {}, {}, 0
 
     def reads(self, textures):
         """Whether these are the textures that the record was made with."""
-        return self._read == [textures.get(name) for name in self._names]
+        return self.given == [textures.get(name) for name in self.names]
 
-    def is_like(self, state):
-        """Whether a state of the same kind differs only in what ``for_state`` looks at."""
-        vertex = state.vertex
-        if self._replaced:
+    def is_like(self, state, textures):
+        """Whether the record of a state of the same kind, with these textures, follows from this one."""
+        if self._replaced or _OF_VERTEX(state.vertex) != _OF_VERTEX(self._of.vertex):
             return False
-        return _OF_VERTEX(vertex) == _OF_VERTEX(self._given.vertex)
+        return all(map(_are_alike, self.given, [textures[name] for name in self.names]))
 
-    def for_state(self, state):
+    def in_place_of(self, state, textures):
         """The record of a state that this one is like."""
-        if state is self._given:
+        given = [textures[name] for name in self.names]
+        if state is self._of and given == self.given:
             return self
         made = object.__new__(StateRecord)  # as ``copy.copy``, in a fifth of its time
-        made.__dict__.update(self.__dict__, _given=state, state=state)
-        if self._submits and not self._rows.has_constants_of(state.register_combiners):
-            made._plans = {}
+        made.__dict__.update(self.__dict__, _of=state)
+        if state is not self._of:
+            made.state = state
+            if self._submits and not self._rows.has_constants_of(state.register_combiners):
+                made._plans = {}
+        if given != self.given:
+            made.given, made.textures = given, dict(zip(self.names, given, strict=True))
+            made._templates = {}
         return made
 
     def submitted(self, mesh):
@@ -173,11 +191,12 @@ class StateRecord:
                 break
             else:
                 room = needed
+        bound = tuple([(name, self.textures[name]) for _, name, _ in self._rows.reads])
         if needed == 0:
-            return Prepared(0, self._bound)
+            return Prepared(0, bound)
         size = colors.nbytes + floats.nbytes + 4 * len(ints) + 16 * count
         beside = template, plan, ints, floats, triangles, colors, coordinates
-        return Prepared(0, self._bound, self._rows.area, size, job=job, beside=beside)
+        return Prepared(0, bound, self._rows.area, size, job=job, beside=beside)
 
     def _template(self, one_color, projective):
         """(a job without vertices, the variant of the rows, arrays that the job names) for primitives of one
@@ -225,32 +244,38 @@ _ONE_VERTEX = (
 )
 
 
+def _are_alike(one, other):
+    """Whether a pass has the same rows with either texture."""
+    return one is other or texture_kind(one) == texture_kind(other)
+
+
 def _names(state):
     return [unit.texture for unit in state.texture_units if unit is not None and unit.texture is not None]
 
 
 class _Scratch:
-    """Arrays that ``submit`` works in, grown to the largest mesh so far that is no exception."""
+    """Arrays that ``submit`` works in, for the largest mesh so far that is no exception."""
 
     def __init__(self):
-        self._room, self._arrays = (0, 0, 0), ()
+        self._vertices = self._triangles = self._rows = 0
+        self._arrays = ()
 
-    def of(self, vertex_count, triangle_count, rows):
-        needed = vertex_count, triangle_count, rows
-        if not all([have >= need for have, need in zip(self._room, needed, strict=True)]):
-            room = tuple(map(max, self._room, needed))
-            made = _scratch(*room)
-            if max(vertex_count, triangle_count) > _MOST_KEPT:
-                return made
-            self._room, self._arrays = room, made
+    def of(self, vertices, triangles, rows):
+        if vertices <= self._vertices and triangles <= self._triangles and rows <= self._rows:
+            return self._arrays
+        if max(vertices, triangles) > _MOST_KEPT:
+            return _scratch(vertices, triangles, rows)
+        self._vertices, self._triangles = max(vertices, self._vertices), max(triangles, self._triangles)
+        self._rows = max(rows, self._rows)
+        self._arrays = _scratch(self._vertices, self._triangles, self._rows)
         return self._arrays
 
 
-def _scratch(vertex_count, triangle_count, rows):
+def _scratch(vertices, triangles, rows):
     return (
-        np.empty((rows, vertices.CHUNK)),
-        np.empty(vertex_count),
-        np.empty(vertex_count, np.int64),
-        np.empty((4, bins.CHUNK), np.int64),
-        np.empty(triangle_count, np.int64),
+        np.empty((rows, VERTICES_AT_A_TIME)),
+        np.empty(vertices),
+        np.empty(vertices, np.int64),
+        np.empty((4, TRIANGLES_AT_A_TIME), np.int64),
+        np.empty(triangles, np.int64),
     )

@@ -35,7 +35,10 @@ def rows_of(state, profile, framebuffer, textures, sample=None):
         id(profile),
         framebuffer.kind,
         sample,
-        *[_texture_kind(textures, unit) for unit in state.texture_units],
+        *[
+            None if unit is None or unit.texture is None else texture_kind(textures[unit.texture])
+            for unit in state.texture_units
+        ],
     )
     key = (id(state), beside)
     found = _rows.get(key)
@@ -54,12 +57,10 @@ def rows_of(state, profile, framebuffer, textures, sample=None):
 _rows, _first_rows, _MOST_ROWS = {}, {}, 1024
 
 
-def _texture_kind(textures, unit):
-    """The properties of a unit's texture that rows depend on."""
-    if unit is None or unit.texture is None:
-        return None
-    texture = textures[unit.texture]
-    return texture.target, texture.internal_format, len(texture.levels), texture.depth, texture.bits
+def texture_kind(texture):
+    """The properties of a texture that rows depend on."""
+    formats = texture.target, texture.internal_format, texture.bits, texture.border
+    return *formats, len(texture.levels), texture.depth
 
 
 class StateRows:

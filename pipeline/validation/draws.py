@@ -9,18 +9,14 @@ from fixedpipe.pipeline.programs.future import future_problem
 from fixedpipe.pipeline.state import Color, PassState, RegisterCombiners, VertexState
 from fixedpipe.pipeline.state_kinds import kind_of
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
-from fixedpipe.pipeline.validation.meshes import checked_meshes, finite_problem, infinite_fog, mesh_problem
+from fixedpipe.pipeline.validation.meshes import finite_problem, has_infinite_fog, is_usable, mesh_problem
 
 
 def draw(walk, command):
     """Refuse a Draw whose mesh or state the machine could not draw."""
     mesh, state = command.mesh, interned(command.state)
-    if mesh not in checked_meshes:
-        if problem := mesh_problem(mesh):
-            walk.refuse(problem)
-        checked_meshes.add(mesh)
-        if walk.takes(command):  # the state was checked with another mesh of this kind
-            return
+    if not is_usable(mesh):
+        walk.refuse(mesh_problem(mesh))
     walk.warned = False
     pass_state(walk, state)
     _infinite_fog(walk, state, mesh)
@@ -57,10 +53,6 @@ def is_like_another(walk, command, checks):
     _, beside = walk.taken.kinds.get(id(kind_of(state)), (None, None))
     if beside is None:
         return False
-    if mesh not in checked_meshes:
-        if mesh_problem(mesh):
-            return False
-        checked_meshes.add(mesh)
     if beside != walk.beside(mesh, beside.names):
         return False
     walk.once(vertices.vertex, state.vertex)
@@ -118,7 +110,7 @@ def pass_state(walk, state):
 
 def _infinite_fog(walk, state, mesh):
     known = walk.profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE
-    if mesh in infinite_fog and not (known and state.vertex.stage == VertexStage.PROGRAM_RESULTS):
+    if has_infinite_fog(mesh) and not (known and state.vertex.stage == VertexStage.PROGRAM_RESULTS):
         problem = finite_problem("the mesh's fog_coordinates", mesh.fog_coordinates[:, None])
         walk.refuse(
             f"{problem} A vertex program's results alone may have others, where a machine's fog is a table."

@@ -9,8 +9,8 @@ from fixedpipe.pipeline.messages import shown
 from fixedpipe.pipeline.validation.types import check_int, enum_check
 from fixedpipe.raster.primitives.meshes import all_below, all_finite
 
-checked_meshes = WeakSet()  # meshes without a problem
-infinite_fog = WeakSet()  # meshes with fog coordinates that are not finite; a vertex program can write them
+_usable = WeakSet()  # meshes without a problem
+_infinite_fog = WeakSet()
 _check_primitive = enum_check(PrimitiveType)
 
 _MESH_ARRAYS = (
@@ -45,6 +45,21 @@ def finite_problem(name, array):
     )
 
 
+def is_usable(mesh):
+    """Whether a Mesh has no problem; each is looked at once."""
+    if mesh in _usable:
+        return True
+    usable = mesh_problem(mesh) is None
+    if usable:
+        _usable.add(mesh)
+    return usable
+
+
+def has_infinite_fog(mesh):
+    """Whether a usable Mesh has fog coordinates that are not finite; a vertex program can write them."""
+    return mesh.fog_coordinates is not None and mesh in _infinite_fog
+
+
 def mesh_problem(mesh):
     """A sentence that says why no state could draw a Mesh, or None."""
     if wrong := _check_primitive(mesh.primitive):
@@ -58,7 +73,7 @@ def mesh_problem(mesh):
             continue
         finite = np.isfinite(array)
         if name == "fog_coordinates" and not finite.all():
-            infinite_fog.add(mesh)
+            _infinite_fog.add(mesh)
             array = np.where(finite, array, 0.0)
         if problem := _array_problem(f"the mesh's {name}", array[:, None], vertices, 1, 1):
             return problem

@@ -13,7 +13,7 @@ from fixedpipe.pipeline.interned_states import interned
 from fixedpipe.pipeline.messages import depth_words, surface_words
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.textures.images import Texture
-from fixedpipe.pipeline.validation.meshes import checked_meshes, infinite_fog
+from fixedpipe.pipeline.validation.meshes import has_infinite_fog, is_usable
 from fixedpipe.pipeline.validation.remembered import Remembered
 
 if TYPE_CHECKING:  # For annotations alone: validation calls no framebuffer.
@@ -208,7 +208,7 @@ class Walk:
         """Whether the command is known to be right here.
 
         It is a Clear that was checked before, or a Draw whose state was checked with the same textures, the
-        same primitive type and a checked mesh.
+        same primitive type and a usable mesh.
         """
         if type(command) is Clear:
             return id(command) in self.taken.states
@@ -222,8 +222,8 @@ class Walk:
         return type(command.label) is str and bool(command.label.strip()) and type(command.mesh) is Mesh
 
     def beside(self, mesh: Mesh, names: tuple[str, ...]) -> _Beside | None:
-        """What the finding on a state that names these textures depends on; None for an unchecked mesh."""
-        if mesh not in checked_meshes:
+        """What the finding on a state that names these textures depends on; None: the mesh is not usable."""
+        if not is_usable(mesh):
             return None
         textures = tuple([self.textures.get(name) for name in names])
-        return _Beside(names, textures, mesh.primitive, mesh in infinite_fog)
+        return _Beside(names, textures, mesh.primitive, has_infinite_fog(mesh))

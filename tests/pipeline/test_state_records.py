@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import TexGenMode
+from fixedpipe.pipeline.enums import TexGenMode, TextureFilter
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.native.state_records import StateRecord, StateRecords
 from fixedpipe.pipeline.profiles import GEFORCE_256
-from fixedpipe.pipeline.state import PassState, TexGen, TextureUnit, VertexState
+from fixedpipe.pipeline.state import PassState, Sampler, TexGen, TextureUnit, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster import rows as R
@@ -84,7 +84,7 @@ def test_of_random_frames(by_one_call):
 
 TEXELS = np.arange(256, dtype=np.uint8).reshape(8, 8, 4)
 LOAD = TexImage(label="t", texture="t", image=texture_2d(TEXELS))
-UNIT = TextureUnit("t")
+UNIT = TextureUnit("t", Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR))
 DOUBLED = ((2.0, 0.0, 0.0, 0.0), (0.0, 2.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 PROJECTED = (*DOUBLED[:3], (0.0, 1.0, 0.0, 1.0))
 LINEAR = TexGen(TexGenMode.OBJECT_LINEAR, (0.5, 0.25, 0.0, 0.5))
