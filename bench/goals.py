@@ -19,7 +19,6 @@ _SCENES = {
 # What was asked of a Zen 5 with all of its vectors before, and is more.
 _ZEN_5_WHOLE = {"b": 2.2, "b2": 2.2}
 _FIGURES = {
-    "draws": 100,
     # Ten times the column engine's 0.85 when this was asked for.
     "wide": 8.5,
     "cold": 25,
@@ -30,9 +29,11 @@ _FIGURES = {
     "factors": 5,
     "probes": 0.5,
 }
-# Named for an Intel Xeon at 2.1 GHz (Emerald Rapids), and taken for every other processor.
+# Named for an Intel Xeon at 2.1 GHz (Emerald Rapids), those of draws and passes for an AMD EPYC (Zen 2), and
+# taken for every other processor.
 _OTHER = {
-    "passes": 100,
+    "draws": 30,
+    "passes": 30,
     "states": 200,
     "frames": 120,
     "first": 30,
@@ -41,7 +42,8 @@ _OTHER = {
     "fresh": 360,
 }
 _ZEN_5 = {
-    "passes": 60,
+    "draws": 15,
+    "passes": 15,
     "states": 120,
     "frames": 300,
     "first": 20,

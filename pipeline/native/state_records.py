@@ -28,11 +28,21 @@ from fixedpipe.pipeline.vertices.plan import (
 )
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.floats import kept
 from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 from fixedpipe.raster.primitives.bins import CHUNK as TRIANGLES_AT_A_TIME
+from fixedpipe.raster.primitives.clip import MOST_VERTICES
 from fixedpipe.raster.primitives.vertices import CHUNK as VERTICES_AT_A_TIME
 from fixedpipe.raster.vector.arrays import JOB_SIZE
-from fixedpipe.raster.vector.submit import CLIPS, OTHER_PROJECTIVE, PORTABLE, submit
+from fixedpipe.raster.vector.submit import (
+    CLIPS,
+    INTERPOLATED,
+    ONE_COLOR,
+    OTHER_VARIANT,
+    PORTABLE,
+    submit,
+    submit_clipped,
+)
 from fixedpipe.raster.vector.unit import coordinate_facts
 
 _MOST = 4096  # records of a machine; then all are forgotten
@@ -162,78 +172,127 @@ class StateRecord:
         triangles = triangles_of(mesh, columns, self.state.polygon.provoking_vertex)
         colors, one_color = given_colors(mesh, columns, self.state.vertex, self._profile, self._bits)
         given = given_of(mesh, columns, formula.sets)
+        variant = ONE_COLOR if one_color else 0
         if formula.own is None:
-            coordinates, facts, projective = _NO_COORDINATES, 0, self._projective
+            coordinates, facts = _NO_COORDINATES, 0
+            variant |= self._projective
         else:
             coordinates, varying = coordinates_of(mesh, columns, formula.own)
-            projective = sum([1 << unit for unit, varies in enumerate(varying) if varies])
+            variant |= sum([1 << unit for unit, varies in enumerate(varying) if varies])
             if (facts := columns.facts.get(formula.own)) is None:
                 facts = columns.facts[formula.own] = coordinate_facts(coordinates)
-        n, count, bands, units = len(mesh.positions), len(triangles), self._bands, formula.units
+        n, count, units = len(mesh.positions), len(triangles), formula.units
         arrays = given, triangles, colors, coordinates
         formulas = formula.sums, formula.coefficients, formula.results, formula.parameters
         scratch = self._scratch.of(n, count, formula.rows)
-        job, floats = np.empty(JOB_SIZE, np.int64), np.empty(2 * n + 4 * n * units)
-        room = 2 * count + 4 * bands
+        floats, beside = np.empty(2 * n + 4 * n * units), (triangles, colors, coordinates)
+
+        def fill(job, template, plan, variant, ints):
+            numbers = self._bands, units, variant, facts, self._scale
+            return submit(job, template, plan, arrays, formulas, (ints, floats), numbers, scratch)
+
+        size = colors.nbytes + floats.nbytes + 16 * count
+        made = self._filled(fill, variant, 2 * n, count, (floats, *beside), size)
+        if type(made) is not int:
+            return made
+        return self._clipped(mesh, formula, arrays, formulas, variant, made) if made else None
+
+    def _clipped(self, mesh, formula, arrays, formulas, variant, clipped):
+        """As ``submitted``, where so many of the mesh's triangles are clipped."""
+        _, triangles, _, coordinates = arrays
+        n, units = len(mesh.positions), max(formula.units, coordinates.shape[1])
+        added, values = MOST_VERTICES * clipped, INTERPOLATED + 4 * units
+        most, count = n + added, len(triangles) + added
+        counts, floats = np.zeros(1, np.int64), np.empty((2 + 4 * units) * most)
+        colors, rows = np.empty((most, 2, 8), np.uint8), np.empty((count, 4), np.int32)
+        scratch = self._scratch.of(most, count, formula.rows)
+        clipping = (
+            np.empty(clipped, np.int32),
+            np.empty((3 * clipped, values)),
+            np.empty((2, MOST_VERTICES, values)),
+            np.empty((added, values)),
+            np.empty((4, n)),
+        )
+        of_mesh = [_NONE if a is None else a for a in (mesh.colors, mesh.secondary_colors)]
+
+        def fill(job, template, plan, variant, ints):
+            made = ints, floats, colors, rows, counts
+            numbers = self._bands, formula.units, variant, kept(self._bits), self._scale
+            state = job, template, plan
+            given = arrays, tuple(of_mesh), formulas, formula.clip
+            return submit_clipped(*state, *given, made, numbers, scratch, clipping)
+
+        size = floats.nbytes + colors.nbytes + rows.nbytes
+        made = self._filled(fill, variant, 2 * most, count, (floats, colors, rows), size)
+        if type(made) is Prepared:
+            made.dropped = int(counts[0])
+            return made
+        return None
+
+    def _filled(self, fill, variant, first, triangles, beside, size):
+        """A Prepared draw whose job ``fill`` has filled; None where the portable engine draws it; or how many
+        triangles are clipped, 0 where a 1/w is unusual.
+
+        - ``first``: how many integers come before the bands' ends in the array that ``fill`` gets.
+        - ``beside``, ``size``: arrays that the job names, and their bytes.
+        """
+        job, room = np.empty(JOB_SIZE, np.int64), 2 * triangles + 4 * self._bands
         while True:
-            template = self._template(one_color, projective)
-            if template is None:
+            if (template := self._template(variant)) is None:
                 return None
-            plan = self._plan(one_color, projective)
-            ints = np.empty(2 * n + bands + room, np.int32)
-            numbers = bands, units, projective, facts, self._scale
-            needed = submit(job, template[0], plan, arrays, formulas, (ints, floats), numbers, scratch)
-            if needed in (CLIPS, PORTABLE):
+            ints, plan = np.empty(first + self._bands + room, np.int32), self._plan(variant)
+            needed = fill(job, template[0], plan, variant, ints)
+            if needed <= CLIPS:
+                return CLIPS - needed
+            if needed == PORTABLE:
                 return None
-            if needed <= OTHER_PROJECTIVE:
-                projective = self._projective = OTHER_PROJECTIVE - needed
-            elif needed <= room:
-                break
-            else:
+            if needed < 0:
+                variant = OTHER_VARIANT - needed
+                self._projective = variant & ~ONE_COLOR
+            elif needed > room:
                 room = needed
+            else:
+                break
         bound = tuple([(name, self.textures[name]) for _, name, _ in self._rows.reads])
         if needed == 0:
             return Prepared(0, bound)
-        size = colors.nbytes + floats.nbytes + 4 * len(ints) + 16 * count
-        beside = template, plan, ints, floats, triangles, colors, coordinates
-        return Prepared(0, bound, self._rows.area, size, job=job, beside=beside)
+        size += ints.nbytes
+        return Prepared(0, bound, self._rows.area, size, job=job, beside=(template, plan, ints, *beside))
 
-    def _template(self, one_color, projective):
+    def _template(self, variant):
         """(a job without vertices, the variant of the rows, arrays that the job names) for primitives of one
-        colour or several, and for units whose q varies as these bits say.
+        colour or several, and for units whose q varies, as the bits of ``variant`` say.
 
         None: the vector engine does not cover it. States of a kind share it.
         """
-        key = one_color, projective
-        if key not in self._templates:
+        if variant not in self._templates:
             rows, units = self._rows, len(self.state.texture_units)
-            varying = [bool(projective >> unit & 1) for unit in range(units)]
-            variant = draw, unit_rows, _ = rows.variant(False, False, one_color, varying)
+            varying = [bool(variant >> unit & 1) for unit in range(units)]
+            of_rows = draw, unit_rows, _ = rows.variant(False, False, bool(variant & ONE_COLOR), varying)
             vertex = *_ONE_VERTEX, np.ones((1, max(units, 1), 4))
             state = draw, rows.draw_float, rows.shared[-1]
-            given = state, rows.filled_plan(*variant), np.zeros((1, 4), np.int32), vertex, unit_rows
+            given = state, rows.filled_plan(*of_rows), np.zeros((1, 4), np.int32), vertex, unit_rows
             bands = np.empty(0, np.int32), np.empty(0, np.int32)
             texels = texels_and_levels(rows.reads, self.state, self.textures, len(unit_rows))
             made = make_job(given, bands, *texels)
-            self._templates[key] = made and (made[0], variant, made[1], given)
-        return self._templates[key]
+            self._templates[variant] = made and (made[0], of_rows, made[1], given)
+        return self._templates[variant]
 
-    def _plan(self, one_color, projective):
+    def _plan(self, variant):
         """The rows of the combiners' plan, with this state's constant colours."""
-        key = one_color, projective
-        if (found := self._plans.get(key)) is None:
-            variant = self._templates[key][1]
-            plan, program = self._rows.plan(*variant), self.state.register_combiners
+        if (found := self._plans.get(variant)) is None:
+            of_rows = self._templates[variant][1]
+            plan, program = self._rows.plan(*of_rows), self.state.register_combiners
             if not len(plan.constants) or self._rows.has_constants_of(program):
-                found = self._rows.filled_plan(*variant)
+                found = self._rows.filled_plan(*of_rows)
             else:
                 constants = np.array(pack_constants(program, self._rows.bits), np.int16)
-                found = plan.filled(constants, variant[0])
-            self._plans[key] = found
+                found = plan.filled(constants, of_rows[0])
+            self._plans[variant] = found
         return found
 
 
-_NO_COORDINATES = np.zeros((0, 0, 4))
+_NO_COORDINATES, _NONE = np.zeros((0, 0, 4)), np.zeros((0, 0))
 # x, y, z, 1/w and colours of a vertex that a template has in place of a mesh's.
 _ONE_VERTEX = (
     np.zeros(1, np.int32),

@@ -1,20 +1,25 @@
 """A Draw by one kernel call has the arrays of the Draw that the vertex stage and later steps make in turn."""
 
+import ctypes
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import types
 
 from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import TexGenMode, TextureFilter
+from fixedpipe.pipeline.enums import ComparisonFunction, TexGenMode, TextureFilter
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.native.state_records import StateRecord, StateRecords
 from fixedpipe.pipeline.profiles import GEFORCE_256
-from fixedpipe.pipeline.state import PassState, Sampler, TexGen, TextureUnit, VertexState
+from fixedpipe.pipeline.state import DepthTest, PassState, Sampler, TexGen, TextureUnit, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster import rows as R
+from fixedpipe.raster.arrays import BANDS
+from fixedpipe.raster.vector.arrays import PASS
 from tests.support.random_frames import random_frame
 
 SIZE = 64
@@ -47,29 +52,32 @@ def by_one_call(monkeypatch):
     return found
 
 
+def arrays_of(job):
+    """Every array that a job names, in order, from its addresses and shapes."""
+    entries, found = iter(job[R.JOB_ARRAYS :].tolist()), []
+
+    def read(kind):
+        if not isinstance(kind, types.Array):
+            for member in kind:
+                read(member)
+            return
+        address, shape = next(entries), [next(entries) for _ in range(kind.ndim)]
+        dtype = np.dtype(str(kind.dtype))
+        memory = (ctypes.c_char * (dtype.itemsize * math.prod(shape))).from_address(address)
+        found.append(np.frombuffer(memory, dtype).reshape(shape))
+
+    read(BANDS)
+    read(PASS)
+    return found
+
+
 def assert_same(made, by_steps):
     assert (made.dropped, made.bound, made.area) == (by_steps.dropped, by_steps.bound, by_steps.area)
     if not made.area:
         return
     by_steps.fill_job()
     np.testing.assert_array_equal(made.job[: R.JOB_ARRAYS], by_steps.job[: R.JOB_ARRAYS])
-    _, plan, ints, floats, triangles, colors, coordinates = made.beside
-    p, packed, n = by_steps.primitives, by_steps.packed, len(by_steps.primitives.x)
-    bands, count = len(by_steps.ends), len(by_steps.order)
-    x, y, ends, order, _ = np.split(ints, np.cumsum([n, n, bands, count]))
-    inverse_w, depths, computed = np.split(floats, [n, 2 * n])
-    for got, expected in (
-        (plan, packed.rows.filled_plan(packed.draw, packed.units, packed.derived)),
-        (x, p.x),
-        (y, p.y),
-        (inverse_w, p.inverse_w),
-        (depths, packed.depths),
-        (colors, p.colors),
-        (computed.reshape(p.coordinates.shape) if len(computed) else coordinates, p.coordinates),
-        (triangles, p.triangles),
-        (ends, by_steps.ends),
-        (order, by_steps.order),
-    ):
+    for got, expected in zip(arrays_of(made.job), arrays_of(by_steps.job), strict=True):
         np.testing.assert_array_equal(got, expected)
 
 
@@ -87,6 +95,7 @@ LOAD = TexImage(label="t", texture="t", image=texture_2d(TEXELS))
 UNIT = TextureUnit("t", Sampler(TextureFilter.LINEAR, TextureFilter.LINEAR))
 DOUBLED = ((2.0, 0.0, 0.0, 0.0), (0.0, 2.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 PROJECTED = (*DOUBLED[:3], (0.0, 1.0, 0.0, 1.0))
+NEARER = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, -0.5), (0.0, 0.0, 0.9, 0.6))
 LINEAR = TexGen(TexGenMode.OBJECT_LINEAR, (0.5, 0.25, 0.0, 0.5))
 STATES = {
     "no unit": (),
@@ -135,10 +144,23 @@ def test_more_triangles_in_a_band_than_there_is_room_for_at_first(by_one_call):
     assert by_one_call == [True]
 
 
-def test_a_clipped_mesh_goes_through_the_vertex_stage(by_one_call):
-    mesh = Mesh(np.array([[0.0, 0.0, -3.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]]))
-    drawn(Draw(label="d", mesh=mesh, state=PassState()))
-    assert by_one_call == [False]
+@pytest.mark.parametrize("units", STATES.values(), ids=STATES)
+def test_clipped_meshes(by_one_call, units):
+    state = PassState(texture_units=units, depth_test=DepthTest(ComparisonFunction.LEQUAL))
+    near = VertexState(projection=NEARER)
+    draws = [Draw(label="d", mesh=triangles(n, n, reach=40.0), state=state) for n in (1, 2, 90)]
+    draws += [replace(draw, state=replace(state, vertex=near)) for draw in draws]
+    drawn(*draws)
+    assert by_one_call == [True] * 6
+
+
+def test_a_mesh_that_is_clipped_away_or_has_no_usable_position(by_one_call):
+    behind = Mesh(np.array([[0.0, 0.0, -3.0], [0.5, 0.0, -3.0], [0.0, 0.5, -3.0]]))
+    huge = Mesh(np.array([[0.0, 0.0, 0.0], [1e308, 0.0, 0.0], [0.0, 1e308, 0.0]]))
+    far = VertexState(projection=NEARER, modelview=DOUBLED)
+    for mesh in (behind, huge):
+        drawn(Draw(label="d", mesh=mesh, state=PassState(vertex=far)))
+    assert len(by_one_call) == 2
 
 
 def test_a_texture_that_is_replaced_is_read_by_later_draws_alone(by_one_call):
