@@ -8,6 +8,7 @@ from numba import float64, int64, types, uint8, void
 
 from fixedpipe.pipeline.enums import BlendEquation, BlendFactor
 from fixedpipe.pipeline.ideal.buffers import written_channels
+from fixedpipe.pipeline.ideal.comparison import holds
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.kernel import kernel, separate_loop
 
@@ -43,18 +44,6 @@ _FACTOR = types.Tuple((int64, int64, float64, float64))
 _FOUR = types.UniTuple(float64, 4)
 _MASK = types.UniTuple(int64, 4)
 _PLACE = types.Tuple((int64[::1], float64[:, ::1], _MASK, float64[:, ::1]))  # pixels, colours; mask, buffer
-
-
-@kernel
-def _holds(function, a, b):
-    """``a FUNC b`` (section 4.1): the function has a bit each for less, equal and greater."""
-    if a < b:
-        return (function & C.COMPARISON_LESS) != 0
-    if a > b:
-        return (function & C.COMPARISON_GREATER) != 0
-    if a == b:
-        return (function & C.COMPARISON_EQUAL) != 0
-    return function == C.COMPARISON_NOTEQUAL or function == C.COMPARISON_ALWAYS  # one is no number
 
 
 @kernel
@@ -96,13 +85,13 @@ def _test(fragments, alpha_test, depth_test, stencil_test, depth, stencil, alive
     for i in range(len(pixel)):
         at, passed = pixel[i], True
         if asks_alpha:
-            passed = _holds(alpha_function, color[i, 3], least)
+            passed = holds(alpha_function, color[i, 3], least)
         if passed:
             if asks_depth:
-                passed = _holds(depth_function, z[i], depth[at])
+                passed = holds(depth_function, z[i], depth[at])
             if asks_stencil:
                 stored = int64(stencil[at])
-                agreed = _holds(stencil_function, reference & mask, stored & mask)
+                agreed = holds(stencil_function, reference & mask, stored & mask)
                 operation = (depth_pass if passed else depth_fail) if agreed else fail
                 new = _stencil_result(operation, stored, reference)
                 stencil[at] = uint8((stored & ~write_mask) | (new & write_mask))

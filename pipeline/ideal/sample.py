@@ -8,6 +8,7 @@ from numba import float64, int64, types, uint64, void
 from fixedpipe.pipeline.enums import TextureTarget, WrapMode
 from fixedpipe.pipeline.framebuffers.transfer import looked_up
 from fixedpipe.pipeline.ideal.borders import with_border
+from fixedpipe.pipeline.ideal.comparison import holds
 from fixedpipe.pipeline.ideal.coordinates import TextureCoordinates
 from fixedpipe.pipeline.ideal.signs import NOISE, as_signed, signed_flags
 from fixedpipe.pipeline.ideal.weights import fixed
@@ -75,18 +76,6 @@ def _along(texel, extent, wrap, linear):
 
 
 @kernel
-def _holds(function, a, b):
-    """``a FUNC b`` (section 4.1): the function has a bit each for less, equal and greater."""
-    if a < b:
-        return (function & C.COMPARISON_LESS) != 0
-    if a > b:
-        return (function & C.COMPARISON_GREATER) != 0
-    if a == b:
-        return (function & C.COMPARISON_EQUAL) != 0
-    return function == C.COMPARISON_NOTEQUAL or function == C.COMPARISON_ALWAYS  # one is no number
-
-
-@kernel
 def _signed(component, reader, place):
     """A component that is two's complement where its flag says so."""
     if reader[place] == 0.0:
@@ -118,7 +107,7 @@ def _texel(level, at, border, reader, reference):
             _signed(blue, reader, f + 2),
             _signed(alpha, reader, f + 3),
         )
-    result = 1.0 if _holds(int64(reader[_FUNCTION]), reference, red) else reader[_FAILS]
+    result = 1.0 if holds(int64(reader[_FUNCTION]), reference, red) else reader[_FAILS]
     return (
         _component(result, reader[f]),
         _component(result, reader[f + 1]),
