@@ -49,7 +49,7 @@ from fixedpipe.pipeline.state import (
     TextureUnit,
 )
 from fixedpipe.pipeline.textures.images import texture_2d
-from fixedpipe.pipeline.validation.validate import validate_program
+from fixedpipe.pipeline.validation.validate import validate, validate_program
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 
 STAGES = ("combiners", "blending", "sampling")
@@ -264,8 +264,6 @@ def _blending(profile, chance):
 
 def _blend_state(profile, chance):
     """Blending that the machine has."""
-    from fixedpipe.pipeline.validation.validate import validate
-
     while True:
         blending = Blending(
             chance.one_of(BlendFactor),
