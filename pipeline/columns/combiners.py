@@ -163,13 +163,13 @@ def _portion(portion, registers, alpha, select, a, observe):
     return values
 
 
-def combine(program, registers, count, a, observe=unobserved, otherwise=None):
+def combine(program, registers, count, a, observe=unobserved, replaced=None):
     """Fragments' colours, [4, count], from a combiner program (section 8): int64, or float64 where a stage
-    computed with reals. ``observe``: the observer; ``otherwise``: an Otherwise.
+    computed with reals. ``observe``: the observer; ``replaced``: a ReplacedStages.
     """
 
     def arithmetic_at(stage):
-        return a if otherwise is None else otherwise.arithmetic(a, stage)
+        return a if replaced is None else replaced.arithmetic(a, stage)
 
     def constant(color):
         of = arithmetic_at("constant colors")

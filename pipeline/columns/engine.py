@@ -81,13 +81,13 @@ def has_kernels(profile):
 # ------------------------------------------------------------------------------ per-fragment operations
 
 
-def shade_and_write(fragments, state, profile, framebuffer, textures, observe=unobserved, otherwise=None):
+def shade_and_write(fragments, state, profile, framebuffer, textures, observe=unobserved, replaced=None):
     """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests.
-    ``observe``: the observer; ``otherwise``: an Otherwise, whose exact colours the fragments have.
+    ``observe``: the observer; ``replaced``: a ReplacedStages, whose exact colours the fragments have.
     """
     bits = fragment_bits(profile, framebuffer)
     samplers = unit_samplers(state, textures, profile, observe)
-    filters = samplers if otherwise is None else otherwise.samplers(samplers)
+    filters = samplers if replaced is None else replaced.samplers(samplers)
     color, depth = np.empty((len(fragments.x), 4), np.int64), fragments.depth
     keys = key_samplers(state, textures, profile)
     if state.texture_shader is not None or keys:
@@ -106,7 +106,7 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, observe=un
                 depth[part] = np.where(ended, -1, depth[part])
                 observe("color key", unit=number, ended=ended)
             given = some, state, profile, bits, textures, filters, registers
-            shaded = shade(*given, observe=observe, otherwise=otherwise)
+            shaded = shade(*given, observe=observe, replaced=replaced)
         if some.covered is not None:
             kind = numbers.REALS if shaded.dtype == np.float64 else numbers.INTEGERS
             share = kind.shared(some.covered * shaded[:, 3], len(profile.primitives.smoothing_samples))
@@ -126,17 +126,17 @@ def in_buffer(color, one, buffer_one):
 
 
 def column_draw(
-    primitives, covered, state, profile, framebuffer, textures, observe=unobserved, otherwise=None
+    primitives, covered, state, profile, framebuffer, textures, observe=unobserved, replaced=None
 ):
     """Draw the fragments ``covered`` (triangle, x, y, covered, int [k] each, the last one or None) of window
     primitives with float colours: bool [k], which passed all tests. ``observe``: the observer;
-    ``otherwise``: an Otherwise.
+    ``replaced``: a ReplacedStages.
 
-    Raises ValueError for an ``otherwise`` of a pass that computes at each texel or turns its colours.
+    Raises ValueError for ``replaced`` stages of a pass that computes at each texel or turns its colours.
     """
     bits, given = fragment_bits(profile, framebuffer), (primitives, state, profile, framebuffer, textures)
     draw, finer = IteratedPrimitives(*given, bits, observe), None
-    if otherwise is not None:
+    if replaced is not None:
         turned = state.spherical_primary_color or state.spherical_secondary_color
         if state.evaluate_before_filtering or turned:
             raise ValueError(
@@ -144,7 +144,7 @@ def column_draw(
                 "computed otherwise in passes without evaluate_before_filtering, spherical_primary_color and "
                 "spherical_secondary_color."
             )
-        if otherwise.has_exact_colors:
+        if replaced.has_exact_colors:
             finer = IteratedPrimitives(*given, bits, numbers=numbers.REALS)
     passed = np.zeros(len(covered.x), bool)
     for start in range(0, len(passed), _CHUNK):
@@ -155,6 +155,6 @@ def column_draw(
             if covered.covered is not None:
                 fragments = replace(fragments, covered=covered.covered[part].astype(np.int64))
             if finer is not None:
-                fragments = otherwise.with_colors(fragments, finer.fragments(*pixels))
-        passed[part] = shade_and_write(fragments, *given[1:], observe, otherwise)
+                fragments = replaced.with_colors(fragments, finer.fragments(*pixels))
+        passed[part] = shade_and_write(fragments, *given[1:], observe, replaced)
     return passed

@@ -44,16 +44,16 @@ def _fog_register(fog, coordinates, profile, count, one):
     return np.concatenate([filled(color, count), factor[None]])
 
 
-def shade(fragments, state, profile, bits, textures, samplers, made, *, observe=unobserved, otherwise=None):
+def shade(fragments, state, profile, bits, textures, samplers, made, *, observe=unobserved, replaced=None):
     """Colours of fragments, [k, 4] in units of ``bits``: texture units, combiners, color sum, fog. They are
     int64; float64 where something is computed in reals.
 
     ``made``: registers of texture units by number that a texture shader made; ``observe``: the observer;
-    ``otherwise``: an Otherwise.
+    ``replaced``: a ReplacedStages.
     """
     if state.evaluate_before_filtering:
         return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, observe)
-    return _shade(fragments, state, profile, bits, textures, samplers, made, None, observe, otherwise)
+    return _shade(fragments, state, profile, bits, textures, samplers, made, None, observe, replaced)
 
 
 def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, observe):
@@ -81,7 +81,7 @@ def _shade_before_filtering(fragments, state, profile, bits, textures, samplers,
     return mixed(levels, between, LAMBDA_BITS)
 
 
-def _shade(fragments, state, profile, bits, textures, samplers, made, taps, observe, otherwise=None):
+def _shade(fragments, state, profile, bits, textures, samplers, made, taps, observe, replaced=None):
     count, one = len(fragments.x), numbers.one_of(bits)
     ycbcr = ()
     if state.ycbcr_conversion:
@@ -98,9 +98,9 @@ def _shade(fragments, state, profile, bits, textures, samplers, made, taps, obse
     a = arithmetic_of(profile, bits, environments)
     observe("program", program=program, environments=environments)
     if program is None:
-        own = a if otherwise is None else otherwise.arithmetic(a, "final combiner")
+        own = a if replaced is None else replaced.arithmetic(a, "final combiner")
         return without_combiners(state, registers, count, own, observe).T
     registers[Register.SPARE1] = filled((0, 0, 0, 0), count)
     nothing = np.zeros((3, count), np.int64)
     registers[Register.SPARE0] = np.concatenate([nothing, registers[Register.TEXTURE0][3:]])
-    return combine(program, registers, count, a, observe, otherwise).T
+    return combine(program, registers, count, a, observe, replaced).T

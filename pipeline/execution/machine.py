@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.columns.engine import column_draw
-from fixedpipe.pipeline.columns.otherwise import Otherwise
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
+from fixedpipe.pipeline.columns.replaced_stages import ReplacedStages
 from fixedpipe.pipeline.commands import (
     Accum,
     BindTexImage,
@@ -120,8 +120,8 @@ class Machine:
       colour components. None: the usual one.
     - ``observer``: callable, called with each command and with the column engine's work for it
       (``fixedpipe.raster.observer``): with ``engine="columns"``, with every fragment.
-    - ``otherwise``: callable or None, with ``engine="columns"`` alone. From a Draw to an Otherwise, the
-      stages that are computed in another way than this machine's, or None.
+    - ``replaced_stages``: callable or None, with ``engine="columns"`` alone. It gives for a Draw the
+      ReplacedStages: which stages compute in real numbers, or without a clamp. None: no stage does.
 
     Raises ValueError for a value that the machine does not take, and UnsupportedState for a window that the
     profile does not have.
@@ -140,7 +140,7 @@ class Machine:
     samples: int | None = None
     color_bits: int | None = None
     observer: Callable[..., None] = unobserved
-    otherwise: Callable[[Draw], Otherwise | None] | None = None
+    replaced_stages: Callable[[Draw], ReplacedStages | None] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.profile, Profile):
@@ -163,7 +163,7 @@ class Machine:
                 f'There is no engine {self.engine!r}; give "portable" or "columns", or None for the fastest '
                 "that covers a Draw."
             )
-        if self.otherwise is not None and self.engine != "columns":
+        if self.replaced_stages is not None and self.engine != "columns":
             raise ValueError(
                 'Stages are computed otherwise by the column engine alone; give engine="columns".'
             )
@@ -345,9 +345,9 @@ class Machine:
         else:
             covered = covered_triangles(primitives, state, profile, target)
             lost = primitives.dropped
-        otherwise = None if self.otherwise is None else self.otherwise(command)
+        replaced = None if self.replaced_stages is None else self.replaced_stages(command)
         given = primitives, covered, state, profile, target, textures
-        passed = column_draw(*given, self.observer, otherwise)
+        passed = column_draw(*given, self.observer, replaced)
         columns = (covered.triangle, covered.x, covered.y, passed)
         triangle, x, y, passed = (np.asarray(column, np.int32) for column in columns)
         places = primitives.places() if records else None

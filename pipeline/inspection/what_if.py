@@ -1,9 +1,9 @@
-"""What a frame's error would be if one thing were otherwise: a width, a clamp, a stage, a constant, a
+"""What a frame's error would be if one thing were different: a width, a clamp, a stage, a constant, a
 texture.
 
-The machine's own arithmetic draws the frame again (``Profile.changed``, ``Otherwise``), beside the guided
-ideal of the same commands: docs/decisions/0025. A frame's commands are made by a function of the machine,
-since the texels of one with wider textures are rounded later.
+The machine's own arithmetic draws the frame again (``Profile.changed``, ``ReplacedStages``). The guided ideal
+evaluates the same commands beside it (docs/decisions/0025). A function of the machine makes the frame's
+commands, because a machine with wider textures rounds its texels later.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fixedpipe.pipeline.columns.otherwise import Otherwise
+from fixedpipe.pipeline.columns.replaced_stages import ReplacedStages
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import Clamp, TextureTarget
 from fixedpipe.pipeline.execution.machine import Machine, execute
@@ -62,20 +62,22 @@ def frame_colors(
     height: int,
     *,
     ideal: Any = None,
-    otherwise: Callable[[Draw], Otherwise | None] | None = None,
+    replaced_stages: Callable[[Draw], ReplacedStages | None] | None = None,
     observer: Callable[..., None] = unobserved,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Run ``commands`` on a machine, and the ideal guided by it: red, green and blue of both.
 
-    Returns (machine's, ideal's), float64 [h, w, 3], top row first, 1.0 = full intensity; the ideal's are not
-    clamped. ``ideal``: what the ideal evaluates; None: the same commands. ``otherwise``, ``observer``: as of
-    a Machine. Raises as ``execute`` and ``execute_ideal``, and ValueError for a machine too wide for
-    ``otherwise``.
+    ideal                      the commands that the ideal evaluates; None: the same
+    replaced_stages, observer  as a Machine takes them
+
+    Returns (machine's, ideal's), float64 [h, w, 3], top row first, 1.0 = full intensity. The ideal's colours
+    are not clamped. Raises what ``execute`` and ``execute_ideal`` raise, and ValueError for
+    ``replaced_stages`` on a machine that is too wide for them.
     """
-    if otherwise is None:
+    if replaced_stages is None:
         result = execute(commands, profile, width, height, record=True)
     else:
-        asked = {"engine": "columns", "otherwise": otherwise, "observer": observer}
+        asked = {"engine": "columns", "replaced_stages": replaced_stages, "observer": observer}
         result = Machine(profile, width, height, **asked).run(commands, record=True)  # type: ignore[arg-type]
     exact = execute_ideal(commands if ideal is None else ideal, width, height, guide=result).color[..., :3]
     return result.framebuffer.color[..., :3] / (2.0**result.framebuffer.color_bits - 1.0), exact
@@ -197,7 +199,7 @@ class _Stages:
 
     def __init__(self, number, changed=None):
         self.wanted, self.current, self.found = number, -1, set()
-        self._changed, self._draws, self._shades = changed or Otherwise(), False, False
+        self._changed, self._draws, self._shades = changed or ReplacedStages(), False, False
 
     def __call__(self, stage, /, **columns):
         if stage == "command":
@@ -215,9 +217,9 @@ class _Stages:
             general = columns["program"].general
             self.found |= {(4, f"general combiner {number}") for number in range(len(general))}
 
-    def otherwise(self, draw: Draw) -> Otherwise:
+    def replaced(self, draw: Draw) -> ReplacedStages:
         """As of a Machine that this watches: what the Draw that runs computes otherwise."""
-        return self._changed if self.wanted in (None, self.current) else Otherwise()
+        return self._changed if self.wanted in (None, self.current) else ReplacedStages()
 
     def names(self):
         """The names, in the order of a pass. Raises ValueError where there are none."""
@@ -234,7 +236,7 @@ class _Stages:
 def _stages_error(given, ideal, number, changed):
     """The Error of a frame whose stages are ``changed``, and the _Stages that watched it."""
     seen = _Stages(number, changed)
-    return frame_error(*given, ideal=ideal, otherwise=seen.otherwise, observer=seen), seen
+    return frame_error(*given, ideal=ideal, replaced_stages=seen.replaced, observer=seen), seen
 
 
 def colors_with_stages(
@@ -265,8 +267,8 @@ def colors_with_stages(
     for name in (*exact, *unclamped):
         if name not in there:
             raise ValueError(f"No Draw of it has a stage {name!r}; there are: {', '.join(there)}.")
-    seen = _Stages(number, Otherwise(frozenset(exact), frozenset(unclamped)))
-    return frame_colors(*given, ideal=ideal, otherwise=seen.otherwise, observer=seen)
+    seen = _Stages(number, ReplacedStages(frozenset(exact), frozenset(unclamped)))
+    return frame_colors(*given, ideal=ideal, replaced_stages=seen.replaced, observer=seen)
 
 
 def with_stages(commands: Any, profile: Profile, width: int, height: int, **given: Any) -> Error:
@@ -296,12 +298,12 @@ def stage_attribution(
     given = frame_of(commands), profile, width, height
     own, seen = _stages_error(given, ideal, number, None)
     names = seen.names()
-    changes = [(name, Otherwise(exact=frozenset({name}))) for name in names]
+    changes = [(name, ReplacedStages(exact=frozenset({name}))) for name in names]
     changes += [
-        (f"clamp of {name}", Otherwise(unclamped=frozenset({name})))
+        (f"clamp of {name}", ReplacedStages(unclamped=frozenset({name})))
         for name in names
         if name.startswith(("general combiner", "final combiner"))
     ]
-    changes.append(("all of these stages", Otherwise(exact=frozenset(names))))
+    changes.append(("all of these stages", ReplacedStages(exact=frozenset(names))))
     found = [(what, _stages_error(given, ideal, number, changed)[0]) for what, changed in changes]
     return own, sorted(found, key=lambda one: one[1].shown)

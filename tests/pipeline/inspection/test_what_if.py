@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.figures import FIGURES
-from fixedpipe.pipeline.columns.otherwise import Otherwise
+from fixedpipe.pipeline.columns.replaced_stages import ReplacedStages
 from fixedpipe.pipeline.commands import Clear, Draw, HostStep, Mesh, TexImage
 from fixedpipe.pipeline.enums import CombinerFunction, CombinerScale, Mapping, Register, TextureFilter
 from fixedpipe.pipeline.execution.machine import Machine
@@ -275,10 +275,10 @@ def test_an_exact_filter_is_rounded_before_a_conversion():
     shown = RGBPortion(a=CombinerInput(Register.TEXTURE0), b=ONE)
     square = combined(shown, texture_units=(unit,), ycbcr_conversion=True)
     commands = [TexImage(label="ycbcr", texture="ycbcr", image=ycbcr), square]
-    exact = Otherwise(exact=frozenset({"texture unit 0"}))
+    exact = ReplacedStages(exact=frozenset({"texture unit 0"}))
     own, same = (
-        Machine(NV2A, 3, 3, engine="columns", otherwise=otherwise).run(commands).framebuffer.color
-        for otherwise in (None, lambda draw: exact)
+        Machine(NV2A, 3, 3, engine="columns", replaced_stages=replaced).run(commands).framebuffer.color
+        for replaced in (None, lambda draw: exact)
     )
     assert (own == same).all()
     assert own[1, 1, :3].tolist() == [255, 114, 78]  # N7.3, by hand
@@ -304,8 +304,8 @@ def test_where_no_stage_is_named_the_bits_are_the_machines(wide):
         frame = random_frame(seed, wide=wide)
         given = frame.profile, frame.width, frame.height, frame.depth_bits
         own, same = (
-            Machine(*given, engine="columns", otherwise=otherwise).run(frame.commands).framebuffer
-            for otherwise in (None, lambda draw: Otherwise())
+            Machine(*given, engine="columns", replaced_stages=replaced).run(frame.commands).framebuffer
+            for replaced in (None, lambda draw: ReplacedStages())
         )
         assert (own.color == same.color).all() and (own.depth == same.depth).all()
 
@@ -328,4 +328,4 @@ def test_what_cannot_be_computed_otherwise_is_said():
         with pytest.raises(ValueError, match="combines colours before it filters them, or turns them"):
             stage_attribution([stored, replace(textured, state=state)], FUTURE, 4, 4)
     with pytest.raises(ValueError, match="by the column engine alone"):
-        Machine(GEFORCE_256, 4, 4, otherwise=lambda draw: None)
+        Machine(GEFORCE_256, 4, 4, replaced_stages=lambda draw: None)

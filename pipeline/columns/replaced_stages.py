@@ -10,7 +10,7 @@ from fixedpipe.raster.columns import combine
 
 
 @dataclass(frozen=True)
-class Otherwise:
+class ReplacedStages:
     """What is computed otherwise, by names: "primary color", "secondary color", "constant colors", "texture
     unit 0", "general combiner 0" and so on, "final combiner", which is color sum and fog where there are no
     combiners.
