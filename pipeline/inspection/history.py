@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from types import UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
+from fixedpipe.pipeline.inspection.page import history_html
 from fixedpipe.pipeline.inspection.pixel import PixelValue
 from fixedpipe.pipeline.messages import surface_words
 
@@ -161,8 +162,6 @@ class PixelHistory:
 
     def _repr_html_(self) -> str:
         """As a notebook shows it."""
-        from fixedpipe.pipeline.inspection.page import history_html
-
         return history_html(self)
 
 

@@ -1,9 +1,14 @@
 """A pixel's history as an HTML page: one file, no script, nothing fetched."""
 
-from html import escape
+from __future__ import annotations
 
-from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage, Touched
+from html import escape
+from typing import TYPE_CHECKING
+
 from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, marks_of
+
+if TYPE_CHECKING:  # For annotations alone: a history shows itself in a notebook as this page.
+    from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage, Touched
 
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 2rem auto; max-width: 68rem; padding: 0 1rem;

@@ -1,7 +1,12 @@
 """What is written of a history, in the words and numbers that a terminal and a page share."""
 
-from fixedpipe.pipeline.inspection.history import Fragment, Quantity
-from fixedpipe.pipeline.inspection.pixel import PixelValue
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # For annotations alone: a history's page is made of these words.
+    from fixedpipe.pipeline.inspection.history import Fragment, Quantity
+    from fixedpipe.pipeline.inspection.pixel import PixelValue
 
 HEADINGS = "", "code", "value", "ideal", "error, 1/255"
 
