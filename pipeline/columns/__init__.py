@@ -1,1 +1,1 @@
-"""The driver of the column engine: states are read, and columns given to ``fixedpipe.raster.columns``."""
+"""The column engine's driver: it reads states and gives columns to ``fixedpipe.raster.columns``."""

@@ -1,9 +1,9 @@
 """The column engine: the machine's rules on int64 columns, every width a parameter, every clamp a switch.
 
-The third engine (docs/numbers.md, section 13; docs/decisions/0007-column-engine.md). At the native widths its
-bits are the other two's, at those of up to 12 bits the portable one's; it alone draws at others, and it alone
-writes fragments that no primitive made (``shade_and_write``). The arithmetic is in
-``fixedpipe.raster.columns``; this package reads states and brings columns together.
+It is the third engine (docs/numbers.md, section 13; docs/decisions/0007-column-engine.md). At the native
+widths it draws the same bits as the other two, and at up to 12 bits the same as the portable engine. It alone
+draws at other widths. It alone writes fragments that no primitive made (``shade_and_write``). The arithmetic
+is in ``fixedpipe.raster.columns``; this package reads states and brings columns together.
 """
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BIT
 from fixedpipe.raster.columns import numbers
 from fixedpipe.raster.observer import unobserved
 
-# Fragments shaded at a time: bounds the columns' memory, and changes no value.
+# Fragments shaded together. The number bounds the columns' memory and changes no value.
 _CHUNK = 1 << 15
 
 
@@ -29,8 +29,9 @@ _CHUNK = 1 << 15
 
 
 def needs_columns(state, profile, framebuffer, textures):
-    """Whether only the column engine draws a pass: kernels do not compute with its widths, or without one of
-    its clamps, or the state uses what they do not have.
+    """Whether only the column engine can draw a pass.
+
+    The kernels lack some widths, cannot leave out a clamp, and do not have all state.
     """
     widths = widths_of(state, profile, framebuffer, textures)
     if not (has_kernels(profile) and are_for_kernels(widths)):
@@ -39,14 +40,14 @@ def needs_columns(state, profile, framebuffer, textures):
         return True
     if state.texture_shader is not None and not are_native(widths):
         return True
-    for unit in state.texture_units:  # a loop: every Draw asks
+    for unit in state.texture_units:  # a loop is fast, and every Draw runs it
         if unit is not None and reads_as_columns(unit, textures):
             return True
     return has_future(profile) and uses_future(state)
 
 
 def has_future(profile):
-    """Whether a machine has any stage of the future board."""
+    """Whether a machine has a stage of the future board."""
     return (
         profile.combiners.combiner_lookup
         or profile.textures.evaluate_before_filtering
@@ -56,7 +57,7 @@ def has_future(profile):
 
 
 def uses_future(state):
-    """Whether a pass asks for a stage of the future board."""
+    """Whether a pass uses a stage of the future board."""
     combiners, units = state.register_combiners, state.texture_units
     stages = () if combiners is None else combiners.general
     return (
@@ -69,7 +70,7 @@ def uses_future(state):
 
 
 def has_kernels(profile):
-    """Whether a machine's filters, clamps and window coordinates are those of the compiled engines."""
+    """Whether the compiled engines have a machine's filters, clamps and window coordinates."""
     return (
         profile.arithmetic.filter_fraction_bits == NATIVE_BITS
         and profile.arithmetic.combiner_range == 1.0
@@ -82,8 +83,9 @@ def has_kernels(profile):
 
 
 def shade_and_write(fragments, state, profile, framebuffer, textures, observe=unobserved, replaced=None):
-    """Texture units, combiners, tests and writes of a FragmentColumns: bool [k], which passed all tests.
-    ``observe``: the observer; ``replaced``: a ReplacedStages, whose exact colours the fragments have.
+    """Shade, test and write a FragmentColumns: bool [k], which fragments passed all tests.
+
+    ``observe``: the observer. ``replaced``: a ReplacedStages, whose exact colours the fragments already have.
     """
     bits = fragment_bits(profile, framebuffer)
     samplers = unit_samplers(state, textures, profile, observe)
@@ -96,7 +98,7 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, observe=un
         part, registers = slice(start, start + _CHUNK), {}
         some = fragments.part(part)
         observe("shaded", part=part, fragments=some, bits=bits)
-        with np.errstate(all="ignore"):  # coordinates may be infinite, or no numbers
+        with np.errstate(all="ignore"):  # coordinates may be infinite or NaN
             if state.texture_shader is not None:
                 registers, depth[part] = run_stages(
                     some, state, profile, framebuffer, samplers, bits, observe
@@ -116,7 +118,7 @@ def shade_and_write(fragments, state, profile, framebuffer, textures, observe=un
 
 
 def in_buffer(color, one, buffer_one):
-    """Fragments' colours in the buffer's units: real numbers are rounded even where both are the same."""
+    """Fragments' colours in the buffer's units. Real numbers are rounded even if both units are equal."""
     if color.dtype == np.float64:
         return np.floor(color * (buffer_one / one) + 0.5).astype(np.int64)
     return numbers.convert(color, one, buffer_one)
@@ -128,11 +130,12 @@ def in_buffer(color, one, buffer_one):
 def column_draw(
     primitives, covered, state, profile, framebuffer, textures, observe=unobserved, replaced=None
 ):
-    """Draw the fragments ``covered`` (triangle, x, y, covered, int [k] each, the last one or None) of window
-    primitives with float colours: bool [k], which passed all tests. ``observe``: the observer;
-    ``replaced``: a ReplacedStages.
+    """Draw fragments of window primitives with float colours: bool [k], which fragments passed all tests.
 
-    Raises ValueError for ``replaced`` stages of a pass that computes at each texel or turns its colours.
+    ``covered``: the fragments' columns (triangle, x, y, covered), int [k] each; the last may be None.
+    ``observe``: the observer; ``replaced``: a ReplacedStages.
+
+    Raises ValueError for ``replaced`` in a pass that evaluates before filtering or has spherical colours.
     """
     bits, given = fragment_bits(profile, framebuffer), (primitives, state, profile, framebuffer, textures)
     draw, finer = IteratedPrimitives(*given, bits, observe), None

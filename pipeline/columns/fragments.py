@@ -1,4 +1,4 @@
-"""Fragments as columns, and which words their depths are."""
+"""Fragments as columns, and their depths as words of the depth buffer."""
 
 from dataclasses import dataclass
 
@@ -10,20 +10,24 @@ from fixedpipe.raster.columns import interpolate
 
 @dataclass(frozen=True, eq=False)
 class FragmentColumns:
-    """Fragments as columns, in draw order; a column may be read only.
+    """Fragments as columns, in draw order. A column may be read only.
 
-    x, y         int64 [k], device pixels, y down
-    depth        int64 [k], words of the depth buffer; below 0: outside its limits, the fragment ends
+    x, y                int64 [k], device pixels, y down
+    depth               int64 [k], words of the depth buffer; below 0: a depth limit discards the fragment
     primary, secondary  int64 [k, 4], in units of the fragment's value of one
-    fog          float64 [k], fog coordinates; None: fog is disabled
-    coordinates  float64 [k, units, 4]: s, t, r, q of each texture unit, not divided
-    lod          float64 [k, units], lambda without its bias, 1/256 at least apart; None: all is magnified
-    divided      for each unit whether s, t and r are divided by q; None: where some fragment's q is not 1
-    footprints   float64 [k, units, 3]: s and t along an anisotropic filter's footprint, and its ratio
-    sides        float64 [k, units, 4]: of lookups filtered by roughness, the steps in texels to the right
-                 (s, t) and downwards without bumps, not numbers where there are none; None: no such lookup
-    covered      int64 [k], of how many of the machine's samples a smooth primitive covers; None: none is
-    texel_alpha  int64 [k], bytes that replace the alpha of unit 0's texels; None: nothing does
+    fog                 float64 [k], fog coordinates; None: fog is disabled
+    coordinates         float64 [k, units, 4]: each texture unit's s, t, r, q, before division by q
+    lod                 float64 [k, units], lambda without bias, in steps of 1/256; None: every fragment is
+                        magnified
+    divided             for each unit, whether s, t and r are divided by q; None: they are if some fragment's
+                        q is not 1
+    footprints          float64 [k, units, 3]: an anisotropic filter's footprint along s and t, and its ratio
+    sides               float64 [k, units, 4], for lookups filtered by roughness: the steps in texels to the
+                        right (s, t) and downwards, without bumps. NaN where there are none; None: no such
+                        lookup
+    covered             int64 [k], the number of the machine's samples that a smooth primitive covers; None:
+                        no primitive is smooth
+    texel_alpha         int64 [k], bytes that replace the alpha of unit 0's texels; None: nothing replaces it
     """
 
     x: np.ndarray
@@ -41,7 +45,7 @@ class FragmentColumns:
     covered: np.ndarray | None = None
 
     def part(self, where):
-        """Some of the fragments."""
+        """The fragments that ``where`` selects."""
 
         def of(column):
             return None if column is None else column[where]
@@ -64,8 +68,9 @@ class FragmentColumns:
 
 
 def fragment_depths(depths, state, framebuffer):
-    """Words of the depth buffer, int64 [k], of depths in its units; -1 where a fragment lies outside limits
-    that end it (docs/numbers.md, section 5).
+    """Depths, in units of the depth buffer, as its words, int64 [k].
+
+    The word is -1 where a depth limit discards the fragment (docs/numbers.md, section 5).
     """
     limits, words = state.depth_clamp, DEPTH_WORDS[framebuffer.depth_format]
     low, high = 0.0, words.farthest

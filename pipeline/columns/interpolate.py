@@ -1,4 +1,4 @@
-"""From primitives to fragments in the column engine: coverage, and what is iterated over a primitive."""
+"""From primitives to fragments in the column engine: coverage, and iteration over a primitive."""
 
 import numpy as np
 
@@ -27,9 +27,9 @@ from fixedpipe.raster.observer import unobserved
 
 
 class IteratedPrimitives:
-    """Primitives with the parts of their state that iteration needs.
+    """Primitives, with the state that iteration needs.
 
-    ``observe``: the observer. ``numbers``: INTEGERS, or REALS for colours that are not rounded.
+    ``observe``: the observer. ``numbers``: INTEGERS, or REALS for colours without rounding.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class IteratedPrimitives:
         self.rough = {i: s for i, s in enumerate(shader_stages(state) or ()) if s.roughness is not None}
 
     def fragments(self, triangle, px, py):
-        """The FragmentColumns of pixels of rows ``triangle``."""
+        """The FragmentColumns at pixels (px, py) of the rows ``triangle``."""
         p, state, profile = self.primitives, self.state, self.profile
         px, py = px.astype(np.int64), py.astype(np.int64)
         corners = p.triangles[triangle].astype(np.int64)
@@ -90,15 +90,17 @@ class IteratedPrimitives:
         )
 
     def _fog(self, vertices, q0, q2, b0, b2):
-        """What is iterated for fog: under TABLE as texture coordinates are."""
+        """The iterated fog coordinate. Under TABLE it is iterated as texture coordinates are."""
         corners = self.primitives.fog[vertices]
         if self.profile.arithmetic.fog_arithmetic == FogArithmetic.TABLE:
             return interpolate.iterate_coordinates(q0, q2, corners[..., None])[0][:, 0]
         return interpolate.iterate(b0, b2, corners)
 
     def _edges(self, x, y, kinds, px, py, drawn=False):
-        """(n0, n1, n2) of pixels; ``drawn``: of the fragments themselves, which in a wide line of diamonds
-        take another pixel's.
+        """The edge functions (n0, n1, n2) at pixels.
+
+        ``drawn``: for the fragments themselves. In a wide line with diamond exit these repeat another pixel's
+        values.
         """
         line, bits = self.state.line, self.profile.arithmetic.subpixel_bits
         n, _ = interpolate.edge_functions(x, y, px, py, bits)
@@ -115,11 +117,11 @@ class IteratedPrimitives:
         return tuple(np.where(lines, a, b) for a, b in zip(along, n, strict=True))
 
     def _back(self, kinds, triangle, area):
-        """Which fragments take the back colour, 0 or 1."""
+        """Which colour each fragment takes: 0 the front, 1 the back."""
         p = self.primitives
         if not p.two_side:
             facing = np.zeros(len(area), np.int64)
-        else:  # with y down, a negative area is counter-clockwise
+        else:  # y points down, so a negative area is counter-clockwise
             counter_clockwise = self.state.polygon.front_face == FrontFace.CCW
             facing = ((area < 0) != counter_clockwise).astype(np.int64)
         if kinds is None:
@@ -127,8 +129,9 @@ class IteratedPrimitives:
         return np.where(kinds == C.PRIMITIVE_TRIANGLE, facing, p.strokes[triangle, rows.BACK])
 
     def _colors(self, vertices, provoking, back, e, weights, full_weights):
-        """Primary and secondary colours; ``weights``, ``full_weights``: of vertices 0 and 2, with 24 bits and
-        with all.
+        """Primary and secondary colours.
+
+        ``weights``, ``full_weights``: the weights of vertices 0 and 2, with 24 bits and in float64.
         """
         if self.state.polygon.shade_model == ShadeModel.FLAT:
             colors = self.colors[provoking, back]
@@ -146,13 +149,13 @@ class IteratedPrimitives:
         return colors[:, :4], colors[:, 4:]
 
     def _turned(self, color, corners, b0, b2):
-        """A colour whose red, green and blue are a unit vector that turns steadily (section 20)."""
+        """A colour whose red, green and blue encode a unit vector; the vector turns steadily (section 20)."""
         one, expanded = one_of(self.bits), arithmetic_of(self.profile, self.bits).expanded
         vector = future.spherical(b0, b2, future.from_color(corners, one, expanded))
         return np.concatenate([future.to_color(vector, one, expanded), color[:, 3:]], axis=1)
 
     def _coordinates(self, vertices, edges, inverse_w, weights, px, py):
-        """Coordinates of every unit, and lambda and footprints where some unit asks for them."""
+        """Every unit's coordinates, and lambda and footprints for the units that need them."""
         count, units = len(px), len(self.units)
         q0, q2, b0, b2 = weights
         coordinates, lod, footprints = np.zeros((count, units, 4)), np.zeros((count, units)), None
@@ -185,7 +188,7 @@ class IteratedPrimitives:
         return coordinates, lod, footprints
 
     def _sides(self, vertices, edges, inverse_w, px, py):
-        """Pixels' footprints of lookups filtered by roughness: FragmentColumns' ``sides``."""
+        """Pixels' footprints for lookups filtered by roughness: ``sides`` of FragmentColumns."""
         if not self.rough:
             return None
         out = np.full((len(px), len(self.units), 4), np.nan)
@@ -203,7 +206,7 @@ class IteratedPrimitives:
         return out
 
     def _depth(self, triangle, vertices, kinds, n, weights, x, y, area):
-        """Words of the depth buffer, -1 where a fragment lies outside limits that end it (section 5)."""
+        """Words of the depth buffer; -1 where a depth limit discards the fragment (section 5)."""
         state, limits = self.state, self.state.depth_clamp
         if state.depth_test is None and not (limits is not None and limits.cull):
             return np.zeros(len(triangle), np.int64)
@@ -211,7 +214,7 @@ class IteratedPrimitives:
         if state.w_buffering:
             z = interpolate.iterate_w(*weights, corners)
         else:
-            if kinds is not None:  # of a line the first vertex comes before the other
+            if kinds is not None:  # a line's first vertex comes before its second
                 line = kinds == C.PRIMITIVE_LINE
                 n = tuple(np.where(line, a, b) for a, b in zip(n[::-1], n, strict=True))
                 corners = np.where(line[:, None], corners[:, ::-1], corners)
@@ -223,7 +226,7 @@ class IteratedPrimitives:
         return words
 
     def _offset(self, triangle, vertices, kinds, x, y, area):
-        """What is added to every depth: of the polygon that a fragment is of."""
+        """The polygon offset of each fragment, by the polygon that it belongs to."""
         polygon, p = self.state.polygon, self.primitives
         enabled = np.full(len(triangle), polygon.offset_fill)
         if kinds is not None:
@@ -249,7 +252,7 @@ class IteratedPrimitives:
         return np.where(enabled, offset, 0.0)
 
     def _w_slopes(self, vertices, enabled):
-        """The slope of w of each fragment's polygon; 0 where it has no offset."""
+        """The slope of w of each fragment's polygon; 0 where the fragment has no offset."""
         p, box = self.primitives, scissor_box(self.state, self.framebuffer)
         slopes = np.zeros(len(vertices))
         if not self.state.polygon.offset_factor:

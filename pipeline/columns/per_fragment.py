@@ -1,4 +1,4 @@
-"""Per-fragment operations in the column engine: tests, blending, and what a buffer keeps of a colour."""
+"""Per-fragment operations in the column engine: tests, blending, and how a buffer stores a colour."""
 
 import numpy as np
 
@@ -10,7 +10,9 @@ from fixedpipe.raster.observer import unobserved
 
 
 class _Surface:
-    """How a buffer keeps colours: masks of its components, and what blending reads back (section 10)."""
+    """How a buffer stores colours: masks of its components, and the colours that blending reads
+    (section 10).
+    """
 
     def __init__(self, framebuffer):
         keep, pad, self.alpha = SURFACE_WORDS[framebuffer.color_format]
@@ -20,7 +22,7 @@ class _Surface:
         )
 
     def stored(self, color):
-        """Colours as the buffer keeps them."""
+        """Colours as the buffer stores them."""
         if self.plain:
             return color
         if self.alpha == C.SURFACE_ALPHA_SEVEN_BITS:
@@ -28,15 +30,15 @@ class _Surface:
         return (color & self.keep) | self.pad
 
     def padded(self, color):
-        """What a logic operation leaves."""
+        """The result of a logic operation as the buffer stores it."""
         return color if self.plain else (color & self.keep) | self.pad
 
     def source(self, color):
-        """What blending takes of a fragment."""
+        """A fragment's colour as blending reads it."""
         return color if self.plain else color & (self.keep | np.array([0, 0, 0, 255]))
 
     def destination(self, color):
-        """What blending takes of the buffer."""
+        """A stored colour as blending reads it."""
         if self.alpha == C.SURFACE_ALPHA_STORED:
             return color
         alpha = np.full_like(color[:, 3:], 255)
@@ -47,7 +49,7 @@ class _Surface:
 
 
 def _written(state, source, stored, surface, bits, clamps, observe):
-    """What blending or a logic operation makes of fragments and what is stored, before the color mask."""
+    """The result of blending or a logic operation on fragments and stored colours, before the color mask."""
     one, blending = numbers.one_of(bits), state.blending
     if state.logic_op is not None:
         source = surface.stored(np.clip(source, 0, one))
@@ -62,8 +64,9 @@ def _written(state, source, stored, surface, bits, clamps, observe):
 
 
 def write(fragments, color, state, profile, framebuffer, observe=unobserved):
-    """Tests and writes in draw order: bool [k], which fragments passed. ``color``: int64 [k, 4] in the
-    buffer's units; ``observe``: the observer.
+    """Test and write fragments in draw order: bool [k], which passed.
+
+    ``color``: int64 [k, 4] in the buffer's units; ``observe``: the observer.
     """
     bits, width = framebuffer.color_bits, framebuffer.width
     clamps = framebuffer.is_bytes or Clamp.BLENDING in profile.arithmetic.clamps
@@ -105,7 +108,7 @@ def write(fragments, color, state, profile, framebuffer, observe=unobserved):
 
 
 def _stencil(test, stencil, at, closer, observe):
-    """Stencil test and operations of fragments of distinct pixels; which pass both tests."""
+    """Stencil test and operation on fragments of distinct pixels. Returns which pass both tests."""
     stored, reference = stencil[at].astype(np.int64), min(max(test.reference, 0), 255)
     agreed = per_fragment.compare(test.function, np.int64(reference & test.mask), stored & test.mask)
     results = [

@@ -1,7 +1,7 @@
-"""DrawPixels, CopyPixels and Bitmap (OpenGL 1.2.1 sections 3.6.4, 3.7, 4.3.1 and 4.3.3): pixel groups become
-fragments, which the column engine shades, tests and writes.
+"""DrawPixels, CopyPixels and Bitmap (OpenGL 1.2.1 sections 3.6.4, 3.7, 4.3.1 and 4.3.3).
 
-The arithmetic is in ``fixedpipe.raster.pixels.rectangles``; docs/numbers.md has the rules.
+Pixel groups become fragments; the column engine shades, tests and writes them. The arithmetic is in
+``fixedpipe.raster.pixels.rectangles``; docs/numbers.md has the rules.
 """
 
 from dataclasses import replace
@@ -42,8 +42,12 @@ from fixedpipe.raster.pixels import rectangles as arithmetic
 
 
 class Drawn(NamedTuple):
-    """The fragments of a rectangle: which group each came from (counted from the lower left, row by row),
-    device pixel x and y, whether it passed every test; and how many groups had an undefined q.
+    """The fragments of a rectangle.
+
+    group      the group of each fragment, counted from the lower left, row by row
+    x, y       device pixels
+    passed     whether each fragment passed every test
+    undefined  how many groups had an undefined q
     """
 
     group: np.ndarray
@@ -54,12 +58,15 @@ class Drawn(NamedTuple):
 
 
 def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics, observe=unobserved):
-    """Draw a DrawPixels, CopyPixels or Bitmap: a Drawn for each of ``surfaces``, or none where the raster
-    position is not valid or a sink took the image.
+    """Draw a DrawPixels, CopyPixels or Bitmap: a Drawn for each of ``surfaces``.
 
-    ``framebuffer``: what CopyPixels reads; ``surfaces``: the framebuffers that are written, of its size and
-    formats, itself or the samples of its pixels. ``statistics``: the machine's PixelStatistics;
-    ``observe``: the observer.
+    framebuffer  the framebuffer that CopyPixels reads
+    surfaces     the framebuffers to write, of the same size and formats: ``framebuffer`` itself, or its
+                 pixels' samples
+    statistics   the machine's PixelStatistics
+    observe      the observer
+
+    Returns an empty list if the raster position is not valid or a sink took the image.
     """
     state, textures = depths_as_colors(without_footprints(command.state), textures, profile)
     where = raster_vertex(command.position, state, profile, framebuffer.width, framebuffer.height)
@@ -100,8 +107,8 @@ def draw_rectangle(command, profile, framebuffer, surfaces, textures, statistics
 
 
 def _color_groups(command, profile, framebuffer, statistics):
-    """Colour groups after pixel transfer and final conversion, whole numbers [h, w, 4] in the framebuffer's
-    units; None: a sink took them.
+    """Colour groups after pixel transfer and final conversion: whole numbers [h, w, 4] in the framebuffer's
+    units. None: a sink took them.
     """
     bits, transfer = framebuffer.color_bits, command.transfer
     one = numbers.one_of(bits)
@@ -120,9 +127,9 @@ def _color_groups(command, profile, framebuffer, statistics):
 
 
 def _depth_words(command, framebuffer):
-    """Depth groups after pixel transfer and final conversion, words of the depth buffer int64 [h, w].
+    """Depth groups after pixel transfer and final conversion: words of the depth buffer, int64 [h, w].
 
-    A word is so many parts of the largest, in every depth format, as a Clear's is.
+    In every depth format, a depth of 1 is the largest word, as for Clear.
     """
     full = float(2**framebuffer.depth_bits - 1)
     if isinstance(command, CopyPixels):
@@ -156,7 +163,7 @@ def _write_stencil(at, indices, test, surface):
 
 
 def _fragments(at, where, state, profile, framebuffer, primary=None, depth=None, coordinates=None):
-    """FragmentColumns at pixels ``at`` (x, y); what is None is the raster position's, the same for all."""
+    """FragmentColumns at pixels ``at`` (x, y). An argument that is None takes the raster position's value."""
     count, bits = len(at.x), fragment_bits(profile, framebuffer)
     colors = fragment_colors(np.tile(where.colors, (1, 2, 1)), state, profile, bits)[0, 0]
     if primary is None:
@@ -178,15 +185,16 @@ def _fragments(at, where, state, profile, framebuffer, primary=None, depth=None,
 
 
 def _raster_depth(where, state, framebuffer):
-    """The depth word of fragments at the raster position: what a triangle has whose depth is the same
-    everywhere; -1 beyond limits that end it.
+    """The depth word of fragments at the raster position, as a triangle of constant depth has it.
+
+    It is -1 where a depth limit discards the fragments.
     """
     vertex = SimpleNamespace(z=np.array([where.z]), inverse_w=np.array([where.inverse_w]))
     return fragment_depths(depth_units(state, framebuffer, vertex), state, framebuffer)[0]
 
 
 def _of_colors(command, groups, at, where, state, profile, framebuffer):
-    """FragmentColumns whose colours, or texture coordinates, are the groups', [k, 4]; how many q were
+    """FragmentColumns that take the groups, [k, 4], as colours or texture coordinates; and how many q were
     undefined.
     """
     texture, one = command.pixel_texture, numbers.one_of(framebuffer.color_bits)
@@ -205,8 +213,10 @@ def _of_colors(command, groups, at, where, state, profile, framebuffer):
 
 
 def _by_volume(texture, groups, one, fragments, state, textures):
-    """(which fragments, their FragmentColumns, the textures that hold their volume) for each volume that q
-    chooses. No two fragments of a rectangle share a pixel: any order draws the same.
+    """For each volume that q chooses: (which fragments, their FragmentColumns, the textures with this
+    volume).
+
+    No two fragments of a rectangle share a pixel, so their order changes no pixel.
     """
     volume = arithmetic.chosen_volumes(groups[:, 3], one, texture.volumes, int(texture.q_filter))
     result = []
@@ -218,7 +228,9 @@ def _by_volume(texture, groups, one, fragments, state, textures):
 
 
 def _pixel_texture_color(texture, primary, where, state, profile, framebuffer):
-    """Fragment colours of a pixel texture. Source: SGIX_pixel_texture's and SGIS_pixel_texture's tables."""
+    """Fragment colours of a pixel texture. Source: the tables of SGIX_pixel_texture and
+    SGIS_pixel_texture.
+    """
     rgb, alpha = takes_raster_color(texture)
     if not (rgb or alpha):
         return primary
@@ -236,7 +248,7 @@ def _texel_alpha(texture, groups, one):
 
 
 def with_volume(textures, state, volumes, number):
-    """The textures, where those of the state's units are volume ``number`` of their ``volumes``."""
+    """The textures, where those of the state's units hold volume ``number`` of their ``volumes``."""
     held = dict(textures)
     for unit in state.texture_units:
         if unit is not None and unit.texture is not None:

@@ -23,7 +23,7 @@ from fixedpipe.raster.observer import unobserved
 
 
 def columns_of(colors):
-    """Colours [k, 4] as a register [4, k]: int64, or the real numbers that they are."""
+    """Colours [k, 4] as a register [4, k]; int64 and real numbers stay what they are."""
     return colors.T if colors.dtype == np.float64 else colors.T.astype(np.int64)
 
 
@@ -45,11 +45,13 @@ def _fog_register(fog, coordinates, profile, count, one):
 
 
 def shade(fragments, state, profile, bits, textures, samplers, made, *, observe=unobserved, replaced=None):
-    """Colours of fragments, [k, 4] in units of ``bits``: texture units, combiners, color sum, fog. They are
-    int64; float64 where something is computed in reals.
+    """Shade fragments: texture units, combiners, color sum, fog. Colours [k, 4] in units of ``bits``.
 
-    ``made``: registers of texture units by number that a texture shader made; ``observe``: the observer;
-    ``replaced``: a ReplacedStages.
+    made      the registers of texture units that a texture shader made, by the unit's number
+    observe   the observer
+    replaced  a ReplacedStages
+
+    The colours are int64, or float64 where a stage computes in reals.
     """
     if state.evaluate_before_filtering:
         return _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, observe)
@@ -57,7 +59,7 @@ def shade(fragments, state, profile, bits, textures, samplers, made, *, observe=
 
 
 def _shade_before_filtering(fragments, state, profile, bits, textures, samplers, made, observe):
-    """Colours at each texel that unit 0's filter reads, and then filtered (section 20)."""
+    """The colours at each texel that unit 0's filter reads, then filtered (section 20)."""
     along, first = units_along(state, textures), samplers[0]
     columns = (0, 1) if first.linear else (0,)
     rows = (0,) if first.texture.target == TextureTarget.TEXTURE_1D else columns

@@ -1,7 +1,7 @@
 """Texture shaders: the stages of a pass, one after the other, on fragments' columns.
 
-What a stage computes with is a module of ``fixedpipe.raster.columns``: ``texture_shader``, a machine's
-numbers of a width, or ``real_texture_shader``, the ideal's. Both have the same functions.
+A stage computes with a module of ``fixedpipe.raster.columns``: ``texture_shader`` has a machine's numbers,
+``real_texture_shader`` the ideal's. Both have the same functions.
 """
 
 from copy import copy
@@ -20,8 +20,10 @@ from fixedpipe.raster.observer import unobserved
 
 
 def run_stages(fragments, state, profile, framebuffer, samplers, bits, observe=unobserved):
-    """Every unit's register, by its number, int64 [4, k] in units of ``bits``, and the fragments' depths,
-    below 0 where a stage discarded them (docs/numbers.md, section 12).
+    """Run a pass's texture shader (docs/numbers.md, section 12): the registers and the depths.
+
+    The registers are every unit's by its number, int64 [4, k] in units of ``bits``. A depth is below 0 where
+    a stage discarded the fragment.
     """
     largest = DEPTH_WORDS[framebuffer.depth_format].largest
     run = StageRun(
@@ -42,7 +44,7 @@ def run_stages(fragments, state, profile, framebuffer, samplers, bits, observe=u
 
 
 class SampledUnit:
-    """A texture unit at fragments, as a StageRun asks it: a UnitSampler's texels."""
+    """A texture unit at fragments, with the functions that StageRun calls: the texels of a UnitSampler."""
 
     def __init__(self, sampler, fragments):
         self.unit, self.fragments, self.sampler = sampler, fragments, sampler.sampler
@@ -55,20 +57,22 @@ class SampledUnit:
         return self.unit.filtered(self.fragments)
 
     def register(self, texel, bits):
-        """What the unit's register receives of a texel, [k, 4]."""
+        """The unit's register from a texel, [k, 4]."""
         return self.unit.as_register(texel, self.fragments, bits).T
 
 
 class StageRun:
-    """What stages have left so far: ``texels`` of each, 0..one of its ``widths``.
+    """The stages of a texture shader, and their results so far: ``registers``, ``texels`` and ``widths``.
 
-    stages      the pass's, of every unit
-    own         of a unit's number, its coordinates (s, t, r, q), float64 [k, 4]
-    sides       of a unit's number, float64 [k, 4]: of a lookup filtered by roughness, the pixel's steps in
+    A stage's texels are 0 to one of its width.
+
+    stages      the pass's stages, one for every unit
+    own         from a unit's number, its coordinates (s, t, r, q), float64 [k, 4]
+    sides       from a unit's number, float64 [k, 4]: for a lookup filtered by roughness, the pixel's steps in
                 texels to the right (s, t) and downwards
-    units       a SampledUnit, or what has its functions; None where nothing is read
-    bits        of the registers
-    depths      what a replaced depth is multiplied with, and the largest there is
+    units       for each unit a SampledUnit, or an object with its functions; None: the unit reads no texture
+    bits        the registers' width
+    depths      the factor of a replaced depth, and the largest depth
     arithmetic  ``texture_shader`` or ``real_texture_shader``
     """
 
@@ -93,21 +97,21 @@ class StageRun:
         self.registers, self.texels, self.widths = [], [], []
 
     def in_reals(self):
-        """The same stages in real numbers, of the texels that there are."""
+        """The same run in real numbers, on the texels so far, unobserved."""
         run, widths = copy(self), zip(self.texels, self.widths, strict=True)
         run.arithmetic, run._saw = real_texture_shader, unobserved
         run.texels = [texel / self.arithmetic.one_of(width) for texel, width in widths]
         return run
 
     def with_unit(self, i, sampler):
-        """The same stages, unobserved, with another UnitSampler for unit i."""
+        """The same run, unobserved, with another UnitSampler for unit i."""
         run = copy(self)
         run._saw, run.units = unobserved, list(self.units)
         run.units[i] = SampledUnit(sampler, self.units[i].fragments)
         return run
 
     def all_stages(self):
-        """Run them."""
+        """Run every stage."""
         for i in range(len(self.stages)):
             self.stage(i)
 
@@ -136,7 +140,7 @@ class StageRun:
                 of = stage.previous_texture_input
                 magnitude = self.texels[of][:, 0], self.widths[of]
                 factors = stage.offset_texture_scale, stage.offset_texture_bias, self.largest_scale
-                # Of the register alone: later stages read the texel.
+                # The scale applies to the register alone: later stages read the texel.
                 shown = arithmetic.scaled(texel, width, *magnitude, *factors)
                 register = arithmetic.convert(shown, width, self.bits)
         if self._saw is not unobserved:
@@ -149,7 +153,7 @@ class StageRun:
         self.widths.append(width)
 
     def texel(self, i):
-        """A unit's filtered texel, its signed components below 0 where they are."""
+        """A unit's filtered texel; a signed component may be below 0."""
         stage, operation, unit = self.stages[i], self.stages[i].operation, self.units[i]
         cube_map = unit.target == TextureTarget.TEXTURE_CUBE_MAP
         if operation not in CONVENTIONAL:
@@ -162,7 +166,7 @@ class StageRun:
         return self.looked_up(i, strq, () if stage.roughness is None else self.footprint(i))
 
     def looked_up(self, i, strq, footprint):
-        """A unit's texel at coordinates [k, 3] that were made."""
+        """A unit's texel at coordinates [k, 3] that a stage made."""
         operation, unit, r = self.stages[i].operation, self.units[i], self.own(i)[:, 2]
         cube_map = unit.target == TextureTarget.TEXTURE_CUBE_MAP
         if operation in C.OPERATIONS_OF_DIRECTIONS and not cube_map:
@@ -173,7 +177,7 @@ class StageRun:
         return unit.at_level_zero(strq, r, lifted, cube_map and operation == Operation.DOT_PRODUCT_TEXTURE_3D)
 
     def footprint(self, i):
-        """What the pixel and the roughness that stage i reads cover, as ``at_footprints`` takes it."""
+        """The footprint of the pixel and the roughness that stage i reads, as ``at_footprints`` takes it."""
         stage, unit = self.stages[i], self.units[i]
         of = stage.roughness
         found = self.arithmetic.deviations(self.texels[of], self.widths[of], stage.roughness_scale)

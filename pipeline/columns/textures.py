@@ -1,4 +1,4 @@
-"""How the column engine samples a texture unit: its state read once, texels of any width."""
+"""How the column engine samples a texture unit. It reads the unit's state once; texels have any width."""
 
 from copy import copy
 from dataclasses import astuple
@@ -35,14 +35,18 @@ LAMBDA_BITS = 8
 
 
 def _codes(level, one):
-    """Real texels in units of ``one``, those that a code stands for without the noise of the division."""
+    """Real texels in units of ``one``. A texel that equals a code becomes exactly that code, without the
+    division's error.
+    """
     found = level * float(one)
     whole = np.rint(found)
     return np.where(np.abs(found - whole) < NOISE, whole, found)
 
 
 def unit_samplers(state, textures, profile, observe=unobserved):
-    """A UnitSampler for each texture unit, None where it reads no texture. ``observe``: the observer them."""
+    """A UnitSampler for each texture unit; None for a unit that reads no texture. ``observe``:
+    the observer.
+    """
     return [
         None
         if unit is None or unit.texture is None
@@ -52,7 +56,9 @@ def unit_samplers(state, textures, profile, observe=unobserved):
 
 
 def key_samplers(state, textures, profile):
-    """(number, UnitSampler) of each unit whose color key ends fragments: its texel is 0 where it does."""
+    """(number, UnitSampler) for each unit whose color key discards fragments. Its texel is 0
+    where it does.
+    """
     found = []
     for number in killing_units(state):
         unit, texture = key_unit(state.texture_units[number], textures)
@@ -61,8 +67,10 @@ def key_samplers(state, textures, profile):
 
 
 def reads_as_columns(unit, textures):
-    """Whether only columns do what a texture unit asks for: color tables, color keys that end fragments,
-    textures with borders, and of texels that are wider than bytes all but plain filters.
+    """Whether only columns can sample a texture unit.
+
+    They alone have color tables, color keys that discard fragments, and borders. For texels wider than bytes,
+    the kernels have plain filters only.
     """
     key = unit.color_key
     if unit.color_table is not None or (key is not None and key.operation == ColorKeyOperation.KILL):
@@ -83,11 +91,11 @@ def reads_as_columns(unit, textures):
 
 
 class UnitSampler:
-    """Texture unit ``number``: what its register receives (docs/numbers.md, sections 6 and 7).
+    """Texture unit ``number``, and how it makes its register (docs/numbers.md, sections 6 and 7).
 
-    texture, sampler   the Texture and its Sampler
-    sizes              what s, t and r are multiplied by for level 0
-    needs_lambda       whether filters differ from level to level, or from magnification to minification
+    texture, sampler  the Texture and its Sampler
+    sizes             the factors of s, t and r for level 0
+    needs_lambda      whether filters differ between levels, or between magnification and minification
     """
 
     def __init__(self, number, unit, texture, profile, observe=unobserved):
@@ -131,13 +139,14 @@ class UnitSampler:
         self.border = self._as_signed(register_components(border[list(KEPT[base])], base, self.one))
 
     def exactly(self, fraction_bits=None, levels=None):
-        """The same unit in real numbers, unobserved; its lambda keeps its bits.
+        """The same unit in real numbers, unobserved. Lambda keeps its 8 fraction bits.
 
-        fraction_bits   of a filter's fractions; None: they are not rounded either
-        levels          real texels for the texture's own, which need not lie in [0, 1]: then the reference of
-                        a depth comparison is not rounded either
+        fraction_bits  the bits of a filter's fractions; None: fractions are not rounded either
+        levels         real texels in place of the texture's, which may lie outside [0, 1]. A depth
+                       comparison's reference is then not rounded either
 
-        None where that has no real numbers: of color tables, and of real depths beside depths of floats.
+        Returns None if the unit has no real numbers: with a color table, or with real depths for a float
+        format.
         """
         if self.table is not None or (levels is not None and self.compares and self.words.form is not None):
             return None
@@ -151,41 +160,45 @@ class UnitSampler:
     def _signed(self):
         flags = self.sampler.signed_components
         flags = [flags.red, flags.green, flags.blue, flags.alpha]
-        if self.hilo:  # words have the signs of their high bytes
+        if self.hilo:  # a word's sign is its high byte's
             flags = [False, flags[1], False, flags[3]]
         return np.array(flags) if any(flags) else None
 
     def _as_signed(self, texels):
-        """Texels whose signed components are two's complement numbers."""
+        """Texels, with signed components read as two's complement."""
         if self.signed is None:
             return texels
         return np.where(self.signed & (texels >= 1 << (self.bits - 1)), texels - (1 << self.bits), texels)
 
     def register(self, fragments, bits, tap=None):
-        """The unit's register, [4, k] in units of ``bits``, int64 unless it is in reals. ``tap``: of one
-        texel of its filter, (level, layer, row, column), 0 or 1 each.
+        """The unit's register, [4, k] in units of ``bits``: int64, or float64 in reals.
+
+        ``tap``: take one texel of the filter, (level, layer, row, column), 0 or 1 each.
         """
         self._saw("sampled", sampler=self, fragments=fragments, bits=bits)
         return self.as_register(self.filtered(fragments, tap)[:, :4], fragments, bits)
 
     def looked_up(self, strq, fragments, bits):
-        """The register at other coordinates, float64 [k, 4]: level 0, by the magnification filter."""
+        """The register at other coordinates, float64 [k, 4]: level 0, with the magnification filter."""
         return self.as_register(self.at_level_zero(strq, strq[:, 2]), fragments, bits)
 
     def at_level_zero(self, strq, r, lifted=True, flat=False):
-        """Level 0 at made coordinates, float64 [k, 3 or 4], by the magnification filter: int64 [k, 4].
+        """Level 0 at coordinates that a stage made, float64 [k, 3 or 4], with the magnification filter: int64
+        [k, 4].
 
-        r       float64 [k], what a comparison compares
-        lifted  by the bias of computed coordinates
-        flat    s and t on a cube map's first face
+        r       float64 [k], the reference of a depth comparison
+        lifted  whether the bias of computed coordinates is added
+        flat    whether s and t address a cube map's first face
         """
         compared = self._compared(strq, r)
         linear = self.sampler.mag_filter.is_linear
         return self._level(0, linear, strq, False, compared, lifted, flat=flat)
 
     def at_footprints(self, strq, r, lifted, footprint, lod):
-        """As ``at_level_zero`` of made coordinates with a footprint, (along s, along t, probes) [k, 3], and
-        a lambda with 8 fraction bits, int64 [k], without bias.
+        """As ``at_level_zero``, but with a footprint and a lambda.
+
+        footprint  (along s, along t, probes), [k, 3]
+        lod        lambda without bias, int64 [k], with 8 fraction bits
         """
         compared, lod = self._compared(strq, r), self._limited(lod)
         if self.probes:
@@ -193,7 +206,7 @@ class UnitSampler:
         return self._levels(strq, False, lod, compared, lifted)
 
     def _compared(self, strq, r):
-        """What texels of made coordinates are compared with, or None."""
+        """The reference that texels at such coordinates are compared with; None: no comparison."""
         if not self.compares:
             return None
         if self.sampler.compare_mode != TextureCompareMode.COMPARE_R_TO_TEXTURE:
@@ -201,26 +214,27 @@ class UnitSampler:
         return self._reference(r)
 
     def _reference(self, r):
-        """What depth texels are compared with: words, or where these are real the same as they are."""
+        """The reference of a depth comparison, as words. With real texels it stays a real number."""
         if self.real_texels:
             return np.clip(r * (self.depth_scale / self.words.largest), 0.0, 1.0) * self.one
         return sample.depth_reference(r * self.depth_scale, self.words.form, self.words.largest)
 
     def _limited(self, lod):
-        """Lambda with the unit's bias, between the sampler's limits."""
+        """Lambda after the unit's bias, between the sampler's limits."""
         lod = lod + int(256.0 * float(self.unit.lod_bias))  # truncated
         low, high = (int(256 * float(limit)) for limit in (self.sampler.min_lod, self.sampler.max_lod))
         return np.minimum(np.maximum(lod, low), high)
 
     def fractions(self, fragments, level):
-        """Fractions between the columns, rows, layers and levels of the filter at the lower (0) or the upper
-        (1) of its levels, int64 [k, 4].
+        """The filter's fractions between columns, rows, layers and levels, int64 [k, 4].
+
+        ``level``: 0 for the lower, 1 for the upper of the filter's levels.
         """
         return self.filtered(fragments, (level, 0, 0, 0))[:, 4:]
 
     @property
     def linear(self):
-        """Whether a filter reads several texels of a level."""
+        """Whether a filter reads several texels in a level."""
         return self.sampler.mag_filter.is_linear or self.sampler.min_filter.is_linear
 
     @property
@@ -229,7 +243,7 @@ class UnitSampler:
         return self.sampler.min_filter.mipmap == C.MIPMAP_LINEAR
 
     def as_register(self, texel, fragments, bits):
-        """What the unit's register receives of its texels, [4, k]."""
+        """The unit's register from its texels, [4, k]."""
         if self.number == 0 and fragments.texel_alpha is not None:
             alpha = numbers.convert(fragments.texel_alpha.astype(np.int64), 255, self.one)
             texel = np.concatenate([texel[:, :3], alpha[:, None]], axis=1)
@@ -244,7 +258,9 @@ class UnitSampler:
         return register
 
     def filtered(self, fragments, tap=None):
-        """A texel of each fragment, [k, 4] in the texture's units; of a ``tap`` with its fractions."""
+        """The texel of each fragment, [k, 4] in the texture's units. With a ``tap``, [k, 8]: its fractions
+        follow.
+        """
         strq = fragments.coordinates[:, self.number]
         divided = bool((strq[:, 3] != 1.0).any())
         if fragments.divided is not None:
@@ -275,7 +291,7 @@ class UnitSampler:
         return filtered(fragments.footprints[:, self.number], str_, divided, lod, compared)
 
     def _assembled(self, footprint, str_, lifted, lod, compared):
-        """The mean of a footprint's probes, cut."""
+        """The mean of a footprint's probes, truncated."""
         total, probes = np.zeros((len(str_), 4), self.numbers.dtype), footprint[:, 2]
         for probe in range(int(probes.max(initial=1.0))):
             used = probe < probes
@@ -287,11 +303,11 @@ class UnitSampler:
         return self.numbers.shared(total, probes.astype(np.int64)[:, None])
 
     def _along(self, footprint, str_, lifted, lod, compared):
-        """An anisotropically filtered texel: pairs of texels along the footprint."""
+        """A texel with an anisotropic filter: pairs of texels along the footprint."""
         total = np.full((len(str_), 4), 128 if self.numbers.rounds else 0, self.numbers.dtype)
         for pair in range(int(np.ceil(float(self.sampler.max_anisotropy) * 0.5))):
             distance, weight = sample.taps(footprint[:, 2], pair)
-            used = weight != 0  # the outermost pair takes what the others leave, or exceed
+            used = weight != 0  # the outermost pair takes the remaining weight, which may be less than 0
             for side in (1.0, -1.0):
                 moved = str_.copy()
                 moved[:, :2] += (side * distance)[:, None] * footprint[:, :2]
@@ -300,7 +316,7 @@ class UnitSampler:
         return self.numbers.shared(total, 256)
 
     def _levels(self, strq, divided, lod, compared, lifted=False, tap=None):
-        """The level that lambda asks for, or two of them blended (section 7)."""
+        """The level that lambda selects, or a blend of two levels (section 7)."""
         s = self.sampler
 
         def level(number, linear, chosen):
@@ -359,7 +375,7 @@ class UnitSampler:
         read = None if self.signed is None else self._as_signed
         if reference is not None:
             read = sample.comparison(reference, s.compare_function, *self.compared)
-        elif self.hilo and self.numbers.rounds:  # of real numbers a word's bytes are filtered as the word is
+        elif self.hilo and self.numbers.rounds:  # in real numbers, a word's bytes are filtered like the word
             return self._hilo(image, places, face, modes, linear, target)
         return sample.filter_level(
             image, places, face, modes, linear, target, self.border, self.fraction_bits, read, tap, self._saw,
@@ -367,7 +383,7 @@ class UnitSampler:
         )  # fmt: skip
 
     def _hilo(self, image, places, face, modes, linear, target):
-        """Two words of 16 bits, filtered as such, as four bytes (section 12)."""
+        """Two words of 16 bits, filtered as words, as four bytes (section 12)."""
 
         def words(texels):
             texels = texels & 255
