@@ -1,4 +1,4 @@
-"""Levels with border texels in real numbers: as levels without, which the filters of all levels read."""
+"""Levels with border texels, rewritten as levels that the filters can read without a border."""
 
 import numpy as np
 
@@ -7,13 +7,15 @@ from fixedpipe.raster.floats import TAU
 
 
 def with_border(level, where, sampler, beside, linear):
-    """A level with border texels, as one that CLAMP_TO_EDGE reads where the sampler's wrap modes read this.
+    """Rewrite a level with border texels so that a filter reads it with CLAMP_TO_EDGE.
 
     level   float64 [faces, h, w, 4], with the border
-    where   the TextureCoordinates; of ``beside``: how many border texels there are along s, t and r
-    Returns the level, float64 of the same shape, and positions float64 [k, 2 or 3] in it. Where a wrap mode
-    reads no border, the border holds what the mode reads there. A nearest filter gets the texel's middle.
-    Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
+    where   the TextureCoordinates
+    beside  how many border texels there are along s, t and r
+
+    Returns the level, float64 of the same shape, and positions in it, float64 [k, 2 or 3]. Where a wrap mode
+    reads no border, the border holds the texels that the mode reads there. For a nearest filter the positions
+    are texel centres. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
     """
     position = np.empty(where.position.shape)
     wraps = sampler.wrap_s, sampler.wrap_t, sampler.wrap_r
@@ -32,8 +34,9 @@ def with_border(level, where, sampler, beside, linear):
 
 
 def _in_reach(texel, mode, size, border, linear):
-    """Texel coordinates along an axis that a wrap mode has moved, and which texel is read at each index from
-    -border to size - 1 + border.
+    """Texel coordinates along an axis after the wrap mode, and which texel each index reads.
+
+    Indices run from -border to size - 1 + border.
     """
     index = np.arange(-border, size + border)
     inside = np.clip(index, 0, size - 1)

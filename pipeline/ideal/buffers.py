@@ -1,4 +1,4 @@
-"""The framebuffer while a frame runs on the ideal machine: how it is cleared, accumulated and read."""
+"""The ideal machine's framebuffer during a frame: clears, accumulation and reads."""
 
 from copy import copy
 
@@ -19,10 +19,10 @@ from fixedpipe.pipeline.textures.pixel_formats import DEPTH_FORMAT, STENCIL_FORM
 
 
 class IdealBuffers:
-    """The framebuffer while a frame runs: top row first; fragments address it by flat index."""
+    """The framebuffer during a frame, top row first. A fragment addresses it by flat index."""
 
     def __init__(self, width, height):
-        # The machine's framebuffer starts the same way.
+        # Its first contents are those of the machine's framebuffer.
         self.color = np.zeros((height, width, 4))
         self.depth = np.ones((height, width))
         self.stencil = np.zeros((height, width), np.uint8)
@@ -30,7 +30,9 @@ class IdealBuffers:
         self._auxiliary = {}
 
     def buffer(self, which):
-        """What a ColorBuffer stands for: these buffers, or others with the same depths and stencil values."""
+        """The buffer that a ColorBuffer names: these buffers, or others that share their depths and stencil
+        values.
+        """
         if which is ColorBuffer.BACK:
             return self
         if which not in self._auxiliary:
@@ -39,7 +41,7 @@ class IdealBuffers:
         return self._auxiliary[which]
 
     def copy(self):
-        """Buffers that hold the same, and keep it."""
+        """An independent copy of the buffers."""
         held, depth = IdealBuffers(*self.depth.shape[::-1]), self.depth.copy()
         for which in (ColorBuffer.BACK, *self._auxiliary):
             held.buffer(which).color = self.buffer(which).color.copy()
@@ -48,12 +50,12 @@ class IdealBuffers:
         return held
 
     def drawn_to(self, command):
-        """The buffer that a command draws to; the back buffer where it draws to none."""
+        """The buffer that a command draws to. A command that draws to none gives the back buffer."""
         written = getattr(command, "state", command)
         return self.buffer(getattr(written, "draw_buffer", ColorBuffer.BACK))
 
     def box_of(self, command):
-        """The box that a command reads."""
+        """The box that a command reads: (x, y, width, height)."""
         height, width = self.depth.shape
         return box_read(command, width, height)
 
@@ -63,19 +65,19 @@ class IdealBuffers:
 
 
 def written_channels(color_mask):
-    """Which of red, green, blue and alpha a color mask writes: bool [4]."""
+    """Which of red, green, blue and alpha a color mask lets through: bool [4]."""
     return np.array([color_mask.red, color_mask.green, color_mask.blue, color_mask.alpha])
 
 
 def scissored(scissor, buffers):
-    """x, y, width, height of the scissor box inside the framebuffer."""
+    """x, y, width, height of the scissor box within the framebuffer."""
     height, width = buffers.depth.shape
     left, top, right, bottom = bounds.scissored(scissor, width, height)
     return left, height - bottom, right - left, bottom - top
 
 
 def clear(command, buffers):
-    """Section 4.2.3: through the scissor box and the masks."""
+    """Clear the buffers inside the scissor box, through the masks (section 4.2.3)."""
     box = scissored(command.scissor, buffers)
     if command.color is not None:
         buffers.rows(buffers.color, *box)[..., written_channels(command.color_mask)] = np.array(
@@ -93,13 +95,13 @@ def clear(command, buffers):
 
 
 def saturate(command, buffers):
-    """Colours inside the scissor box are clamped to [0, 1]."""
+    """Clamp the colours inside the scissor box to [0, 1]."""
     color = buffers.rows(buffers.color, *scissored(command.scissor, buffers))
     np.clip(color, 0.0, 1.0, out=color)
 
 
 def accumulate(command, buffers):
-    """Section 4.2.4 without a clamp, not even RETURN's: colours may exceed 1, as after blending."""
+    """Section 4.2.4 without any clamp, even for RETURN: colours may exceed 1, as after blending."""
     box, value = scissored(command.scissor, buffers), command.value
     sums = buffers.rows(buffers.accumulation, *box)
     match command.operation:
@@ -118,14 +120,14 @@ def accumulate(command, buffers):
 
 
 def transferred(region, command, statistics, dimensions=2):
-    """Colours through a command's pixel transfer; None where a sink took them."""
+    """Colours after a command's pixel transfer; None: a sink took them."""
     if changes_nothing(command.transfer):
         return region
     return transfer_colors(region, command.transfer, IDEAL, statistics, dimensions)
 
 
 def read_pixels(command, buffers, guide, statistics):
-    """What a ReadPixels reads, bottom row first; None where a sink took it. ``guide``: a Result or None."""
+    """The pixels of a ReadPixels, bottom row first; None: a sink took them. ``guide``: a Result or None."""
     box, transfer = buffers.box_of(command), command.transfer
     if command.format == STENCIL_FORMAT:
         if guide:

@@ -1,7 +1,7 @@
 """General combiners and the final combiner in real numbers.
 
-Kernels take blocks of fragments, windows of a *file* of registers, float64 [registers, 4, k], so that what
-they compute stays in the cache: each operation is one loop over a block.
+Kernels work on blocks of fragments: windows of a *file* of registers, float64 [registers, 4, k]. A block
+stays in the cache, and each operation is one loop over it.
 """
 
 from dataclasses import dataclass
@@ -32,24 +32,26 @@ _SCALE = {
     CombinerScale.SCALE_BY_ONE_HALF: 0.5,
 }
 
-# One, what EXPAND_NORMAL subtracts and one half, as ``coefficients`` takes them; and those of a constant of
-# both signs, as the notations store it.
+# For ``coefficients``: the value of one, the number that EXPAND_NORMAL subtracts, and one half. The second
+# triple is for a signed constant, as the notations store it.
 _CONSTANTS, _SIGNED_CONSTANTS = (1.0, 1.0, 0.5), (1.0, 256 / 255, 128 / 255)
 
 _BLOCK = 64
-_REGISTERS = C.REGISTER_DISCARD  # those that a file holds come before it
+_REGISTERS = C.REGISTER_DISCARD  # the registers of a file come before it
 
-# Rows of whole numbers: of four variables the register, or _SAME where it is a colour that all fragments
-# share, and the component, or _OWN for each its own; then of a portion what follows. Rows of reals: of four
-# variables a mapping, then of each such a colour, then of a portion bias and scale, then of each variable the
-# greatest number that is mapped.
+# A portion's row of whole numbers begins with two numbers for each of its four variables. The first is the
+# register, or _SAME for a colour that all fragments share. The second is the component, or _OWN if each
+# component reads itself. The fields below follow. A portion's row of reals holds, in order: four mappings,
+# four shared colours, the portion's bias and scale, and for each variable the greatest number before its
+# mapping.
 _SAME = _OWN = -1
 _AB_DOT, _CD_DOT, _MUX, _AB_TO, _CD_TO, _SUM_TO, _BLUE_TO_ALPHA, _PORTION = range(8, 16)
 _COLORS, _BIAS, _FACTOR, _GREATEST, _REALS = 16, 32, 33, 34, 38
-# Of the final combiner's second row: whether E F or SPARE0 + SECONDARY_COLOR is asked.
+# In the final combiner's second row: whether it reads E F or SPARE0 + SECONDARY_COLOR.
 _ASKS_PSEUDO = 8
 
-# What a portion computes, each [4, block]: its variables, two products, their sum; the RGB portion's first.
+# Each portion computes its variables, two products and their sum, [4, block] each; the RGB portion comes
+# first.
 _AB, _CD, _SUM, _COMPUTED = 4, 5, 6, 7
 
 _FILE = float64[:, :, ::1]
@@ -66,7 +68,7 @@ def _mapped(x, least, greatest, factor, offset, most):
 
 @kernel(void(_FILE, _WINDOW, int64[::1], float64[::1], int64, int64, int64, float64[:, ::1]))
 def _read(file, window, row, reals, variable, first, last, out):
-    """A combiner variable's value for components ``first`` to ``last``."""
+    """Read and map components ``first`` to ``last`` of a combiner variable."""
     separate_loop()
     start, count = uint64(window[0]), window[1]
     register, component = row[2 * variable], row[2 * variable + 1]
@@ -87,7 +89,7 @@ def _read(file, window, row, reals, variable, first, last, out):
 
 @kernel(void(_FILE, int64, int64, int64, int64, int64))
 def _multiply(computed, at, first, last, dots, count):
-    """The product of two variables, the second behind the first, to its place; or their dot product."""
+    """Store the product of a variable and the next, or their dot product."""
     separate_loop()
     a, b, to = uint64(at), uint64(at + 1), uint64(at - at % _COMPUTED + _AB + (at % _COMPUTED) // 2)
     for c in range(first, last):
@@ -102,7 +104,7 @@ def _multiply(computed, at, first, last, dots, count):
 
 @kernel(void(_FILE, _WINDOW, int64, int64, int64, int64, _FILE))
 def _add(file, window, at, first, last, mux, computed):
-    """AB + CD; or CD where SPARE0's alpha is 1/2 or more, and AB elsewhere.
+    """Store AB + CD. For a mux, store CD where SPARE0's alpha is 1/2 or more, and AB elsewhere.
 
     Source: NV_register_combiners, section 3.8.12.2.
     """
@@ -121,7 +123,7 @@ def _add(file, window, at, first, last, mux, computed):
 
 @kernel(void(_FILE, _WINDOW, int64[:, ::1], float64[:, ::1], _FILE))
 def _store(file, window, rows, reals, computed):
-    """The outputs of a stage's portions into registers: the RGB portion's first."""
+    """Store the outputs of a stage's portions in registers, the RGB portion's first."""
     separate_loop()
     start, count = uint64(window[0]), window[1]
     for portion in range(2):
@@ -138,7 +140,9 @@ def _store(file, window, rows, reals, computed):
 
 @kernel(void(_FILE, int64[:, ::1], float64[:, ::1], int64, int64, _FILE))
 def _stage(file, rows, reals, computes, stores, computed):
-    """The two portions of a stage, block by block: what they compute before bias and scale, and its way into
+    """Run the two portions of a stage, block by block.
+
+    ``computes``: compute products and sums, before bias and scale. ``stores``: store the outputs in
     registers.
     """
     block = computed.shape[2]
@@ -161,7 +165,7 @@ def _stage(file, rows, reals, computes, stores, computed):
 
 @kernel(void(_FILE, _WINDOW, _FILE))
 def _pseudo_registers(file, window, computed):
-    """E F from its factors, and what SPARE0 and SECONDARY_COLOR add up to."""
+    """Store E F, the product of its factors, and SPARE0 + SECONDARY_COLOR."""
     separate_loop()
     start, count = uint64(window[0]), window[1]
     for c in range(3):
@@ -177,7 +181,7 @@ def _pseudo_registers(file, window, computed):
 
 @kernel(void(_FILE, _WINDOW, float64[:, ::1]))
 def _blend(computed, window, out):
-    """A B + (1 - A) C + D, and G, clamped to [0, 1], to a window of ``out``."""
+    """Store A B + (1 - A) C + D, and G, clamped to [0, 1], in a window of ``out``."""
     separate_loop()
     start, count = uint64(window[0]), window[1]
     for i in range(count):
@@ -192,12 +196,12 @@ def _blend(computed, window, out):
 
 @kernel(void(_FILE, int64[:, ::1], float64[:, ::1], _FILE, float64[:, ::1]))
 def _finish(file, rows, reals, computed, out):
-    """The final combiner, block by block. ``rows``: of A to D, then of E, F and G."""
+    """Run the final combiner, block by block. ``rows``: one for A to D, one for E, F and G."""
     block = computed.shape[2]
     for start in range(0, file.shape[2], block):
         window = start, min(block, file.shape[2] - start)
         for k in range(7):
-            v = (k + 4) % 7  # E, F and G; then A to D, which may read what E and F make
+            v = (k + 4) % 7  # E, F and G first: A to D may read their results
             if v == 0 and rows[1, _ASKS_PSEUDO]:
                 _pseudo_registers(file, window, computed)
             row, first, last = v // 4, 3 if v == 6 else 0, 4 if v == 6 else 3
@@ -207,7 +211,7 @@ def _finish(file, rows, reals, computed, out):
 
 @kernel(void(float64[:, ::1], _FILE, int64))
 def _load(source, file, register):
-    """A register from the fragments' columns, or one colour for all of them."""
+    """Load a register from the fragments' columns, or from one colour for all fragments."""
     separate_loop()
     step = 1 if len(source) > 1 else 0
     for i in range(file.shape[2]):
@@ -217,10 +221,11 @@ def _load(source, file, register):
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """RegisterCombiners as kernels take them (``plan_of``).
+    """RegisterCombiners in the form that kernels take (``plan_of``).
 
-    rows, reals  int64 and float64 [stages + 1, 2, ...]: what is read and computed, the final combiner's last
-    read         the registers that something reads, but those that are one colour
+    rows, reals  int64 and float64 [stages + 1, 2, ...]: what each portion reads and computes; the final
+                 combiner is the last
+    read         the registers that a variable reads, without those of one colour
     """
 
     combiners: RegisterCombiners
@@ -233,7 +238,7 @@ _COMPONENTS = {ComponentUsage.RGB: _OWN, ComponentUsage.ALPHA: 3, ComponentUsage
 
 
 def plan_of(combiners):
-    """The Plan of RegisterCombiners."""
+    """The Plan of a RegisterCombiners."""
     stages, final = combiners.general, combiners.final
     rows = np.full((len(stages) + 1, 2, _PORTION), C.REGISTER_DISCARD, np.int64)
     reals, read = np.zeros((len(rows), 2, _REALS)), set()
@@ -257,7 +262,9 @@ def plan_of(combiners):
 
 
 def _colors(combiners, color0=None, color1=None):
-    """The registers that are one colour: a stage's own constants, or the program's."""
+    """The registers that have one colour for all fragments: zero, and the stage's or the
+    program's constants.
+    """
     return {
         Register.ZERO: (0.0,) * 4,
         Register.CONSTANT_COLOR0: combiners.constant_color0 if color0 is None else color0,
@@ -297,9 +304,10 @@ def _plan_portion(portion, colors, row, numbers, read):
 
 
 def _mapping(mapping, constants):
-    """(least, factor, offset, most): a mapping in real numbers is max(most, factor * max(least, x) + offset);
-    of what a program saturates, x is at most 1. The mappings called unsigned yield nothing negative; none of
-    the others has an upper clamp. Source: NV_register_combiners, table 4.
+    """(least, factor, offset, most): a mapping in real numbers is max(most, factor * max(least, x) + offset).
+
+    A program's saturation limits x to 1 first. The unsigned mappings yield no negative number; the others
+    have no upper clamp. Source: NV_register_combiners, table 4.
     """
     signed, factor, offset = coefficients(mapping, *constants)
     most = 0.0 if mapping is Mapping.UNSIGNED_INVERT else -np.inf
@@ -307,19 +315,21 @@ def _mapping(mapping, constants):
 
 
 def constant_color(color):
-    """A color for all fragments, float64 [1, 4]."""
+    """One color for all fragments, float64 [1, 4]."""
     return np.array([color], np.float64)
 
 
 def combine(plan, registers, look_up=None, observe=unobserved):
-    """General combiners and final combiner: float64 [k, 4], clamped to [0, 1] at the very end.
+    """Run general combiners and final combiner: float64 [k, 4], clamped to [0, 1] at the very end.
 
-    ``registers``: Register to float64 [k, 4], or [1, 4] for all fragments: those of ``plan.read`` that no
-    stage makes. SPARE0 not among them begins with texture 0's alpha. AB's blue goes to alpha where a texture
-    environment's dot product asks for it; users' flags are the NV2A's. Nothing is clamped between the stages;
-    the final combiner's A, being the weight of a blend, stays in [0, 1].
-    ``look_up(lookup, rgb)``: the texel of a stage's CombinerLookup at its register's colours, float64 [k, 3].
-    ``observe``: the observer: of each stage the file and what its portions computed, of a few fragments.
+    registers  Register to float64 [k, 4], or [1, 4] for all fragments: those of ``plan.read`` that no stage
+               writes. SPARE0's alpha is texture 0's if SPARE0 is missing
+    look_up    ``look_up(lookup, rgb)`` gives the texel of a stage's CombinerLookup at its register's colours,
+               float64 [k, 3]
+    observe    the observer: it receives each stage's file and its portions' results, for a few fragments
+
+    No value is clamped between the stages. The final combiner's A is a blend's weight, and stays in [0, 1]. A
+    texture environment's dot product copies AB's blue to alpha; on the NV2A a program may ask for it too.
     """
     count, stages = len(registers[Register.PRIMARY_COLOR]), plan.combiners.general
     whole = any(_functions(stage) for stage in stages)
@@ -353,6 +363,6 @@ def combine(plan, registers, look_up=None, observe=unobserved):
 
 
 def _functions(stage):
-    """The functions of a stage's portions; none where both add."""
+    """The functions of a stage's portions; empty if both portions add."""
     both = stage.rgb.function, stage.alpha.function
     return () if both == (CombinerFunction.NONE,) * 2 else both

@@ -1,4 +1,4 @@
-"""Comparison functions on real numbers: the alpha, stencil and depth tests ask them, and depth textures."""
+"""Comparison functions on real numbers, for the alpha, stencil and depth tests and for depth textures."""
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.kernel import kernel
@@ -8,7 +8,7 @@ from fixedpipe.raster.kernel import kernel
 def holds(function, a, b):
     """``a FUNC b`` (OpenGL 1.2.1 section 4.1).
 
-    ``function``: a bit each for less, equal and greater. Where a or b is no number, only NOTEQUAL and ALWAYS
+    ``function`` has one bit each for less, equal and greater. If a or b is NaN, only NOTEQUAL and ALWAYS
     hold.
     """
     if a < b:

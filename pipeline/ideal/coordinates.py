@@ -1,5 +1,7 @@
-"""Where fragments read textures: divided by q, on the face of a cube, made by a texture shader, or turned
-along an arc from vertex to vertex.
+"""Where fragments read textures.
+
+Coordinates are divided by q, placed on a face of a cube, made by a texture shader, or turned along an arc
+from vertex to vertex.
 """
 
 from dataclasses import dataclass, replace
@@ -15,17 +17,17 @@ from fixedpipe.raster.portable.interpolate import coordinate_difference, product
 
 _ROWS, _TRIANGLES = (types.Array(kind, 2, "C", readonly=True) for kind in (float64, int32))
 _UNIT_OF_ONE = 2.0 ** (1 - SINGLE_BITS)
-_ALONG = types.Tuple((_TRIANGLES, int32[::1], float64[:, ::1]))  # triangles; of fragments: theirs, weights
+_ALONG = types.Tuple((_TRIANGLES, int32[::1], float64[:, ::1]))  # triangles; each fragment's one; weights
 
 
 @dataclass(frozen=True, eq=False)
 class TextureCoordinates:
     """Where fragments read a texture image.
 
-    position  float64 [k, 2], or [k, 3] in a volume, 1.0 = the whole image; the others that follow likewise
-    face      int64 [k], 0 unless a cube map
-    slip      float64 [k, 2], by how much the machines' coordinates lie beside ``position``, their bias aside
-    bias      float64 [k, 1], texels that the machines add to coordinates that they divided: TAU or 0
+    position  float64 [k, 2], or [k, 3] in a volume; 1.0 = the whole image. slip, dx and dy use the same unit
+    face      int64 [k], a cube map's face; otherwise 0
+    slip      float64 [k, 2], the machines' coordinates minus ``position``, without their bias
+    bias      float64 [k, 1], the texels that the machines add to divided coordinates: TAU or 0
     dx, dy    float64 [k, 2], derivatives of ``position`` per pixel
     """
 
@@ -44,7 +46,7 @@ def _divisor(q):
 
 @kernel(void(_ALONG, _ROWS, int64, float64[:, ::1], float64[:, ::1]))
 def _divide(along, rows, first, position, bias):
-    """s, t (and r) over q, of four numbers of the vertices' rows; and TAU where some q is not 1."""
+    """Iterate s, t (and r) and divide them by q. The bias is TAU where some vertex's q is not 1."""
     separate_loop()
     triangles, triangle, weights = along
     axes, last = position.shape[1], uint64(first + 3)
@@ -65,7 +67,7 @@ def _divide(along, rows, first, position, bias):
 
 @kernel(void(_ALONG, _ROWS, int64, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
 def _divided_change(along, rows, first, step, position, out):
-    """How ``position`` changes where the weights change by ``step`` [2, k]: the quotient rule."""
+    """The change of ``position`` for a change ``step`` [2, k] of the weights, by the quotient rule."""
     separate_loop()
     triangles, triangle, weights = along
     axes, last = position.shape[1], uint64(first + 3)
@@ -85,7 +87,7 @@ def _divided_change(along, rows, first, step, position, out):
 
 @kernel
 def _as_machines(v0, v1, v2, q0, q2):
-    """A coordinate by docs/numbers.md, section 6, and the unit that its terms are cut to."""
+    """A coordinate by docs/numbers.md, section 6, and the unit to which its terms are truncated."""
     d0, d2 = coordinate_difference(v0, v1), coordinate_difference(v2, v1)
     if not (np.isfinite(v1) and np.isfinite(q0 * d0) and np.isfinite(q2 * d2)):
         return np.nan, _UNIT_OF_ONE
@@ -95,9 +97,9 @@ def _as_machines(v0, v1, v2, q0, q2):
 
 @kernel(void(_ALONG, float64[:, ::1], _ROWS, int64, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
 def _slip(along, weights, rows, first, position, bias, slip):
-    """How much the machines' s, t, r over q, by their ``weights`` [2, k], lie beside ``position``.
+    """The machines' s, t, r over q, by their ``weights`` [2, k], minus ``position``.
 
-    Undivided coordinates lie at least a unit off an exact boundary, or on it but for the noise of float64.
+    An undivided coordinate lies on an exact boundary up to float64's error, or at least one unit away.
     """
     separate_loop()
     triangles, triangle, _ = along
@@ -133,8 +135,10 @@ def _directions_as_machines(along, weights, rows, first, out):
 def place(target, weights, rows, first=0, nearest=True, changing=True):
     """TextureCoordinates of fragments whose vertices have s, t, r, q from place ``first`` of ``rows`` on.
 
-    Not ``nearest``: no nearest filter reads them; slip is 0. Not ``changing``: nothing asks how they change;
-    dx and dy are 0. Either is a third of the work.
+    nearest   whether a nearest filter reads them; if not, slip is 0
+    changing  whether something needs their derivatives; if not, dx and dy are 0
+
+    Each of the two takes a third of the work.
     """
     if target is TextureTarget.TEXTURE_CUBE_MAP:
         direction = weights.iterate(rows, first)
@@ -160,7 +164,7 @@ def place(target, weights, rows, first=0, nearest=True, changing=True):
 
 
 def _axes(target):
-    """How many texture coordinates place a texel of an image that is no cube map's."""
+    """The number of texture coordinates that address an image which is not a cube map."""
     return 3 if target is TextureTarget.TEXTURE_3D else 2
 
 
@@ -170,7 +174,9 @@ def _nothing(count, axes):
 
 @kernel
 def _on_face(s, t, r, face):
-    """(sc, tc) of a vector on a face, and what is along its axis. Source: EXT_texture_cube_map."""
+    """(sc, tc) of a vector on a face, and its component along the face's axis. Source:
+    EXT_texture_cube_map.
+    """
     if face == C.FACE_POSITIVE_X or face == C.FACE_NEGATIVE_X:
         return (-r if face == C.FACE_POSITIVE_X else r), -t, s
     if face == C.FACE_POSITIVE_Y or face == C.FACE_NEGATIVE_Y:
@@ -180,13 +186,13 @@ def _on_face(s, t, r, face):
 
 @kernel
 def _ratio(value, magnitude):
-    """A place along an edge of a face; 0 where the major axis is. docs/numbers.md, section 6."""
+    """A place along an edge of a face; 0 if the major component is 0. docs/numbers.md, section 6."""
     return 0.0 if magnitude == 0.0 else (value / magnitude + 1.0) * 0.5
 
 
 @kernel(void(float64[:, ::1], int64[::1], float64[:, ::1]))
 def _place_on_face(direction, face, position):
-    """Places of directions on given faces. Source: EXT_texture_cube_map, section 3.8.6."""
+    """The places of directions on given faces. Source: EXT_texture_cube_map, section 3.8.6."""
     separate_loop()
     for i in range(len(face)):
         sc, tc, along = _on_face(direction[i, 0], direction[i, 1], direction[i, 2], face[i])
@@ -195,13 +201,13 @@ def _place_on_face(direction, face, position):
 
 @kernel
 def _beyond(value, most):
-    """Whether a magnitude is larger, or the first that is no number."""
+    """Whether a magnitude is larger than ``most``, or the first NaN."""
     return not (value <= most or np.isnan(most))
 
 
 @kernel(void(float64[:, ::1], int64[::1]))
 def _major_face(direction, face):
-    """The face of the largest magnitude, x before y before z."""
+    """The face of the component with the largest magnitude; equal ones in the order x, y, z."""
     separate_loop()
     for i in range(len(face)):
         most, axis = abs(direction[i, 0]), 0
@@ -213,7 +219,7 @@ def _major_face(direction, face):
 
 @kernel(void(float64[:, ::1], float64[:, ::1], int64[::1], float64[:, ::1]))
 def _change_on_face(direction, step, face, out):
-    """How places on faces change where directions change by ``step``."""
+    """The change of places on faces for a change ``step`` of the directions."""
     separate_loop()
     for i in range(len(face)):
         sc, tc, major = _on_face(direction[i, 0], direction[i, 1], direction[i, 2], face[i])
@@ -224,8 +230,10 @@ def _change_on_face(direction, step, face, out):
 
 
 def project_on_cube(direction, dx=None, dy=None):
-    """TextureCoordinates of directions [k, 3 or 4] with their derivatives (None: 0): the face of the largest
-    magnitude, x before y before z. Source: EXT_texture_cube_map, section 3.8.6.
+    """TextureCoordinates of directions [k, 3 or 4] with their derivatives (None: 0).
+
+    The face is that of the component with the largest magnitude; equal ones in the order x, y, z. Source:
+    EXT_texture_cube_map, section 3.8.6.
     """
     direction, count = np.ascontiguousarray(direction), len(direction)
     face, position = np.empty(count, np.int64), np.empty((count, 2))
@@ -240,7 +248,7 @@ def project_on_cube(direction, dx=None, dy=None):
 
 
 def turned_place(target, weights, corners):
-    """Where unit vectors that turn steadily read a texture: what changes of a TextureCoordinates."""
+    """Where unit vectors that turn steadily read a texture: the fields of TextureCoordinates to replace."""
     turned = spherical(weights.perspective.T, corners)
     if target is TextureTarget.TEXTURE_CUBE_MAP:
         on_cube = project_on_cube(turned)
@@ -250,8 +258,8 @@ def turned_place(target, weights, corners):
 
 
 def spherical(weights, corners):
-    """Unit vectors [k, 3] between those of corners [k, 3, 3]: the arc from vertex 0 to 1, then from there to
-    2. Source: docs/numbers.md, section 20; Shoemake 1985.
+    """Unit vectors [k, 3] between those at corners [k, 3, 3]: along the arc from vertex 0 to 1, then from
+    there to 2. Source: docs/numbers.md, section 20; Shoemake 1985.
     """
     v0, v1, v2 = (corners[:, i] / np.linalg.norm(corners[:, i], axis=1, keepdims=True) for i in range(3))
     edge = _arc(v0, v1, weights[:, 1] / np.maximum(weights[:, 0] + weights[:, 1], TAU))
@@ -269,12 +277,12 @@ def _arc(a, b, t):
 
 
 def made_place(texture, str_, lifted=True):
-    """TextureCoordinates that were computed, [k, 3]: with the machines' lift."""
+    """TextureCoordinates that a stage made, [k, 3]. ``lifted``: with the machines' bias."""
     return _unmoving(texture.target, str_, TAU if lifted else 0.0)
 
 
 def still_place(strq, target):
-    """TextureCoordinates at s, t, r float64 [k, 4] that do not change from pixel to pixel."""
+    """TextureCoordinates at s, t, r, float64 [k, 4], that are the same in neighbouring pixels."""
     return _unmoving(target, strq, 0.0)
 
 
@@ -288,5 +296,5 @@ def _unmoving(target, str_, lift):
 
 
 def reference_of(strq):
-    """What depth texels are compared with: r over q, float64 [k]."""
+    """The reference of a depth comparison: r over q, float64 [k]."""
     return strq[:, 2] / np.where(strq[:, 3] == 0.0, 1.0, strq[:, 3])

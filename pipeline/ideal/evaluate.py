@@ -1,7 +1,8 @@
-"""The IDEAL evaluator: the same passes in float64, with no rounding and no clamp but the algorithm's own.
+"""The IDEAL evaluator: the same passes in float64, without rounding and without clamps but the algorithm's
+own.
 
-What stays, what goes, and why: docs/decisions/0001-ideal-evaluator.md. Only coverage is the machine's: the
-fragments are those of the snapped vertices.
+docs/decisions/0001-ideal-evaluator.md says which steps stay, which go, and why. Coverage alone is the
+machine's: the fragments are those of the snapped vertices.
 """
 
 from __future__ import annotations
@@ -54,16 +55,18 @@ from fixedpipe.pipeline.validation.frames import frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
 
-# Fragments shaded at a time, and so many times by a thread before all is written: what is computed stays in
-# the cache, and no value changes.
+# How many fragments are shaded together, and how many such chunks a thread shades before they are written.
+# The numbers keep results in the cache, and change no value.
 _CHUNK, _AT_ONCE = 1 << 13, 2
 
 _DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 
 def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
-    """A Draw's fragments, of its own coverage or those of a ``guide``, the machine and its Fragments, that
-    passed: shaded by all threads, and written in order.
+    """Shade a Draw's fragments with all threads, and write them in order.
+
+    ``guide``: a machine and its Fragments. Then the fragments are those that passed there; without a guide
+    they are the ideal's own coverage.
     """
     guided = guide is not None
     state, textures = depths_as_colors(command.state, textures, IDEAL)
@@ -77,7 +80,7 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
         if not writes_color(state) and not writes_depth(state):
             return
     else:
-        # Coverage has no use for colours, and its kernels take bytes.
+        # Coverage reads no colours, and its kernels take bytes.
         uncolored = replace(primitives, colors=np.zeros(primitives.colors.shape, np.uint8))
         scissor = within_viewport(command.mesh, state, *size).scissor
         record = rasterize(uncolored, IDEAL, state.polygon, scissor, *size, line=state.line)
@@ -89,7 +92,7 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
     plan = plan_for(state, textures, plans)
 
     def shaded(part):
-        """Pixels, colours and depths of what is alive in a slice of the record."""
+        """Pixels, colours and depths of the fragments that live, in a slice of the record."""
         where = fragments_of(record, part, guided)
         weights = weigh(mesh, state.polygon.front_face, *where)
         color, z, outcome = np.zeros((0, 4)), np.zeros(0), None
@@ -110,7 +113,7 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
         return pixel[outcome.alive], color[outcome.alive], z[outcome.alive] if deep else z
 
     def share(number):
-        # Derivatives of projections that blow up are looked at afterwards, as not finite.
+        # Derivatives of projections may overflow; later steps treat them as not finite.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for k in range(number, len(parts), threads.count):
                 done[k] = shaded(parts[k])
@@ -121,7 +124,7 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
         parts = chunks[first : first + _AT_ONCE * threads.count]
         done: list[Any] = [None] * len(parts)
         if len(parts) < threads.count:
-            for number in range(len(parts)):  # waking the others costs more than a few hundred fragments
+            for number in range(len(parts)):  # waking threads costs more than a few hundred fragments
                 share(number)
         else:
             threads.run(share)
@@ -144,7 +147,7 @@ def _check_guide(guide, commands, width, height):
     draws = sum(type(c) in _DRAWING for c in commands)
     if draws and not guide.records:
         raise ValueError("The guide holds no fragments; run it as execute(..., record=True).")
-    # How often a host draws is known when it does.
+    # Only while it runs does a HostStep show how often it draws.
     if len(guide.records) != draws and not any(isinstance(c, HostStep) for c in commands):
         raise _drew_otherwise(guide, draws)
     shape = guide.framebuffer.depth.shape
@@ -156,22 +159,22 @@ def _check_guide(guide, commands, width, height):
 
 
 class _Evaluation:
-    """A frame on its way: buffers, textures, what was read, and the commands that are still to come."""
+    """A frame in progress: buffers, textures, pixels read so far, and the commands still to come."""
 
     def __init__(self, commands, width, height, guide, depth_bits, threads, watch):
         self.watch = watch
         self.width, self.height, self.depth_bits = width, height, depth_bits
         self.guide, self.drawn, self.threads = guide, 0, threads
         self.buffers, self.pixels = IdealBuffers(width, height), {}
-        self.textures: dict[str, Any] = {}  # Textures, whose real texels are there
-        self.patched = {}  # the images of levels that were copied when a part was replaced first
-        self.plans = {}  # by the program's id, which the plan keeps alive
+        self.textures: dict[str, Any] = {}  # each Texture holds its real texels
+        self.patched = {}  # images of levels that were copied before their first partial replacement
+        self.plans = {}  # by the program's id; the plan keeps the program alive
         self.statistics = PixelStatistics()
         held = width, height, depth_bits, self.textures, None, self.statistics
         self.valid = ValidFrame(commands, lambda read: begun(IDEAL, *held, read))
 
     def run(self):
-        """The IdealResult of all commands."""
+        """Run all commands, and return the IdealResult."""
         waiting = self.valid.waiting
         while waiting:
             command = waiting.popleft()
@@ -263,7 +266,7 @@ class _Evaluation:
         accumulate(command, self.buffers)
 
     def only_the_window(self, command):
-        """MakeCurrent may name the window, which is current; validation refuses all pbuffers."""
+        """MakeCurrent may only name the window, which is already current: validation refuses all pbuffers."""
 
     def reset_histogram(self, command):
         self.statistics.reset_histogram(command.name)
@@ -303,19 +306,20 @@ def execute_ideal(
     threads: int | None = None,
     trace: Callable[[Command, NDArray[np.float64]], None] | None = None,
 ) -> IdealResult:
-    """Run ``commands`` in float64 on a framebuffer of width x height pixels: an IdealResult.
+    """Run ``commands`` in float64 on a framebuffer of width x height pixels, and return an IdealResult.
 
-    guide       None (free mode): the ideal makes its own alpha, stencil and depth tests. A Result of
-                ``execute(..., record=True)`` of the corresponding commands (guided mode): colours are
-                evaluated for exactly the fragments that the machine wrote, and depth and stencil are the
-                machine's, so that the difference of the two pictures is arithmetic alone. Depths that are
-                copied to textures are the exact ones of these fragments.
+    guide       None (free mode): the ideal makes its own alpha, stencil and depth tests. Otherwise (guided
+                mode) a Result of ``execute(..., record=True)`` for the corresponding commands. Then the ideal
+                evaluates colours for exactly the fragments that the machine wrote. Depth and stencil are the
+                machine's, so the difference of the two pictures is arithmetic alone. Depths that are copied
+                to textures are these fragments' exact ones
     depth_bits  the depth buffer whose smallest step is the unit of polygon offset (free mode); None: 24
-    threads     how many shade fragments; None: one per processor
-    trace       called after every command with it and the colours that it draws to, float64 [h, w, 4], top
-                row first, as an IdealResult's: good until the next one runs
+    threads     how many threads shade fragments; None: one per processor
+    trace       a function that is called after every command, with the command and the colours that it draws
+                to: float64 [h, w, 4], top row first, as in an IdealResult. They are valid until the next
+                command runs
 
-    Raises UnsupportedState or ValueError as ``validate`` does, and ValueError where the guide does not fit.
+    Raises UnsupportedState or ValueError as ``validate`` does, and ValueError if the guide does not fit.
     """
     commands = frame_of(commands)
     depth_bits = IDEAL.widest_depth if depth_bits is None else depth_bits
@@ -328,14 +332,16 @@ def execute_ideal(
 
 
 def evaluate_watched(commands, width, height, guide, depth_bits, watch):
-    """Run ``commands`` guided, as ``execute_ideal`` does; ``watch(command, textures, buffers)`` is called
-    after every one: the textures by name, each of which stays as it is, and the IdealBuffers, which do not.
+    """Run ``commands`` guided, as ``execute_ideal`` does, and call ``watch`` after every command.
+
+    ``watch(command, textures, buffers)`` receives the textures by name and the IdealBuffers. Each texture
+    stays as it is; the buffers do not.
     """
     commands = frame_of(commands)
     _check_guide(guide, commands, width, height)
 
     def seen(command, colors):
-        evaluation.patched.clear()  # the next CopyTexSubImage copies what it changes
+        evaluation.patched.clear()  # the next CopyTexSubImage copies the level that it changes
         watch(command, evaluation.textures, evaluation.buffers)
 
     shared = Threads(default_threads())

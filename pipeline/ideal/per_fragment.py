@@ -1,6 +1,6 @@
 """Per-fragment operations (section 4.1) on real colours and depths: tests, blending, logic operations.
 
-Fragments are taken one after the other, in draw order: several may be of one pixel.
+Fragments are processed one after the other, in draw order, because several may share a pixel.
 """
 
 import numpy as np
@@ -12,7 +12,8 @@ from fixedpipe.pipeline.ideal.comparison import holds
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.kernel import kernel, separate_loop
 
-# What a blend factor is made of, and the number before it and its sign: the factor is base + sign * value.
+# A blend factor is base + sign * value. Each entry names the value's source, then color or alpha, base and
+# sign.
 _NOTHING, _SOURCE, _DESTINATION, _CONSTANT, _SATURATED = range(5)
 _COLOR, _ALPHA = range(2)
 _FACTORS = {
@@ -48,7 +49,7 @@ _PLACE = types.Tuple((int64[::1], float64[:, ::1], _MASK, float64[:, ::1]))  # p
 
 @kernel
 def _stencil_result(operation, stored, reference):
-    """Section 4.1.4 and EXT_stencil_wrap, of 8 bits."""
+    """The result of a stencil operation, 8 bits. Source: section 4.1.4 and EXT_stencil_wrap."""
     if operation == C.STENCIL_ZERO:
         return 0
     if operation == C.STENCIL_REPLACE:
@@ -66,8 +67,9 @@ def _stencil_result(operation, stored, reference):
     return stored  # STENCIL_KEEP
 
 
-# Of each test whether it is asked, first; then the alpha test's function and reference, the depth test's
-# function and whether it writes, the stencil test's function, reference, masks and operations.
+# The first number of a test says whether it is enabled. Then follow: for the alpha test its function and
+# reference; for the depth test its function and whether it writes; for the stencil test its function,
+# reference, masks and operations.
 _ALPHA_TEST = types.Tuple((int64, int64, float64))
 _DEPTH_TEST = types.UniTuple(int64, 3)
 _STENCIL_TEST = types.UniTuple(int64, 8)
@@ -76,7 +78,9 @@ _TESTED = types.Tuple((int64[::1], float64[:, ::1], float64[::1]))  # pixels, co
 
 @kernel(void(_TESTED, _ALPHA_TEST, _DEPTH_TEST, _STENCIL_TEST, float64[::1], uint8[::1], uint8[::1]))
 def _test(fragments, alpha_test, depth_test, stencil_test, depth, stencil, alive):
-    """Alpha, stencil and depth test; new stencil values and depths; which fragments pass."""
+    """Alpha, stencil and depth tests. They write stencil values and depths, and mark the
+    fragments that pass.
+    """
     separate_loop()
     pixel, color, z = fragments
     asks_alpha, alpha_function, least = alpha_test
@@ -103,7 +107,7 @@ def _test(fragments, alpha_test, depth_test, stencil_test, depth, stencil, alive
 
 @kernel(void(_PLACE))
 def _write_plain(place):
-    """Colours as they are, the last of a pixel."""
+    """Write colours unchanged; the last fragment of a pixel remains."""
     separate_loop()
     pixel, source, mask, color = place
     for i in range(len(pixel)):
@@ -114,7 +118,7 @@ def _write_plain(place):
 
 @kernel
 def _factor(factor, c, source, destination, constant):
-    """A factor of tables 4.1 and 4.2 for component ``c``."""
+    """A blend factor (tables 4.1 and 4.2) for component ``c``."""
     what, which, base, sign = factor
     k = 3 if which == _ALPHA else c
     if what == _NOTHING:
@@ -134,7 +138,7 @@ def _factor(factor, c, source, destination, constant):
 
 @kernel(void(_PLACE, int64, _FACTOR, _FACTOR, _FOUR))
 def _write_blended(place, equation, of_source, of_destination, constant):
-    """Section 4.1.6, without a clamp of the result."""
+    """Blend and write colours (section 4.1.6), without a clamp of the result."""
     separate_loop()
     pixel, colors, mask, color = place
     for i in range(len(pixel)):
@@ -162,14 +166,15 @@ def _write_blended(place, equation, of_source, of_destination, constant):
 
 @kernel
 def _byte(value):
-    """The byte nearest to a colour, halves up."""
+    """The byte nearest to a colour; a half rounds up."""
     return int64(np.floor(min(max(value, 0.0), 1.0) * 255.0 + 0.5))
 
 
 @kernel(void(_PLACE, _MASK))
 def _write_combined(place, minterms):
-    """Table 4.3 on the bytes nearest to the colours: bits have no meaning in the real numbers. ``minterms``:
-    1 for those that the result has.
+    """Apply a logic operation (table 4.3) to the bytes nearest to the colours, and write the result.
+
+    Real numbers have no bits, hence the bytes. ``minterms``: 1 for each minterm of the operation.
     """
     separate_loop()
     pixel, source, mask, color = place
@@ -184,8 +189,10 @@ def _write_combined(place, minterms):
 
 
 def write_tested(state, buffers, pixel, source, z):
-    """Alpha, stencil and depth test on reals, then the writes. ``pixel`` int64, ``z`` float64 [k]; ``source``
-    float64 [k, 4]. Those that no test and no write asks for may be empty.
+    """Test fragments on real numbers (alpha, stencil, depth), and write those that pass.
+
+    ``pixel``: int64 [k]; ``source``: float64 [k, 4]; ``z``: float64 [k]. ``source`` or ``z`` may be empty if
+    no test and no write needs it.
     """
     alpha, depth, test = state.alpha_test, state.depth_test, state.stencil_test
     if alpha is not None or depth is not None or test is not None:
@@ -218,24 +225,24 @@ def _stencil(test):
 
 
 def writes_color(state):
-    """Whether a pass changes some component of the colours."""
+    """Whether a pass can change some component of the colours."""
     return bool(written_channels(state.color_mask).any())
 
 
 def writes_depth(state):
-    """Whether a pass changes the depth buffer."""
+    """Whether a pass writes the depth buffer."""
     return state.depth_test is not None and state.depth_test.write
 
 
 def write(state, buffers, pixel, source, z):
-    """What fragments that passed leave: depths, which a copy may read, and colours."""
+    """Write fragments that have passed: depths, which a copy may read, and colours."""
     if writes_depth(state):
         buffers.depth.reshape(-1)[pixel] = z
     _write_color(state, buffers, pixel, source)
 
 
 def _write_color(state, buffers, pixel, source):
-    """Blending or logic operation, then the color mask."""
+    """Blend or apply the logic operation, then write through the color mask."""
     mask = tuple(written_channels(state.color_mask).astype(int).tolist())
     if not any(mask):
         return

@@ -1,4 +1,4 @@
-"""The primitives that the ideal evaluates: those that a machine drew, with vertices in real numbers."""
+"""The primitives that the ideal evaluates: those that a machine drew, with real colours and coordinates."""
 
 from functools import lru_cache
 
@@ -8,11 +8,10 @@ from fixedpipe.pipeline.vertices.stage import process
 
 
 def primitives_of(command, machine, width, height):
-    """WindowPrimitives of a Draw with real colours and coordinates, at the places where ``machine``, a
-    Profile, has them: cut where its guard band ends, counted from where its rows are, its lines and points,
-    which are no larger than it draws them.
+    """WindowPrimitives of a Draw with real colours and coordinates, at the places of the Profile ``machine``.
 
-    The subpixel grid stays the ideal's own, which its kernels have built in.
+    The machine decides the guard band's edge, the origin of its rows, how lines are drawn, and the largest
+    point. The subpixel grid is the ideal's own, because its kernels have it built in.
     """
     return process(command.mesh, command.state, _ideal_with(*_placed(machine)), width, height)
 
@@ -21,14 +20,16 @@ _PLACE = "guard_band", "device_origin", "diamond_exit_lines", "max_point_size"
 
 
 def _placed(machine):
-    """What decides where a machine's vertices are (``_PLACE``)."""
+    """The properties of a machine that decide where its vertices lie (``_PLACE``)."""
     return tuple(getattr(getattr(machine, SECTION_OF[name]), name) for name in _PLACE)
 
 
 @lru_cache(maxsize=64)
 def _ideal_with(*values):
-    """The ideal with a machine's ``_PLACE``. Always the same object, and the ideal itself where nothing
-    differs: vertex plans are kept by the profile's identity.
+    """The ideal with a machine's ``_PLACE``.
+
+    Equal values give the same object, and values equal to the ideal's give the ideal itself, because vertex
+    plans are cached by the profile's identity.
     """
     if values == _placed(IDEAL):
         return IDEAL
@@ -37,14 +38,14 @@ def _ideal_with(*values):
 
 
 def check_primitives(command, record, primitives, machine):
-    """Raise ValueError where a guide's ``record`` of a Draw is of other primitives than ``primitives``."""
+    """Raise ValueError if a guide's ``record`` of a Draw has other primitives than ``primitives``."""
     drawn = record.triangle.max(initial=-1, where=record.passed != 0)
     if drawn >= len(primitives.triangles):
         raise ValueError(
             f"{command.label}: the guide drew primitive {drawn}, but this mesh gives "
             f"{len(primitives.triangles)} of them; guide a frame by the same meshes in the same views."
         )
-    if record.places is None:  # nothing was left to draw
+    if record.places is None:  # the Draw had no primitive left to draw
         return
     same_grid = machine.arithmetic.subpixel_bits == IDEAL.arithmetic.subpixel_bits
     compared = slice(2 if same_grid else 1)

@@ -1,5 +1,6 @@
-"""DrawPixels, CopyPixels and Bitmap on the ideal machine: the machines' pixels with real values. Only stencil
-values and numbers of volumes are rounded.
+"""DrawPixels, CopyPixels and Bitmap on the ideal machine: the machines' pixels with real values.
+
+Only stencil values and numbers of volumes are rounded.
 """
 
 from dataclasses import dataclass, replace
@@ -37,16 +38,18 @@ from fixedpipe.raster.observer import unobserved
 
 @dataclass(frozen=True, eq=False)
 class Rectangle:
-    """Fragments of a rectangle of pixels, no two of one pixel.
+    """Fragments of a rectangle of pixels; no two share a pixel.
 
-    pixel        int64 [k], flat index into a buffer, top row first
+    pixel               int64 [k], flat index into a buffer, top row first
     primary, secondary  float64 [k, 4]
-    distances    float64 [k], fog coordinates
-    depth        float64 [k], in [0, 1]
-    coordinates  float64 [k, units, 4], s, t, r, 1
-    stencil      uint8 [k]: these go to the stencil buffer, and all else has no meaning; or None
-    texel_alpha  float64 [k], or None: replaces the alpha of unit 0's texels
-    volume       int64 [k] and their number, or None: which volume of a four-dimensional texture is read
+    distances           float64 [k], fog coordinates
+    depth               float64 [k], in [0, 1]
+    coordinates         float64 [k, units, 4]: s, t, r, 1
+    stencil             uint8 [k], values for the stencil buffer: the other fields then have no meaning. Or
+                        None
+    texel_alpha         float64 [k], the alpha that replaces unit 0's; or None
+    volume              (int64 [k], how many), the volume of a four-dimensional texture that each fragment
+                        reads; or None
     """
 
     pixel: np.ndarray
@@ -60,7 +63,7 @@ class Rectangle:
     volume: tuple[np.ndarray, int] | None = None
 
     def part(self, chosen):
-        """Some of the fragments."""
+        """The fragments that ``chosen`` selects."""
         columns = {
             name: getattr(self, name)[chosen]
             for name in ("pixel", "primary", "secondary", "distances", "depth", "coordinates")
@@ -73,7 +76,9 @@ class Rectangle:
         )
 
     def images(self, texture):
-        """(which fragments, the texture that they read): one of its volumes, or all of it."""
+        """(which fragments, the texture that they read): one for each volume, or one for the
+        whole texture.
+        """
         if self.volume is None:
             return [(slice(None), texture)]
         volume, count = self.volume
@@ -88,9 +93,9 @@ def _volume(texture, count, number):
 
 
 def rectangle(command, buffers, statistics):
-    """The Rectangle of a command, or None where its raster position is not valid or a sink took the image.
+    """The Rectangle of a command; None: its raster position is not valid, or a sink took the image.
 
-    ``buffers``: the IdealBuffers that are current, in a window of the same size.
+    ``buffers``: the current IdealBuffers, in a window of the same size.
     """
     state, (height, width) = command.state, buffers.depth.shape
     window = SimpleNamespace(width=width, height=height)
@@ -115,7 +120,9 @@ def rectangle(command, buffers, statistics):
 
 
 def _groups(command, kind, buffers, statistics):
-    """Groups after pixel transfer: colours float64 [h, w, 4], depths float64 or stencil uint8 [h, w]."""
+    """Groups after pixel transfer: colours float64 [h, w, 4], depths float64 [h, w], or stencil
+    uint8 [h, w].
+    """
     copied = isinstance(command, CopyPixels)
     if copied:
         source = buffers.buffer(command.read_buffer)
@@ -137,7 +144,7 @@ def _groups(command, kind, buffers, statistics):
 
 
 def _fragments(at, where, width):
-    """A Rectangle whose values are all the raster position's."""
+    """A Rectangle in which every fragment has the raster position's values."""
     count, units = len(at.x), len(where.coordinates)
     return Rectangle(
         at.y * width + at.x,
@@ -150,7 +157,7 @@ def _fragments(at, where, width):
 
 
 def _textured(texture, groups, found):
-    """The same with colour groups as texture coordinates."""
+    """The Rectangle ``found`` with colour groups as texture coordinates."""
     rgb, alpha = takes_raster_color(texture)
     primary = np.where(np.array([rgb, rgb, rgb, alpha]), found.primary, groups)
     q = groups[:, 3]
@@ -169,7 +176,7 @@ def _textured(texture, groups, found):
 
 
 def _chosen(q, texture):
-    """The volume that q, times their number, chooses, int64 [k]."""
+    """The volume that q times the number of volumes selects, int64 [k]."""
     index = {
         PixelTexGenQ.ROUND: np.floor(q),
         PixelTexGenQ.FLOOR: np.floor(q - 0.5),
@@ -179,7 +186,7 @@ def _chosen(q, texture):
 
 
 def draw_rectangle(command, buffers, textures, plans, statistics, record):
-    """DrawPixels, CopyPixels and Bitmap: the machine's pixels, real colours. ``record``: a guide's."""
+    """Draw a DrawPixels, CopyPixels or Bitmap: the machine's pixels, real colours. ``record``: a guide's."""
     found = rectangle(command, buffers, statistics)
     if found is None:
         return
@@ -205,7 +212,7 @@ def draw_rectangle(command, buffers, textures, plans, statistics, record):
 
 
 def texel_of(found):
-    """What samples the units of a Rectangle's fragments: ``texel`` of ``shade_colors``."""
+    """A function that samples the units of a Rectangle's fragments: ``texel`` of ``shade_colors``."""
 
     def texel(i, unit, texture):
         parts = np.empty((len(found.pixel), 4))
@@ -222,7 +229,7 @@ def texel_of(found):
 
 
 def shade_rectangle(found, state, textures, plans, observe=unobserved):
-    """Colours of a Rectangle's fragments, float64 [k, 4]. ``observe``: the observer."""
+    """The colours of a Rectangle's fragments, float64 [k, 4]. ``observe``: the observer."""
     state = with_signs(state, textures)
     given = found.primary, found.secondary, found.distances, texel_of(found)
     return shade_colors(state, textures, plan_for(state, textures, plans), *given, observe)

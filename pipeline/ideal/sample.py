@@ -1,4 +1,4 @@
-"""Texels in real numbers: lambda, wrap modes, filters, comparisons, and what a register receives."""
+"""Sampling in real numbers: lambda, wrap modes, filters, comparisons, and a unit's register."""
 
 from dataclasses import replace
 
@@ -28,21 +28,22 @@ from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 
 _LEVEL = types.Array(float64, 4, "C", readonly=True)
 
-# What becomes of a texel before it is filtered, and the places of a reader's numbers: the kind; of signed
-# components the value of one, the least number that is negative, how much that is less, and a flag for each;
-# of a comparison the function, the value of what fails, and what each component of a register is.
+# A *reader* says what a texel becomes before it is filtered. Its first number is the kind. For signed
+# components there follow the value of one, the least number that is negative, the number to subtract from it,
+# and a flag for each component. For a comparison there follow the function, the value of a failed one, and
+# the source of each register component.
 _AS_IT_IS, _SIGNED, _COMPARED = range(3)
 _KIND, _ONE, _LEAST, _RANGE, _FLAGS, _FUNCTION, _FAILS, _READER = 0, 1, 2, 3, 4, 1, 2, 8
 _ZEROS, _ONES, _RESULT = range(3)
 
-# Which fragments a level's texels are for: all of them, or those whose ``lower`` or the next level it is.
+# In ``lower``: the mark of a magnified fragment, which reads level 0 with the magnification filter.
 _MAGNIFIED = -1
-_NO_ROWS = -1  # the wrap mode across the rows of an image that has one
+_NO_ROWS = -1  # the wrap mode along t for an image without rows
 
 
 @kernel
 def _along(texel, extent, wrap, linear):
-    """(first index, second, fraction) along an axis; -1 where an index is the border's."""
+    """(first index, second index, fraction) along an axis; index -1 means the border."""
     size = float64(extent)
     if not np.isfinite(texel):
         texel = 0.0
@@ -77,7 +78,7 @@ def _along(texel, extent, wrap, linear):
 
 @kernel
 def _signed(component, reader, place):
-    """A component that is two's complement where its flag says so."""
+    """A component, read as two's complement if its flag is set."""
     if reader[place] == 0.0:
         return component
     number = component * reader[_ONE]
@@ -91,7 +92,7 @@ def _component(result, what):
 
 @kernel
 def _texel(level, at, border, reader, reference):
-    """A level's texel as it is filtered; ``at``: layer, row and column, -1 where it is the border's."""
+    """A level's texel after its reader. ``at``: layer, row and column; -1 means the border."""
     layer, row, column = at
     if layer < 0 or row < 0 or column < 0:
         return border[0], border[1], border[2], border[3]
@@ -118,7 +119,7 @@ def _texel(level, at, border, reader, reference):
 
 @kernel
 def _between(a, b, share):
-    """From one color to another."""
+    """Interpolate from one color to another."""
     return (
         a[0] + (b[0] - a[0]) * share,
         a[1] + (b[1] - a[1]) * share,
@@ -129,7 +130,10 @@ def _between(a, b, share):
 
 @kernel
 def _weight(chosen, number, last, i):
-    """The weight of a level's texel for a fragment: 0, it has none; ``chosen``: ``lower`` and ``share``."""
+    """The weight of level ``number`` for fragment i; 0: the fragment does not read it.
+
+    ``chosen``: ``lower`` and ``share``; both are empty if the level is for all fragments.
+    """
     lower, share = chosen
     if len(lower) == 0:
         return 1.0
@@ -148,7 +152,7 @@ _HOW = types.Tuple((int64[::1], float64[::1], float64[::1]))  # wrap modes, bord
 
 @kernel
 def _rows(level, position, i, wrap):
-    """``_along`` of the rows; the only one where there are none."""
+    """``_along`` for the rows. An image without rows has one."""
     if wrap == _NO_ROWS:
         return 0, 0, 0.0
     return _along(position[i, 1] * level.shape[1], level.shape[1], wrap, True)
@@ -156,7 +160,7 @@ def _rows(level, position, i, wrap):
 
 @kernel
 def _filtered_plane(level, layer, columns, rows, border, reader, reference):
-    """Four texels of a plane, filtered, each as a reader or the border makes it."""
+    """Four texels of a plane, filtered. Each texel may pass a reader or come from the border."""
     separate_function()
     left, right, across = columns
     lower, upper, up = rows
@@ -177,7 +181,7 @@ def _filtered_plane(level, layer, columns, rows, border, reader, reference):
 
 @kernel
 def _plain_plane(level, layer, columns, rows, c):
-    """A component of four texels of a plane, filtered: those as they are, of which none is the border's."""
+    """A component of four texels of a plane, filtered. No texel passes a reader or comes from the border."""
     p, left, right = uint64(layer), uint64(columns[0]), uint64(columns[1])
     lower, upper = uint64(rows[0]), uint64(rows[1])
     below = level[p, lower, left, c] + (level[p, lower, right, c] - level[p, lower, left, c]) * columns[2]
@@ -187,8 +191,9 @@ def _plain_plane(level, layer, columns, rows, c):
 
 @kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
 def _linear(sampled, chosen, number, last, how, out):
-    """Add the filtered texels of level ``number``'s four nearest to the fragments that it is for; they are as
-    they are, and none is the border's.
+    """Add level ``number``, filtered from four texels, to the fragments that read it.
+
+    No texel passes a reader or comes from the border.
     """
     separate_loop()
     level, position, face, _ = sampled
@@ -204,7 +209,7 @@ def _linear(sampled, chosen, number, last, how, out):
 
 @kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
 def _linear_in_volume(sampled, chosen, number, last, how, out):
-    """The same of a volume's eight nearest."""
+    """As ``_linear``, for a volume: from eight texels."""
     separate_loop()
     level, position, _, _ = sampled
     wraps, _, _ = how
@@ -222,7 +227,7 @@ def _linear_in_volume(sampled, chosen, number, last, how, out):
 
 @kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1]))
 def _linear_read(sampled, chosen, number, last, how, out):
-    """The same of either, of texels that a reader changes or that may be the border's."""
+    """As ``_linear`` and ``_linear_in_volume``, for texels that pass a reader or may come from the border."""
     separate_loop()
     level, position, face, reference = sampled
     wraps, border, reader = how
@@ -245,7 +250,7 @@ def _linear_read(sampled, chosen, number, last, how, out):
 
 @kernel
 def _nearest_along(position, slip, bias, extent, wrap):
-    """The index of the texel that the machines take at an exact boundary; -1: the border's."""
+    """The index of the texel that the machines take, also at an exact boundary; -1: the border."""
     lifted = slip * extent + bias
     texel = position * extent + (TAU if lifted >= 0.0 else -TAU)
     return _along(texel, extent, wrap, False)[0]
@@ -253,7 +258,7 @@ def _nearest_along(position, slip, bias, extent, wrap):
 
 @kernel(void(_SAMPLED, _CHOSEN, int64, int64, _HOW, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
 def _nearest(sampled, chosen, number, last, how, slip, bias, out):
-    """Add the nearest texels of level ``number`` to the fragments that it is for."""
+    """Add the nearest texels of level ``number`` to the fragments that read it."""
     separate_loop()
     level, position, face, reference = sampled
     wraps, border, reader = how
@@ -298,7 +303,7 @@ def _tap(sampled, how, tap, out):
 
 @kernel(void(float64[:, ::1], float64[:, ::1], types.UniTuple(float64, 3), float64[::1]))
 def _squares(dx, dy, size, out):
-    """The longer of the steps to the right and down, texels squared."""
+    """The square of the longer step, to the right or down, in texels squared."""
     separate_loop()
     for i in range(len(out)):
         a, b, c, d = dx[i, 0] * size[0], dx[i, 1] * size[1], dy[i, 0] * size[0], dy[i, 1] * size[1]
@@ -311,10 +316,11 @@ def _squares(dx, dy, size, out):
 
 @kernel(int64(float64[::1], float64[::1], types.UniTuple(float64, 3), int64, int64, int64[::1], float64[::1]))
 def _choose(squared, logarithm, limits, last, mipmap, lower, share):
-    """Levels of fragments, and the share of the next one. Returns a bit for each that some fragment needs,
-    the lowest for magnified ones.
+    """Choose each fragment's levels: the lower one, and the share of the next.
 
-    limits  of lambda: what is added to it, its least and its largest value
+    Returns a bit for each level that some fragment needs; the lowest bit is for magnified fragments.
+
+    limits  (lambda's bias, its least value, its greatest value)
     """
     separate_loop()
     bias, least, most = limits
@@ -340,11 +346,14 @@ def _choose(squared, logarithm, limits, last, mipmap, lower, share):
 
 
 def sample_level(level, coordinates, sampler, border, linear, read=None, reference=None, tap=None):
-    """One level, float64 [faces, h, w, 4], filtered at ``coordinates`` with real fractions: float64 [k, 4].
+    """Filter one level, float64 [faces, h, w, 4], at ``coordinates`` with real fractions: float64 [k, 4].
 
-    ``border`` float64 [4]; ``read``: of ``_reader``, what becomes of texels before they are filtered;
-    ``reference`` float64 [k]: what they are compared with. ``tap``: one texel of the filter, 0 or 1 of
-    layers, rows and columns, float64 [k, 7] with the fractions between columns, rows and layers.
+    border     float64 [4], the border color
+    read       a reader: what texels become before they are filtered
+    reference  float64 [k], the reference of a depth comparison
+    tap        take one texel of the filter: 0 or 1 for layers, rows and columns. The result is float64 [k,
+               7], with the fractions between columns, rows and layers
+
     Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6; docs/numbers.md, section 6.
     """
     sampling = _Sampling(coordinates, sampler, border, read, reference)
@@ -355,11 +364,11 @@ def sample_level(level, coordinates, sampler, border, linear, read=None, referen
     return out
 
 
-_EVERY = np.empty(0, np.int64), np.empty(0)  # what ``chosen`` is where a level is for all fragments
+_EVERY = np.empty(0, np.int64), np.empty(0)  # ``chosen`` of a level that all fragments read
 
 
 class _Sampling:
-    """What all levels of a texture are sampled with. ``beside``: border texels along s, t and r."""
+    """The state that is the same for all levels of a texture. ``beside``: border texels along s, t and r."""
 
     def __init__(
         self, coordinates, sampler, border, read=None, reference=None, one_dimensional=False, beside=(0, 0, 0)
@@ -371,7 +380,7 @@ class _Sampling:
         self.plain = read is None and not {WrapMode.CLAMP, WrapMode.CLAMP_TO_BORDER}.intersection(wraps)
         self.how = np.array(wraps, np.int64), np.array(border, np.float64), reader
 
-        if any(beside):  # the levels that ``with_border`` makes are read as they are
+        if any(beside):  # the levels from ``with_border`` need no border
             edges = np.where(self.how[0] == _NO_ROWS, _NO_ROWS, WrapMode.CLAMP_TO_EDGE)
             self.plain, self.how = read is None, (edges, *self.how[1:])
 
@@ -389,7 +398,7 @@ class _Sampling:
         return out
 
     def add(self, level, linear, out, chosen=_EVERY, number=0, last=0):
-        """Add the filtered texels of a level to ``out``, where it is chosen."""
+        """Add a level's filtered texels to ``out``, for the chosen fragments."""
         sampled, where = self._sampled(level, linear), self.coordinates
         if not linear:
             slip, bias = np.ascontiguousarray(where.slip), np.ascontiguousarray(where.bias)
@@ -409,10 +418,10 @@ def _select(coordinates, chosen):
 
 
 def _comparison(sampler):
-    """The reader that makes of depth texels 1 or the value of what fails, in the components that
-    DEPTH_TEXTURE_MODE names.
+    """The reader of a depth comparison: 1, or the sampler's value of a failed comparison.
 
-    Source: ARB_shadow (the reference's clamp), SGIX_shadow_ambient, ARB_depth_texture.
+    DEPTH_TEXTURE_MODE selects the components that receive it. Source: ARB_shadow (the reference's clamp),
+    SGIX_shadow_ambient, ARB_depth_texture.
     """
     base, reader = depth_texture_mode(sampler, IDEAL), np.zeros(_READER)
     reader[_KIND], reader[_FUNCTION] = _COMPARED, sampler.compare_function
@@ -423,7 +432,7 @@ def _comparison(sampler):
 
 
 def _signed_reader(sampler, bits):
-    """The reader that makes a sampler's signed components numbers of both signs; None: it has none."""
+    """The reader of a sampler's signed components; None: the sampler has none."""
     flags = signed_flags(sampler)
     if not any(flags):
         return None
@@ -435,8 +444,10 @@ def _signed_reader(sampler, bits):
 
 
 def _footprint(texture, coordinates):
-    """(squares, sizes): how long the steps to the right and upwards are, texels squared, float64 [2, k], from
-    each fragment's own true derivatives; and texels in a unit of s and of t.
+    """(squares, sizes) of each fragment's footprint, from its own true derivatives.
+
+    ``squares``: the squared lengths of the steps to the right and upwards, texels squared, float64 [2, k].
+    ``sizes``: texels in a unit of s and of t.
     """
     size = np.array([texture.width, texture.height], np.float64)
     if texture.target is TextureTarget.TEXTURE_RECTANGLE:
@@ -448,8 +459,8 @@ def _footprint(texture, coordinates):
 def _sum_along(texture, unit, coordinates, reference, edge, taps):
     """The sum of weighted texels along the longer step of each fragment's footprint.
 
-    edge  float64 [k]: of the square that lambda is asked for, texels
-    taps  (distance in steps, weight), float64 [k] each; where the weight is zero none is taken
+    edge  float64 [k], texels: the edge of the square that decides lambda
+    taps  (distance in steps, weight), float64 [k] each; a tap of weight 0 is not taken
     """
     squares, size = _footprint(texture, coordinates)
     step = np.where((squares[0] >= squares[1])[:, None], coordinates.dx, coordinates.dy)
@@ -490,8 +501,10 @@ def _assembled(texture, unit, coordinates, reference):
 
 
 def _in_pairs(texture, unit, coordinates, reference):
-    """Pairs of texels along each fragment's footprint, as an anisotropic filter takes them, with weights that
-    are not rounded (docs/numbers.md, section 7).
+    """Pairs of texels along each fragment's footprint, for an anisotropic filter (docs/numbers.md, section
+    7).
+
+    The weights are not rounded.
     """
     squares, _ = _footprint(texture, coordinates)
     longer, shorter = np.sqrt(squares.max(axis=0)), np.sqrt(squares.min(axis=0))
@@ -510,8 +523,8 @@ def _in_pairs(texture, unit, coordinates, reference):
 
 
 def as_register(texel, unit, internal_format):
-    """What a unit's register receives of its texel [k, 4]: of signed components twice the byte, of formats
-    that are no colours nothing.
+    """A unit's register from its texel [k, 4]: signed components are doubled, and a format that is no colour
+    gives 0.
 
     Measured: 732800 of 732800 pixels (Texture_signed_component_tests captures).
     """
@@ -525,8 +538,8 @@ def as_register(texel, unit, internal_format):
 def sample(texture, unit, coordinates, reference=None, tap=None):
     """A unit's texel, float64 [k, 4], from ``texture.ideal`` with a real lambda.
 
-    ``reference`` float64 [k]: what depth texels are compared with; ``tap``: as ``sample_level``'s, of a
-    sampler whose filters are equal.
+    reference  float64 [k], the reference of a depth comparison
+    tap        as in ``sample_level``, for a sampler with equal filters
     """
     sampler = unit.sampler
     if sampler.max_probes > 1:
@@ -537,7 +550,7 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
         along_s, along_t, _ = face_modes(sampler, texture)
         sampler = replace(sampler, wrap_s=along_s, wrap_t=along_t)
     one_dimensional = texture.target is TextureTarget.TEXTURE_1D
-    # The border colour passes through the base format like a texel.  Source: OpenGL 1.2.1, section 3.8.4.
+    # The border colour passes through the base format like a texel. Source: OpenGL 1.2.1, section 3.8.4.
     border, levels, read = np.zeros(4), texture.ideal, _signed_reader(sampler, texture.bits)
     if reference is None:
         base = BASE_FORMAT[texture.internal_format]

@@ -1,4 +1,6 @@
-"""Colours of fragments before the per-fragment operations: values, texels, combiners, color sum and fog."""
+"""Colours of fragments before the per-fragment operations: iteration, texels, combiners, color
+sum and fog.
+"""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -30,11 +32,11 @@ _COLORS = types.Array(float64, 2, "C", readonly=True)
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a texture shader, or color keys that end fragments, leave of k fragments.
+    """What a texture shader, or color keys that discard fragments, make of k fragments.
 
-    registers  of each texture unit, float64 [k, 4]
+    registers  one for each texture unit, float64 [k, 4]
     alive      bool [k]: not discarded
-    depth      float64 [k], in [0, 1]: the depth that replaces the fragments'; or None
+    depth      float64 [k], in [0, 1]: the fragments' new depth; or None
     """
 
     registers: list[np.ndarray]
@@ -43,11 +45,17 @@ class Outcome:
 
 
 def shade(state, textures, primitives, plan, weights, observe=unobserved):
-    """Colours of fragments before the per-fragment operations, float64 [k, 4] in [0, 1], and the Outcome of a
-    texture shader, or of color keys that end fragments, or None.
+    """Shade fragments up to the per-fragment operations: their colours, float64 [k, 4] in [0, 1], and an
+    Outcome.
 
-    ``textures``: name to Texture with ideal levels. ``primitives``: as the vertex stage makes them; ``plan``:
-    of ``plan_for``; ``weights``: those of ``weigh``; ``observe``: the observer.
+    The Outcome is that of a texture shader, or of color keys that discard fragments; None: the state has
+    neither.
+
+    textures    name to Texture with ideal levels
+    primitives  as the vertex stage makes them
+    plan        from ``plan_for``
+    weights     from ``weigh``
+    observe     the observer
     """
     state = with_signs(state, textures)
     rows = fixed(primitives.colors).reshape(-1, 16)
@@ -57,7 +65,7 @@ def shade(state, textures, primitives, plan, weights, observe=unobserved):
         if state.polygon.shade_model is ShadeModel.FLAT:
             return weights.provoking(rows, first, back)
         color = weights.iterate(rows, first, back)
-        if turned:  # as EXPAND_NORMAL reads them
+        if turned:  # in the encoding that EXPAND_NORMAL reads
             color[:, :3] = _turned(primitives, weights, first)
         return color
 
@@ -115,7 +123,9 @@ def shade(state, textures, primitives, plan, weights, observe=unobserved):
 
 
 def without_keys(state, textures, texel):
-    """Which fragments no color key ends, bool [k]; None: there is no key. ``texel``: of ``shade_colors``."""
+    """Which fragments the color keys keep, bool [k]; None: there is no key. ``texel``: as for
+    ``shade_colors``.
+    """
     alive = None
     for i in killing_units(state):
         kept = texel(i, *key_unit(state.texture_units[i], textures))[:, 0] > 0.0
@@ -132,7 +142,7 @@ def _turned(primitives, weights, first):
 
 
 def _before_filtering(state, textures, plan, primary, secondary, distances, texel):
-    """Colours at each texel of unit 0's filter, filtered: docs/numbers.md, section 20."""
+    """Colours at each texel of unit 0's filter, then filtered (docs/numbers.md, section 20)."""
     along, fractions = units_along(state, textures), []
 
     def color(*tap):
@@ -157,8 +167,10 @@ def _before_filtering(state, textures, plan, primary, secondary, distances, texe
 
 
 def plan_for(state, textures, plans):
-    """The Plan of what a state combines colours by: its program, or that of its texture environments; None:
-    color sum and fog alone. ``plans``: those made so far, by their programs' ids, which they keep alive.
+    """The Plan of a state's combiner program, or of the program for its texture environments.
+
+    None: the state has only color sum and fog. ``plans``: the Plans so far, by their programs' ids; a Plan
+    keeps its program alive.
     """
     program = state.register_combiners
     if program is None:
@@ -173,9 +185,14 @@ def _reads_secondary(state, plan):
 
 
 def shade_colors(state, textures, plan, primary, secondary, distances, texel, observe=unobserved):
-    """``shade`` from iterated values: colours float64 [k, 4], fog coordinates [k] (None: no fog), and
-    ``texel(number, unit, texture)``, an enabled texture unit's texel: with a texture shader, its register.
-    ``plan``: of ``plan_for``. ``secondary`` may be None where nothing reads it. ``observe``: the observer.
+    """``shade`` from iterated values: colours, float64 [k, 4].
+
+    plan                from ``plan_for``
+    primary, secondary  colours; ``secondary`` may be None if nothing reads it
+    distances           fog coordinates [k]; None: no fog
+    texel               ``texel(number, unit, texture)`` gives an enabled unit's texel, or its register with a
+                        texture shader
+    observe             the observer
     """
     factor = None if state.fog is None else fog_factor(state.fog, distances)
     if plan is None:
@@ -192,7 +209,7 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, ob
         register = Register(Register.TEXTURE0 + i)
         unit = state.texture_units[i] if i < len(state.texture_units) else None
         if unit is None:
-            # A disabled unit's register is opaque black.  Source: docs/numbers.md, section 7.
+            # A disabled unit's register is opaque black. Source: docs/numbers.md, section 7.
             registers[register] = constant_color((0.0, 0.0, 0.0, 1.0))
         elif register in read or state.evaluate_before_filtering:
             found = texel(i, unit, None if unit.texture is None else sampled_texture(unit, textures))
@@ -220,7 +237,9 @@ def shade_colors(state, textures, plan, primary, secondary, distances, texel, ob
 
 
 def _rgb_of_ycbcr(ycbcr):
-    """float64 [k, 3] of BT.601's Y, Cb and Cr in [0, 1]. Inferred: from the chip's coefficients (N7.3)."""
+    """RGB, float64 [k, 3], from BT.601's Y, Cb and Cr in [0, 1]. Inferred: from the chip's coefficients
+    (N7.3).
+    """
     y, cb, cr = (np.maximum(ycbcr, 0.0) * 255.0 - (16.0, 128.0, 128.0)).T
     light = 1.164 * y
     rgb = light + 1.596 * cr, light - 0.392 * cb - 0.813 * cr, light + 2.017 * cb
@@ -228,7 +247,10 @@ def _rgb_of_ycbcr(ycbcr):
 
 
 class _Unit:
-    """A texture unit at fragments, as a StageRun asks it. ``conventional``: its texel at its coordinates."""
+    """A texture unit at fragments, with the functions that StageRun calls.
+
+    ``conventional``: the texel at the unit's own coordinates.
+    """
 
     def __init__(self, unit, texture, internal_format, conventional):
         self.unit, self.sampler, self.texture = unit, unit.sampler, texture
@@ -237,15 +259,15 @@ class _Unit:
         self.sizes, self.signed = (float(texture.width), float(texture.height)), signed_flags(unit.sampler)
 
     def register(self, texel, bits):
-        """What the unit's register receives of a texel."""
+        """The unit's register from a texel."""
         return as_register(texel, self.unit, self.internal_format)
 
     def at_level_zero(self, str_, r, lifted, flat):
-        """The texel at made coordinates [k, 3]; ``r``: what is compared."""
+        """The texel at coordinates [k, 3] that a stage made. ``r``: the reference of a comparison."""
         return self._at(made_place(self.texture, str_, lifted), r)
 
     def at_footprints(self, str_, r, lifted, axes):
-        """The same; ``axes``: of what the lookup covers, float64 [2, k, 2]."""
+        """As ``at_level_zero``, with a footprint. ``axes``: the footprint's two axes, float64 [2, k, 2]."""
         return self._at(replace(made_place(self.texture, str_, lifted), dx=axes[0], dy=axes[1]), r)
 
     def _at(self, where, r):
@@ -257,8 +279,8 @@ def _run_stages(state, textures, count, own, conventional, change):
     """The Outcome of a pass's texture shader for ``count`` fragments.
 
     own(i)                          unit i's coordinates (s, t, r, q), float64 [k, 4]
-    conventional(i, unit, texture)  its texel at these
-    change(i)                       how they change to the right and upwards, float64 [2, k, 4]
+    conventional(i, unit, texture)  the unit's texel at them
+    change(i)                       their change to the right and upwards, float64 [2, k, 4]
     """
     stages, units = shader_stages(state), []
     for i, unit in enumerate(state.texture_units):
@@ -269,7 +291,7 @@ def _run_stages(state, textures, count, own, conventional, change):
         units.append(_Unit(unit, texture, texture.internal_format, partial(conventional, i, unit, texture)))
 
     def sides(i):
-        """Texels to the right (s, t) and upwards that a lookup of unit i moves by."""
+        """By how many texels a lookup of unit i moves from a pixel to the right (s, t) and upwards."""
         steps = change(i)[:, :, :2]
         if stages[i].operation in C.OPERATIONS_OF_TWO_DOT_PRODUCTS:
             steps = np.stack([change(k)[:, :, 2] for k in (i - 1, i)], axis=-1)
@@ -284,13 +306,13 @@ def _run_stages(state, textures, count, own, conventional, change):
 
 
 def fog_factor(fog, coordinate):
-    """f of section 3.10, float64, in [0, 1] by its definition; the machine has 256 steps of it."""
+    """f of section 3.10, float64; its definition clamps it to [0, 1]. The machine has 256 steps of it."""
     if fog.mode is FogMode.EXP:
         factor = np.exp(-fog.density * coordinate)
     elif fog.mode is FogMode.EXP2:
         factor = np.exp(-((fog.density * coordinate) ** 2))
     elif fog.mode is FogMode.LINEAR and fog.start == fog.end:
-        factor = coordinate <= fog.end  # a step.  Source: docs/numbers.md, section 9
+        factor = coordinate <= fog.end  # a step. Source: docs/numbers.md, section 9
     elif fog.mode is FogMode.LINEAR:
         factor = (fog.end - coordinate) / (fog.end - fog.start)
     else:
@@ -300,7 +322,7 @@ def fog_factor(fog, coordinate):
 
 @kernel(void(_COLORS, _COLORS, float64[::1], types.UniTuple(float64, 3), float64[:, ::1]))
 def _sum_and_fog(primary, secondary, factor, fog, out):
-    """Color sum, where there are secondary colours, and fog, where there are factors; then the clamp."""
+    """Color sum if there are secondary colours, fog if there are factors, then the clamp."""
     separate_loop()
     sums, fogs = len(secondary) > 0, len(factor) > 0
     for i in range(len(out)):

@@ -1,4 +1,4 @@
-"""Components that are two's complement, as real numbers of both signs."""
+"""Two's complement components as real numbers that may be negative."""
 
 import numpy as np
 
@@ -9,12 +9,12 @@ NOISE = numbers.NOISE
 
 
 def signed_flags(sampler):
-    """Which components, RGBA, a sampler takes as two's complement."""
+    """Which components, RGBA, a sampler reads as two's complement."""
     flags = sampler.signed_components
     return flags.red, flags.green, flags.blue, flags.alpha
 
 
 def as_signed(components, sampler, bits):
-    """Components [4] of a sampler's, those that are signed as numbers of both signs."""
+    """Components [4] as a sampler reads them: signed ones as two's complement."""
     one = 2.0**bits - 1.0
     return np.where(signed_flags(sampler), signed(components * one, bits) / one, components)

@@ -1,4 +1,4 @@
-"""Textures with real texels: given by a command, or copied from the framebuffer."""
+"""Textures with real texels: from a command, or copied from the framebuffer."""
 
 from dataclasses import replace
 
@@ -24,8 +24,9 @@ from fixedpipe.pipeline.textures.images import (
 
 
 def with_ideal(texture):
-    """The texture with its real texels: those that it has, or what its words stand for; C-contiguous, as
-    kernels read them.
+    """The texture with its real texels: those that it has, or the values of its words.
+
+    They are C-contiguous, as kernels need them.
     """
     if texture.ideal is not None:
         if all(level.flags.c_contiguous for level in texture.ideal):
@@ -40,7 +41,7 @@ def with_ideal(texture):
 
 
 def copied_texture(command, buffers, statistics, before):
-    """The texture that a CopyTexImage makes. ``before``: the one that had its name, or None."""
+    """The texture that a CopyTexImage makes. ``before``: the earlier texture of that name, or None."""
     copied = _copied(command, command, command.generate_mipmap, buffers, statistics)
     if copied is None:
         dimensions = 1 if command.target is TextureTarget.TEXTURE_1D else 2
@@ -50,16 +51,16 @@ def copied_texture(command, buffers, statistics, before):
 
 
 def replaced_texture(command, texture, buffers, statistics, own=False):
-    """The texture with what a CopyTexSubImage copies into it; None where a sink took the image.
+    """The texture after a CopyTexSubImage; None: a sink took the image.
 
-    ``own``: nobody else has the level's image, so that it is written where it is.
+    ``own``: no one else holds the level's image, so it is overwritten in place.
     """
     copied = _copied(command, texture, False, buffers, statistics)
     return None if copied is None else _patched(command, texture, copied, own)
 
 
 def texture_pixels(texture, command, statistics):
-    """What a GetTexImage returns of a texture with real texels; None where a sink took it."""
+    """The result of a GetTexImage on a texture with real texels; None: a sink took it."""
     level, base = texture.ideal[command.level], BASE_FORMAT[texture.internal_format]
     if texture.internal_format in DEPTH_TEXELS:
         return transfer_depths(level[command.face, ..., 0], command.transfer)
@@ -75,7 +76,7 @@ def texture_pixels(texture, command, statistics):
 
 
 def _copied(command, known, mipmaps, buffers, statistics):
-    """What a command copies, as a texture of the target and internal format of ``known``, or None."""
+    """The copied region as a texture with the target and internal format of ``known``, or None."""
     target, internal_format, box = known.target, known.internal_format, buffers.box_of(command)
     if internal_format in DEPTH_TEXELS:
         depths = transfer_depths(buffers.rows(buffers.depth, *box), command.transfer)
@@ -88,7 +89,7 @@ def _copied(command, known, mipmaps, buffers, statistics):
 
 
 def _patched(command, texture, patch, own):
-    """A texture with one rectangle of one level replaced by another's only level."""
+    """A texture with a rectangle of one level replaced by the only level of ``patch``."""
     levels, ideal = list(texture.levels), list(texture.ideal)
     for images, new in ((levels, patch.levels[0]), (ideal, patch.ideal[0])):
         image = images[command.level]

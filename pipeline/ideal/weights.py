@@ -1,8 +1,8 @@
-"""Barycentric weights of fragments, and values iterated by them: in real numbers, and as the machines cut
-them where only their bits decide between two texels.
+"""Barycentric weights of fragments, and values iterated with them.
 
-Fragments are columns: the triangle and the pixel, int32 [k] each. What their vertices have are rows, float64
-[n, m]; which numbers of a row are iterated is said by the first one's place.
+The weights are real numbers. The machines' truncated weights are computed too, where only their bits decide
+between two texels. Fragments are columns: the triangle and the pixel, int32 [k] each. Values at vertices are
+rows, float64 [n, m]; a function iterates the numbers from place ``first`` on.
 """
 
 from dataclasses import dataclass
@@ -19,20 +19,20 @@ from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.portable.interpolate import iteration_weights, weight_factors
 from fixedpipe.raster.primitives.strokes import along_line, lowest_pixel
 
-# Subpixels in a pixel, of all compiled kernels. Not the profile's: kernels do not notice where that changes.
+# Subpixels in a pixel, in all compiled kernels. Not from the profile: kernels would not notice a change.
 PIXEL = 1 << 4
 
-# A Draw's arrays are read only, a chunk's columns are not.
+# A Draw's arrays are read only; a chunk's columns are not.
 _INTS, _REALS = (types.Array(kind, 1, "C", readonly=True) for kind in (int32, float64))
 _ROWS, _TRIANGLES = (types.Array(kind, 2, "C", readonly=True) for kind in (float64, int32))
-# triangles, x, y, 1/w, strokes, and what of a row of ``fixedpipe.raster.rows`` says how lines are drawn
+# triangles, x, y, 1/w, strokes, and the part of a row of ``fixedpipe.raster.rows`` on how lines are drawn
 _MESH = types.Tuple((_TRIANGLES, _INTS, _INTS, _REALS, _TRIANGLES, types.Array(int64, 1, "C", readonly=True)))
 _WHERE = types.UniTuple(int32[::1], 3)
 
 
 @kernel
 def _inverse_w(mesh, t):
-    """The vertices' 1/w, or 1 where the three are equal."""
+    """The vertices' 1/w; 1 each if the three are equal."""
     triangles, inverse_w = mesh[0], mesh[3]
     w0, w1, w2 = (
         inverse_w[uint64(triangles[t, 0])],
@@ -46,7 +46,7 @@ def _inverse_w(mesh, t):
 
 @kernel
 def _corners(mesh, v0, v1, v2):
-    """x0, y0, and the sides x10, y10, x20, y20 of a triangle, subpixels."""
+    """x0, y0, and the sides x10, y10, x20, y20 of a triangle, in subpixels."""
     x, y = mesh[1], mesh[2]
     x0, y0 = int64(x[v0]), int64(y[v0])
     return x0, y0, (int64(x[v1]) - x0, int64(y[v1]) - y0, int64(x[v2]) - x0, int64(y[v2]) - y0)
@@ -60,7 +60,7 @@ def _is_line(mesh, t):
 
 @kernel
 def _ends(mesh, t):
-    """A line's second end and its first, x0, y0, x1, y1."""
+    """A line's second end and its first: x0, y0, x1, y1."""
     triangles, x, y = mesh[0], mesh[1], mesh[2]
     b, a = uint64(triangles[t, 0]), uint64(triangles[t, 1])
     return int64(x[b]), int64(y[b]), int64(x[a]), int64(y[a])
@@ -68,8 +68,9 @@ def _ends(mesh, t):
 
 @kernel
 def _edges_of_line(mesh, t, px, py):
-    """n0, n1, n2 of a pixel of a line: docs/numbers.md, section 11. In a wide line of diamonds they are those
-    of the pixel that is repeated.
+    """n0, n1, n2 at a pixel of a line: docs/numbers.md, section 11.
+
+    In a wide line with diamond exit they are those of the pixel that this one repeats.
     """
     draw = mesh[5]
     x0, y0, x1, y1 = _ends(mesh, t)
@@ -86,8 +87,9 @@ def _edges_of_line(mesh, t, px, py):
 
 @kernel
 def _edges(mesh, t, px, py):
-    """The edge functions n0, n1, n2 of a pixel, and the area, signed subpixels: docs/numbers.md, sections 3
-    and 11. A line's area is positive.
+    """The edge functions n0, n1, n2 at a pixel, and the area, signed subpixels.
+
+    A line's area is positive. docs/numbers.md, sections 3 and 11.
     """
     if _is_line(mesh, t):
         n0, n1, n2 = _edges_of_line(mesh, t, px, py)
@@ -106,7 +108,7 @@ def _edges(mesh, t, px, py):
 
 @kernel
 def _steps(mesh, t, area):
-    """How the edge functions change a subpixel to the right, and down."""
+    """The change of the edge functions one subpixel to the right, and one down."""
     if _is_line(mesh, t):
         x0, y0, x1, y1 = _ends(mesh, t)
         dx, dy = x0 - x1, y0 - y1
@@ -125,7 +127,7 @@ def _steps(mesh, t, area):
 
 @kernel(void(_MESH, _WHERE, int64, float64[:, ::1], uint8[::1]))
 def _weigh(mesh, where, counterclockwise, perspective, front):
-    """Perspective weights [3, k], and whether the primitives have the front colour."""
+    """Perspective weights [3, k], and whether each primitive takes its front colour."""
     separate_loop()
     triangle, px, py = where
     strokes = mesh[4]
@@ -147,7 +149,9 @@ def _weigh(mesh, where, counterclockwise, perspective, front):
 
 @kernel
 def _change(steps, weights, inverse_w, total):
-    """How the perspective weights of vertices 0 and 2 change where the edge functions change by ``steps``."""
+    """The change of the perspective weights of vertices 0 and 2 when the edge functions change by
+    ``steps``.
+    """
     (s0, s1, s2), (p0, p2), (w0, w1, w2) = steps, weights, inverse_w
     d0, d1, d2 = float64(PIXEL) * s0 * w0, float64(PIXEL) * s1 * w1, float64(PIXEL) * s2 * w2
     change = (d0 + d1) + d2
@@ -156,7 +160,7 @@ def _change(steps, weights, inverse_w, total):
 
 @kernel(void(_MESH, _WHERE, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
 def _derivatives(mesh, where, perspective, right, down):
-    """How the perspective weights of vertices 0 and 2 change over one pixel, float64 [2, k] each."""
+    """The change of the perspective weights of vertices 0 and 2 over one pixel, float64 [2, k] each."""
     separate_loop()
     triangle, px, py = where
     for i in range(len(triangle)):
@@ -184,7 +188,7 @@ def _machine_weights(mesh, where, q):
 
 @kernel
 def _slope(mesh, v0, v1, v2, z):
-    """The larger change of depth a pixel to the right or down, without sign, of a triangle."""
+    """A triangle's larger absolute change of depth over a pixel, to the right or down."""
     _, _, (x10, y10, x20, y20) = _corners(mesh, v0, v1, v2)
     z10, z20, area = z[v1] - z[v0], z[v2] - z[v0], float64(x10 * y20 - x20 * y10)
     slope_x = abs((z10 * float64(y20) - z20 * float64(y10)) * float64(PIXEL) / area)
@@ -194,8 +198,10 @@ def _slope(mesh, v0, v1, v2, z):
 
 @kernel(void(_MESH, _WHERE, _REALS, types.UniTuple(int64, 3), float64, float64, float64[::1]))
 def _depths(mesh, where, z, moved, units, factor, out):
-    """Window depths in [0, 1]; those of kinds that are ``moved``, by ``units`` and ``factor`` times the slope
-    of the polygon that a primitive is, or came from.
+    """Window depths in [0, 1].
+
+    Primitives of the kinds in ``moved`` are offset by ``units`` plus ``factor`` times the slope of their
+    polygon: the primitive itself, or the polygon that it came from.
     """
     separate_loop()
     triangle, px, py = where
@@ -219,7 +225,9 @@ def _depths(mesh, where, z, moved, units, factor, out):
 
 @kernel(void(_TRIANGLES, int32[::1], float64[:, ::1], _ROWS, int64, uint8[::1], int64, float64[:, ::1]))
 def _iterate_four(triangles, triangle, perspective, rows, first, front, back, out):
-    """Four numbers of the vertices' rows, iterated; those of triangles that face away ``back`` places on."""
+    """Iterate four numbers of the vertices' rows. A triangle that faces away reads them ``back``
+    places on.
+    """
     separate_loop()
     for i in range(len(triangle)):
         t = uint64(triangle[i])
@@ -245,7 +253,7 @@ def _provoking_four(triangles, triangle, rows, first, front, back, out):
 
 @kernel(void(_TRIANGLES, int32[::1], float64[:, ::1], _REALS, float64[::1]))
 def _iterate_one(triangles, triangle, perspective, values, out):
-    """One number of each vertex, iterated."""
+    """Iterate one number of each vertex."""
     separate_loop()
     for i in range(len(triangle)):
         t = uint64(triangle[i])
@@ -256,7 +264,9 @@ def _iterate_one(triangles, triangle, perspective, values, out):
 
 @kernel(void(_TRIANGLES, int32[::1], float64[:, ::1], _ROWS, int64, float64[:, ::1]))
 def _changes_of_four(triangles, triangle, step, rows, first, out):
-    """How four iterated numbers of the vertices' rows change where the weights change by ``step`` [2, k]."""
+    """The change of four iterated numbers of the vertices' rows for a change ``step`` [2, k] of
+    the weights.
+    """
     separate_loop()
     at = uint64(first)
     for i in range(len(triangle)):
@@ -274,7 +284,7 @@ _RECORD = types.UniTuple(_INTS, 4)  # triangle, x, y, passed
 
 @kernel(int64(_RECORD, int64, int64, int32[:, ::1]))
 def _passed(record, first, last, out):
-    """Copy a record's fragments from ``first`` to ``last`` that passed; returns how many they are."""
+    """Copy a record's fragments from ``first`` to ``last`` that passed. Returns their number."""
     separate_loop()
     triangle, x, y, passed = record
     count = 0
@@ -303,7 +313,7 @@ class Weights:
 
     perspective: np.ndarray
     front: np.ndarray
-    _mesh: tuple  # of ``mesh_of``
+    _mesh: tuple  # from ``mesh_of``
     _where: tuple  # triangle, x, y
 
     def __len__(self):
@@ -311,13 +321,14 @@ class Weights:
 
     @property
     def along(self):
-        """The triangles, the fragments' and ``perspective``, as kernels take what iterates."""
+        """The triangles, the fragments' triangles and ``perspective``, as the iterating kernels take them."""
         return self._mesh[0], self._where[0], self.perspective
 
     @cached_property
     def changes(self):
-        """The derivatives of ``perspective`` of vertices 0 and 2 per pixel: to the right, float64 [2, k], and
-        down.
+        """The derivatives of the perspective weights of vertices 0 and 2: per pixel to the right, then down.
+
+        Each is float64 [2, k].
         """
         right, down = np.empty((2, 2, len(self)))
         _derivatives(self._mesh, self._where, self.perspective, right, down)
@@ -331,8 +342,9 @@ class Weights:
         return q
 
     def depths(self, z, polygon, bits):
-        """Window depth in [0, 1], float64 [k], of the vertices' ``z``, with an exact polygon offset whose
-        unit is the smallest step of a depth buffer of so many ``bits``.
+        """Window depth in [0, 1], float64 [k], from the vertices' ``z``, with an exact polygon offset.
+
+        The offset's unit is the smallest step of a depth buffer of ``bits`` bits.
         """
         out = np.empty(len(self))
         units, factor = polygon.offset_units / (2**bits - 1), float(polygon.offset_factor)
@@ -347,21 +359,24 @@ class Weights:
         return values[self._mesh[0][self._where[0], :3]]
 
     def iterate(self, rows, first=0, back=0):
-        """Numbers ``first`` to ``first + 3`` of rows float64 [n, m], ``back`` places on where a triangle
-        faces away: float64 [k, 4].
+        """Iterate numbers ``first`` to ``first + 3`` of rows, float64 [n, m]: float64 [k, 4].
+
+        A triangle that faces away reads them ``back`` places on.
         """
         out = np.empty((len(self), 4))
         _iterate_four(*self.along, rows, first, self.front, back, out)
         return out
 
     def provoking(self, rows, first=0, back=0):
-        """The same of the provoking vertices."""
+        """The provoking vertices' numbers ``first`` to ``first + 3``: float64 [k, 4]. ``back``: as in
+        ``iterate``.
+        """
         out = np.empty((len(self), 4))
         _provoking_four(self._mesh[0], self._where[0], rows, first, self.front, back, out)
         return out
 
     def iterate_one(self, values):
-        """Values float64 [n], iterated: float64 [k]."""
+        """Iterate values, float64 [n]: float64 [k]."""
         out = np.empty(len(self))
         _iterate_one(*self.along, values, out)
         return out
@@ -375,14 +390,16 @@ class Weights:
 
 
 def fixed(array):
-    """An array as kernels take a Draw's: C-contiguous, and read only; a view where it was contiguous."""
+    """An array as kernels take a Draw's: C-contiguous and read only. A contiguous array is not copied."""
     view = np.ascontiguousarray(array).view()
     view.flags.writeable = False
     return view
 
 
 def mesh_of(primitives, line, machine):
-    """What ``weigh`` takes of WindowPrimitives. ``line``: a LineState; ``machine``: whose lines they are."""
+    """The mesh of a WindowPrimitives, for ``weigh``. ``line``: a LineState; ``machine``: the Profile that
+    draws its lines.
+    """
     p, draw = primitives, np.zeros(R.DRAW_SIZE, np.int64)
     if len(p.strokes):
         pack_lines(line, machine, draw)
@@ -390,7 +407,7 @@ def mesh_of(primitives, line, machine):
 
 
 def weigh(mesh, front_face, triangle, x, y):
-    """The Weights of the fragments (triangle, x, y), int32 [k] each; ``mesh``: of ``mesh_of``.
+    """The Weights of the fragments (triangle, x, y), int32 [k] each. ``mesh``: from ``mesh_of``.
 
     Source: docs/numbers.md, sections 3 to 5; derivatives by the quotient rule.
     """
@@ -400,8 +417,10 @@ def weigh(mesh, front_face, triangle, x, y):
 
 
 def share_covered(record, part, passed, samples):
-    """What smooth primitives cover of the pixels of ``fragments_of``, float64 [k], 1 where a primitive is not
-    smooth; ``samples``: of how many the record counts. None: nothing is smooth.
+    """The share of each pixel of ``fragments_of`` that a smooth primitive covers, float64 [k].
+
+    It is 1 for a primitive that is not smooth. ``samples``: the number of samples that the record counts.
+    None: no primitive is smooth.
     """
     if record.covered is None or not record.covered.any():
         return None
@@ -412,7 +431,7 @@ def share_covered(record, part, passed, samples):
 
 
 def fragments_of(record, part, passed):
-    """Triangles, x and y, int32 [k] each, of a slice of Fragments: those that ``passed`` alone, or all."""
+    """Triangles, x and y, int32 [k] each, of a slice of Fragments: all, or those that ``passed`` alone."""
     columns = record.triangle, record.x, record.y
     if not passed:
         return tuple(np.ascontiguousarray(column[part]) for column in columns)
@@ -423,7 +442,9 @@ def fragments_of(record, part, passed):
 
 
 def pixels_of(where, width):
-    """The pixels of what ``fragments_of`` returns, int64 [k], flat in a framebuffer of this ``width``."""
+    """The pixels of a result of ``fragments_of``, int64 [k]: flat indices in a framebuffer of
+    this ``width``.
+    """
     out = np.empty(len(where[0]), np.int64)
     _pixels(where[1], where[2], width, out)
     return out
