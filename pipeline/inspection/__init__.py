@@ -1,5 +1,5 @@
-"""What happened to a pixel: a frame that is remembered, one pixel of it drawn again, every number on the way.
+"""What happened to a pixel: a recorded frame, one of its pixels drawn again, and every number on the way.
 
-The numbers are the column engine's own: an observer (``fixedpipe.raster.observer``) is told what each
-stage read and made while it draws.
+The numbers are the column engine's own. While it draws, an observer (``fixedpipe.raster.observer``) receives
+each stage's inputs and outputs.
 """

@@ -1,8 +1,9 @@
-"""What a combiner program's registers can hold, and whether a clamp can ever bite: without drawing.
+"""The ranges of a combiner program's registers, and whether a clamp can ever bite: without drawing.
 
-Interval arithmetic by the column engine's own functions, each of which grows or falls steadily with each of
-its inputs, so that the ends of ranges give the ends. What is not known is how values hang together: a bound
-may be wider than what fragments reach, and is never narrower. Only a square is known to be one.
+It is interval arithmetic with the column engine's own functions. Each is monotonic in each input, so the ends
+of the input ranges give the ends of the result. The method ignores correlation between values, with one
+exception: a value times itself is a square. So a bound may be wider than what fragments reach, and is never
+narrower.
 """
 
 from collections.abc import Mapping as MappingType
@@ -30,10 +31,10 @@ _READ = (
 class Bound:
     """The range of a register's component after a stage, 1.0 = full intensity.
 
-    stage           "general combiner 0", "final combiner"
-    register        "spare0.r"; of the final combiner "color.r"
-    least, greatest what it holds
-    below, above    what it would hold were there no clamp: a clamp may bite where they are beyond
+    stage            "general combiner 0", "final combiner"
+    register         "spare0.r"; for the final combiner "color.r"
+    least, greatest  the range of its values
+    below, above     the range without the clamp: if it is wider, the clamp may bite
     """
 
     stage: str
@@ -54,14 +55,14 @@ def combiner_bounds(
     profile: Profile,
     ranges: MappingType[Register, tuple[float, float]] | None = None,
 ) -> tuple[Bound, ...]:
-    """The Bounds of what each general combiner writes, stage by stage, and of the final combiner's colour.
+    """The Bounds of each general combiner's outputs, stage by stage, and of the final combiner's colour.
 
     program  as a machine of ``profile`` takes it
-    ranges   {register: (least, greatest)} of registers that fragments bring, 1.0 = full intensity; those that
-             it does not name are 0 to 1
+    ranges   {register: (least, greatest)} of registers that fragments bring, 1.0 = full intensity; the
+             default is 0 to 1
 
-    Raises ValueError for a range that is empty, and for combiner functions and lookups, which only the future
-    board has.
+    Raises ValueError for an empty range, and for combiner functions and lookups, which only the future board
+    has.
     """
     a = arithmetic_of(profile, profile.arithmetic.combiner_bits)
     registers = _brought(ranges or {}, a)
@@ -124,12 +125,12 @@ def _brought(ranges, a):
 
 
 def _steadily(function, x):
-    """The range of a function that grows or falls steadily over the ranges [..., 2]."""
+    """The range of a monotonic function over the ranges [..., 2]."""
     return np.sort(function(x), axis=-1)
 
 
 def _product(x, y, same):
-    """The range of products of two ranges [c, 2]; ``same``: of a value with itself."""
+    """The range of the products of two ranges [c, 2]. ``same``: a value times itself."""
     if same:
         squares = x * x
         least = np.where((x[:, 0] <= 0) & (x[:, 1] >= 0), 0, squares.min(axis=-1))
@@ -139,7 +140,7 @@ def _product(x, y, same):
 
 
 def _portion(portion, registers, alpha, select, a):
-    """Register to (range that it holds, range without the clamp), int64 [3 or 1, 2] each."""
+    """Register to (its range, its range without the clamp), int64 [3 or 1, 2] each."""
     outputs = portion.ab_output, portion.cd_output, portion.sum_output
     if all(output == Register.DISCARD for output in outputs):
         return {}
@@ -172,7 +173,7 @@ def _portion(portion, registers, alpha, select, a):
 
 
 def _muxed(pair, registers, select, a):
-    """The ranges of a mux: of the one that it takes for all of SPARE0's alpha, else of both."""
+    """The ranges of a mux: one product's if all of SPARE0's range selects it, else both together."""
     alpha = registers[Register.SPARE0][3]
     takes = arithmetic.takes_cd(alpha, select == MuxSelect.LSB, a)
     settled = alpha[0] == alpha[1] if select == MuxSelect.LSB else takes[0] == takes[1]
@@ -198,7 +199,7 @@ def _of_names(stage, names, kept, whole, a):
 
 
 def _final(program, registers, a):
-    """Bounds of the final combiner's colour."""
+    """The Bounds of the final combiner's colour."""
     final = program.final
 
     def value(variable, alpha=False):
@@ -226,7 +227,7 @@ def _final(program, registers, a):
     alpha = value(final.g, alpha=True)
 
     def color(a):
-        # Linear in the weight, and growing with all else.
+        # Linear in the weight, and increasing in all other inputs.
         ends = [arithmetic.final_color(np.repeat(w[:, None], 2, axis=1), b, c, d, alpha, a) for w in weight.T]
         return np.stack([np.minimum(*ends)[:, 0], np.maximum(*ends)[:, 1]], axis=-1)
 

@@ -1,4 +1,6 @@
-"""Where two frames part: the first command after which they differ, how much, which pixel, which stage."""
+"""Where two frames diverge: the first command after which they differ, by how much, at which
+pixel and stage.
+"""
 
 from __future__ import annotations
 
@@ -26,13 +28,15 @@ PLANES = ("color", "depth", "stencil")
 class Difference:
     """Two frames after the first command that leaves them different.
 
-    command, label   its number among those that ran, and its label
-    plane            which of PLANES differs: the first that does
-    count, largest   how many pixels, and by how much at most, in values: of colours 1.0 is full intensity
-    box              (x0, y0, x1, y1) that holds them, device pixels, half open
-    pixel            (x, y), the one that differs most
-    stages           the first stages there that made different values, of both; None: one has no such stage
-    first, second    the plane of both, float64 [h, w, ...], top row first
+    command, label  the command's number among those that ran, and its label
+    plane           the first of PLANES that differs
+    count, largest  how many pixels differ, and the largest difference of their values; for colours 1.0 is
+                    full intensity
+    box             (x0, y0, x1, y1) around them, device pixels, half open
+    pixel           (x, y), the pixel that differs most
+    stages          the first stages at that pixel whose results differ, one of each frame; None: the frame
+                    has no such stage
+    first, second   the plane of each frame, float64 [h, w, ...], top row first
     """
 
     command: int
@@ -49,7 +53,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Run:
-    """Commands on a machine: what is compared. ``settings``: as ``execute`` takes them."""
+    """A frame to compare: commands and a machine. ``settings``: as ``execute`` takes them."""
 
     commands: tuple[Command, ...]
     profile: Profile
@@ -57,10 +61,10 @@ class Run:
 
 
 def compare(runs: Sequence[Run], width: int, height: int) -> Difference | None:
-    """Run two frames of the same size, and find where they part: a Difference, or None where they never do.
+    """Run two frames of the same size and find where they diverge: a Difference, or None if they never do.
 
-    Raises what ``execute`` raises; ValueError where the frames have other commands, which cannot be compared
-    one by one.
+    Raises what ``execute`` raises, and ValueError if the frames' commands are of different types: they cannot
+    be compared one by one.
     """
     first, second = (tuple(_digests(run, width, height)) for run in runs)
     kinds = [[kind for kind, _, _ in each] for each in (first, second)]
@@ -78,7 +82,7 @@ def compare(runs: Sequence[Run], width: int, height: int) -> Difference | None:
 
 
 def _values(framebuffer: Framebuffer):
-    """What is compared of a framebuffer, by plane: values that do not depend on how many bits there are."""
+    """A framebuffer's planes as values that do not depend on the number of bits."""
     return {
         "color": framebuffer.color / float(2**framebuffer.color_bits - 1),
         "depth": framebuffer.depth / float(2**framebuffer.depth_bits - 1),
@@ -87,7 +91,7 @@ def _values(framebuffer: Framebuffer):
 
 
 def _watched(run: Run, width: int, height: int, watch):
-    """Run; ``watch(number, command, framebuffer)`` after each command."""
+    """Run a frame, and call ``watch(number, command, framebuffer)`` after each command."""
     machine, number = Machine(run.profile, width, height, **dict(run.settings)), 0
 
     def seen(command, snapshot):
@@ -99,7 +103,7 @@ def _watched(run: Run, width: int, height: int, watch):
 
 
 def _digests(run, width, height) -> Iterable[tuple[str, str, tuple[str, ...]]]:
-    """(kind, label, digest of each plane) after every command."""
+    """(type, label, digest of each plane) after every command."""
     found = []
 
     def watch(number, command, framebuffer):
@@ -139,7 +143,7 @@ def _history(run, width, height, pixel, number) -> PixelHistory:
 
 
 def _parted(histories, number) -> tuple[Stage | None, Stage | None]:
-    """The first stages of a command's fragments at a pixel that made different values."""
+    """The first two stages of a command's fragments at a pixel whose results differ."""
     touched = [[t for t in found.touched if t.number == number] for found in histories]
     stages = [[s for t in each for f in t.fragments for s in f.stages] for each in touched]
     for a, b in zip(*stages, strict=False):

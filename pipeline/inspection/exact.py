@@ -1,7 +1,8 @@
-"""What exact arithmetic makes of the numbers that the machine read: the column engine's own functions, in
-real numbers and without clamps.
+"""Exact arithmetic on the machine's inputs: the column engine's own functions, in real numbers without
+clamps.
 
-With the machine's constants, or with the exact ones: EXPAND_NORMAL takes 1/2 away, not 128/255.
+The constants are the machine's or the exact ones. For example, EXPAND_NORMAL exactly subtracts 1/2; the
+machine subtracts 128/255.
 """
 
 from dataclasses import replace
@@ -15,13 +16,13 @@ from fixedpipe.raster.columns import combine, numbers, per_fragment, real_textur
 
 
 def _exact(a, constants=True):
-    """An Arithmetic of the machine's in real numbers, without clamps; ``constants``: with exact ones."""
+    """The machine's Arithmetic in real numbers, without clamps. ``constants``: with exact constants."""
     found = replace(combine.unclamped(combine.in_reals(a)), holds=(-np.inf, np.inf))
     return found if constants else replace(found, half=a.half, expanded=a.expanded)
 
 
 def _output(register, portion, ab, cd, select, spare0, a):
-    """What a portion writes to a register, of its products."""
+    """What a portion writes to a register, from its products."""
     pairs = {portion.ab_output: ab, portion.cd_output: cd}
     if register in pairs:
         return combine.output(pairs[register], portion.scale, bool(portion.bias), a)
@@ -29,13 +30,14 @@ def _output(register, portion, ab, cd, select, spare0, a):
 
 
 def unclamped(register, *, portion, ab, cd, select, spare0, arithmetic, **_):
-    """What an output would be if nothing clamped it, int64; of what the engine tells of its portion."""
+    """An output without its clamp, int64, from what the observer received of its portion."""
     return _output(register, portion, ab, cd, select, spare0, combine.unclamped(arithmetic))
 
 
 def portion_output(register, exact, *, portion, read, alpha, select, spare0, arithmetic, **_):
-    """An output in real numbers, float64, of what the engine tells of its portion; ``exact``: with one half
-    where EXPAND_NORMAL means it.
+    """An output in real numbers, float64, from what the observer received of its portion.
+
+    ``exact``: with exact constants, such as EXPAND_NORMAL's 1/2.
     """
     wide = _exact(arithmetic, exact)
     _, ab, cd = portion_products(portion, read, alpha, wide)
@@ -43,16 +45,18 @@ def portion_output(register, exact, *, portion, read, alpha, select, spare0, ari
 
 
 def final_color(final, registers, a):
-    """The final combiner's colour from registers, float64 [4, k]."""
+    """The final combiner's colour from registers, in real numbers: float64 [4, k]."""
     wide, count = _exact(a), next(iter(registers.values())).shape[1]
     return combine.final_color(*final_inputs(final, registers, count, wide), wide) / wide.one
 
 
 def texture(sampler, fragments, ideal, bits):
-    """What a unit's register receives, float64 [4] each: of the machine's texels by the machine's fractions,
-    not rounded; by exact fractions; of real texels by exact fractions. None where that is not known.
+    """A unit's register, computed three ways, float64 [4] each. None: one of them is not known.
 
-    ``ideal``: the texture's real texels, a level each, or None; ``bits``: of the register.
+    The ways are: the machine's texels with the machine's fractions, not rounded; the machine's texels with
+    exact fractions; real texels with exact fractions.
+
+    ``ideal``: the texture's real texels, one array a level, or None. ``bits``: the register's width.
     """
     found = []
     for fraction_bits, levels in ((sampler.fraction_bits, None), (None, None), (None, ideal)):
@@ -64,9 +68,11 @@ def texture(sampler, fragments, ideal, bits):
 
 
 def shader_texture(run, i, ideal, bits):
-    """What stage i of a texture shader makes of the texels that the machine's stages before it left: as
-    ``texture``, and last of real texels at coordinates that are computed exactly. Float64 [4] each; None
-    where that is not known.
+    """The result of stage i of a texture shader, computed four ways, float64 [4] each. None: one is not
+    known.
+
+    Every way reads the texels that the machine's earlier stages left. The first three are those of
+    ``texture``. The fourth takes real texels at exactly computed coordinates.
 
     ``run``: the machine's StageRun. A footprint of roughness is the machine's.
     """
@@ -97,7 +103,7 @@ def shader_texture(run, i, ideal, bits):
 
 
 def blended(blending, colors, bits):
-    """What blending makes of source, destination and constant in units of ``bits``, float64 [k, 4]."""
+    """The result of blending source, destination and constant, given in units of ``bits``: float64 [k, 4]."""
     factors = blending.source, blending.destination
     found = per_fragment.blend(blending.equation, factors, *colors, bits, numbers.REALS)
     return found / numbers.one_of(bits)

@@ -1,6 +1,6 @@
-"""What is known of a pixel: its commands, their fragments, every stage of each, and every number of a stage.
+"""The history of a pixel: its commands, their fragments, the stages of each, and every number of a stage.
 
-Everything is plain data, in the order of the computation: ``to_json`` writes it as it stands.
+Everything is plain data, in the order of the computation. ``to_json`` writes it unchanged.
 """
 
 import math
@@ -17,12 +17,12 @@ from fixedpipe.pipeline.messages import surface_words
 class Quantity:
     """A number, or the components of a register, at a stage.
 
-    name    what it is, in the words of the specification and of the notations
-    values  what it is worth: of a colour 1.0 is full intensity
-    codes   the whole numbers that the machine holds; empty where it holds a float
-    one     the code of 1.0; None: codes are what they are, an address, a word of the depth buffer
-    ideal   what the ideal has here; empty where it has nothing of the kind
-    error   where it departs from the ideal, and since when; None where that is not known
+    name    its name in the specification and in the notations
+    values  its values; for a colour, 1.0 is full intensity
+    codes   the machine's whole numbers; empty if the machine holds a float
+    one     the code of 1.0; None: a code has no scale, as an address or a word of the depth buffer
+    ideal   the ideal's values; empty if the ideal has no such number
+    error   its error and the error's causes; None: they are not known
     """
 
     name: str
@@ -35,15 +35,15 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Error:
-    """Machine minus ideal of each component, in units of 1/255, and what it is the sum of.
+    """Machine minus ideal of each component, in units of 1/255, and the parts that it is the sum of.
 
     total    machine - ideal
-    brought  what exact arithmetic, without a clamp, makes of the machine's inputs, minus ideal: errors of
+    brought  the result of exact arithmetic without a clamp on the machine's inputs, minus ideal: errors of
              earlier stages, and of a texture's coordinates
-    added    what this stage adds, by cause: "mapping", the machine's constants, EXPAND_NORMAL's 128/255 for
-             1/2; "coordinates", those that a texture shader stage makes; "texels", the machine's for those
-             that the ideal reads, and a depth comparison's reference; "filter fraction"; "rounding", to the
-             machine's numbers, of weights as well; "clamp"
+    added    this stage's own error, by cause: "mapping", the machine's constants, such as EXPAND_NORMAL's
+             128/255 for 1/2; "coordinates", those that a texture shader stage makes; "texels", the machine's
+             in place of the ideal's, and a depth comparison's reference; "filter fraction"; "rounding" to the
+             machine's numbers, also of weights; "clamp"
     """
 
     total: tuple[float, ...]
@@ -64,14 +64,14 @@ class Clamped:
 class Stage:
     """A stage of a fragment.
 
-    kind     one of a few words, by which stages are told apart: "combiner", "texture", "blending" ...
+    kind     one of a few words that tell stages apart: "combiner", "texture", "blending" ...
     title    its name: "general combiner 0, RGB portion"
-    says     what it computes, as an equation or a sentence; may be empty
-    read     what it read
-    made     what it made
-    clamped  what its clamps changed
-    verdict  of a test: whether the fragment passed; None: it is no test
-    number   of the texture unit or general combiner
+    says     the stage's computation, as an equation or a sentence; may be empty
+    read     its inputs
+    made     its results
+    clamped  the components that its clamps changed
+    verdict  whether the fragment passed a test; None: the stage is no test
+    number   the number of the texture unit or general combiner
     """
 
     kind: str
@@ -86,10 +86,10 @@ class Stage:
 
 @dataclass(frozen=True)
 class Fragment:
-    """A fragment: its stages in order, and what became of it, "written" or what ended it.
+    """A fragment: its stages in order, and its fate: "written", or what discarded it.
 
-    ``worst``: the place among the stages of the one that adds most to the error; ``first_clamped``: of the
-    first whose clamp changed something. None: there is none.
+    ``worst``: the place of the stage that adds most to the error. ``first_clamped``: the place of the first
+    stage whose clamp changed a value. None: there is no such stage.
     """
 
     stages: tuple[Stage, ...]
@@ -100,11 +100,15 @@ class Fragment:
 
 @dataclass(frozen=True)
 class Touched:
-    """A command that touched the pixel: its number among those that ran, label and type, the sample of the
-    pixel, what the pixel held before and after, the fragments that it made there, the ideal's colour after.
+    """A command that touched the pixel, and the fragments that it made there.
 
-    surface  the pbuffer that it drew to; None: the window. It may be another than the history's, which has
-             its depths in common; then the colours are that one's
+    number, label, kind  its number among those that ran, its label and its type
+    sample               the sample of the pixel
+    before, after        what the pixel held before and after
+    fragments            the fragments, in order
+    ideal                the ideal's colour after the command; empty without an ideal
+    surface              the pbuffer that it drew to; None: the window. It may be another framebuffer that
+                         shares its depths with the history's; then the colours are the other's
     """
 
     number: int
@@ -118,7 +122,7 @@ class Touched:
     surface: str | None = None
 
     def heading(self, surface: str | None) -> str:
-        """What it is, in words, in the history of a pixel of ``surface``."""
+        """A heading for the command, in the history of a pixel of ``surface``."""
         sample = f", sample {self.sample}" if self.sample else ""
         elsewhere = "" if self.surface == surface else f" to {surface_words(self.surface)}"
         return f"command {self.number}, {self.kind}{elsewhere}{sample}: {self.label}"
@@ -133,10 +137,10 @@ class PixelHistory:
     x, y           the pixel, counted from the top left, y downwards; ``window_y`` counts upwards
     surface        the pbuffer; None: the window
     one            the code of 1.0 in the framebuffer
-    commands       how many ran in all
+    commands       how many commands ran in all
     touched        those that touched the pixel
-    final          what the pixel holds in the end, as the framebuffer has it
-    ideal          the colour that the guided ideal has there; empty where there is no ideal
+    final          what the pixel holds in the end, as in the framebuffer
+    ideal          the guided ideal's colour there; empty without an ideal
     """
 
     profile: str
@@ -153,7 +157,7 @@ class PixelHistory:
     ideal: tuple[float, ...] = ()
 
     def __repr__(self) -> str:
-        """Which pixel, and what it holds: all fields are thousands of characters."""
+        """The pixel and its final value, because all fields are thousands of characters."""
         surface = f" of pbuffer {self.surface}" if self.surface is not None else ""
         return (
             f"<history of pixel ({self.x}, {self.y}){surface} on {self.profile}: {len(self.touched)} of "
@@ -161,14 +165,14 @@ class PixelHistory:
         )
 
     def _repr_html_(self) -> str:
-        """As a notebook shows it."""
+        """The history as a notebook shows it."""
         return history_html(self)
 
 
 def to_json(value: Any) -> Any:
     """A history, or a part of it, as JSON's dictionaries, lists, strings and numbers.
 
-    A number that JSON has no word for, an infinity or no number, becomes a string.
+    JSON has no infinity and no NaN, so such a number becomes a string.
     """
     for kind, written in _WRITTEN:
         if isinstance(value, kind):
@@ -186,7 +190,7 @@ _WRITTEN = (
 
 
 def json_schema() -> dict[str, Any]:
-    """The JSON Schema (draft 2020-12) of what ``to_json`` makes of a PixelHistory:
+    """The JSON Schema (draft 2020-12) of ``to_json``'s result for a PixelHistory:
     docs/pixel-history.schema.json.
     """
     described: dict[str, Any] = {}
@@ -200,7 +204,7 @@ def json_schema() -> dict[str, Any]:
     }
 
 
-# A number that JSON has no word for is a string.
+# An infinity or a NaN is a string.
 _NUMBER = {"anyOf": [{"type": "number"}, {"enum": ["inf", "-inf", "nan"]}]}
 _PLAIN: dict[Any, dict[str, Any]] = {
     str: {"type": "string"},
@@ -212,7 +216,7 @@ _PLAIN: dict[Any, dict[str, Any]] = {
 
 
 def _described(kind: Any, described: dict[str, Any]) -> dict[str, Any]:
-    """The schema of a type's values; those of dataclasses are put into ``described``, by name."""
+    """The schema of a type's values. Schemas of dataclasses go into ``described``, by name."""
     if kind in _PLAIN:
         return _PLAIN[kind]
     if get_origin(kind) in (UnionType, Union):
@@ -224,7 +228,7 @@ def _described(kind: Any, described: dict[str, Any]) -> dict[str, Any]:
     if get_origin(kind) is dict:
         return {"type": "object", "additionalProperties": _described(get_args(kind)[1], described)}
     if kind.__name__ not in described:
-        described[kind.__name__] = {}  # one that holds its own kind would look for it here
+        described[kind.__name__] = {}  # a type that holds its own kind finds this entry
         types = get_type_hints(kind)
         described[kind.__name__] = {
             "type": "object",

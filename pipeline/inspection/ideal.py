@@ -1,4 +1,4 @@
-"""The guided ideal of a recorded frame, and of a pixel of it: what each number would be without rounding."""
+"""The guided ideal of a recorded frame, and of one of its pixels: each number without rounding."""
 
 from collections.abc import Callable
 from copy import deepcopy
@@ -39,14 +39,17 @@ from fixedpipe.pipeline.textures.depths_as_colors import depths_as_colors
 from fixedpipe.pipeline.textures.sampled import sampled_texture
 from fixedpipe.pipeline.validation.frames import frame_of
 
-# What fragments read of other pixels, or what one pixel alone cannot tell: then the whole ideal runs, once.
+# Fragments of these commands read other pixels, or need more than one pixel. Then the whole ideal runs, once.
 _READ_ELSEWHERE = (CopyTexImage, CopyTexSubImage, CopyPixels, HostStep)
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedIdeal:
-    """The guided ideal of a RecordedFrame: its commands as they ran, before each the textures by name, and
-    for a CopyPixels the buffers that it reads.
+    """The guided ideal of a RecordedFrame.
+
+    commands  its commands, as they ran
+    textures  before each command, the textures by name
+    sources   for each CopyPixels, the buffers that it reads; otherwise None
     """
 
     frame: RecordedFrame
@@ -56,10 +59,11 @@ class RecordedIdeal:
 
 
 def record_ideal(commands: Any, frame: RecordedFrame, machine_commands: Any = None) -> RecordedIdeal | None:
-    """The RecordedIdeal of a frame; None where the ideal has no such frame: of pbuffers, of several samples,
-    or where its commands are of other types than the machine's.
+    """The RecordedIdeal of a frame; None: the ideal has no such frame.
 
-    ``commands``: the ideal's; ``machine_commands``: those that made the frame; None: the same.
+    It has none for pbuffers, for several samples, or if its commands differ in type from the machine's.
+
+    ``commands``: the ideal's. ``machine_commands``: those that made the frame; None: the same.
     """
     commands = frame_of(commands)
     if frame.samples > 1 or frame.result.surfaces:
@@ -73,7 +77,7 @@ def record_ideal(commands: Any, frame: RecordedFrame, machine_commands: Any = No
 
 
 def _whole(commands, frame, machine_commands):
-    """The RecordedIdeal of commands that read other pixels: everything is drawn, once."""
+    """The RecordedIdeal of commands that read other pixels: it draws the whole frame, once."""
     guide = execute(
         machine_commands, frame.profile, frame.width, frame.height, depth_bits=frame.depth_bits, record=True,
         samples=frame.samples, color_bits=frame.color_bits,
@@ -96,7 +100,7 @@ def _whole(commands, frame, machine_commands):
 
 
 def _given_textures(commands):
-    """Before each command the textures that those before it gave."""
+    """The textures before each command, from the earlier commands."""
     held: dict[str, Any] = {}
     for command in commands:
         yield held
@@ -109,7 +113,7 @@ def _given_textures(commands):
 
 
 class IdealPixel:
-    """One pixel of a RecordedIdeal, drawn along with the machine's."""
+    """One pixel of a RecordedIdeal, drawn in step with the machine's."""
 
     def __init__(self, ideal: RecordedIdeal, x: int, y: int):
         self.ideal, self.x, self.y = ideal, x, y
@@ -118,9 +122,9 @@ class IdealPixel:
     def follow(
         self, touch: Touch, passed: tuple[bool, ...], observer: Callable[[], Observer]
     ) -> list[Observer]:
-        """Do what a command of the machine's did: the observers of its fragments' making.
+        """Do what a command of the machine did. Returns an observer for each of its fragments.
 
-        ``touch``: the machine's; ``passed``: which of its fragments were written.
+        ``touch``: the machine's Touch; ``passed``: which of its fragments were written.
         """
         number = touch.step.number
         command = self.ideal.commands[number]
@@ -131,7 +135,7 @@ class IdealPixel:
         return draw(command, self.ideal.textures[number], touch, passed, observer)
 
     def color(self, which: ColorBuffer = ColorBuffer.BACK) -> tuple[float, ...]:
-        """What the pixel's colour is now."""
+        """The pixel's colour now."""
         return tuple(self.buffers.buffer(which).color[0, 0].tolist())
 
     def _draw(self, command, textures, touch, passed, observer):
@@ -180,7 +184,7 @@ class IdealPixel:
 
 
 def _levels(state, textures):
-    """The real texels of each texture unit that reads some, a level each."""
+    """The real texels of each texture unit that reads a texture, one array a level."""
     return {
         number: sampled_texture(unit, textures).ideal
         for number, unit in enumerate(state.texture_units)
@@ -189,7 +193,7 @@ def _levels(state, textures):
 
 
 class _Size:
-    """The size of buffers of which nothing is read."""
+    """The size of buffers, for a command that reads nothing else from them."""
 
     def __init__(self, width, height):
         self.depth = np.empty((height, width), np.uint8)

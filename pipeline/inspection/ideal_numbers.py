@@ -1,4 +1,4 @@
-"""What the ideal's observer was told of a fragment, by what the machine calls the same number."""
+"""What the ideal's observer received for a fragment, by the machine's names for the same numbers."""
 
 from typing import Any
 
@@ -7,15 +7,18 @@ import numpy as np
 from fixedpipe.pipeline.enums import Register
 from fixedpipe.raster import codes as C
 
-# Places in what a stage of the ideal's combiners computes: of each portion A, B, C, D, AB, CD and their sum.
+# Places in the results of a stage of the ideal's combiners: A, B, C, D, AB, CD and their sum, for each
+# portion.
 _NAMES = ("A", "B", "C", "D", "AB", "CD")
 _PORTION = 7
 
 
 def ideal_numbers(told: list[tuple[str, dict[str, Any]]]) -> dict[Any, tuple[Any, ...]]:
-    """The ideal's numbers: keys are names, ("register", Register) of what combiners first read, ("levels",
-    unit) of its texture's real texels, and of general combiners (number, whether alpha, name of a variable or
-    Register of an output).
+    """The ideal's numbers by key.
+
+    Most keys are names. ("register", Register) is a register before the combiners. ("levels", unit) are the
+    real texels of a unit's texture. A general combiner's keys are (number, whether alpha, name of a variable
+    or Register of an output).
     """
     found, general = {}, 0
     for stage, columns in told:

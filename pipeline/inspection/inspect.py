@@ -22,7 +22,7 @@ def inspect(
     ideal: Any = None,
     **machine: Any,
 ) -> PixelHistory:
-    """Run ``commands`` and tell everything that happened to a pixel. Returns a PixelHistory.
+    """Run ``commands`` and report everything that happened to a pixel. Returns a PixelHistory.
 
     Parameters
     ----------
@@ -33,16 +33,16 @@ def inspect(
     surface : str or None
         A pbuffer; None: the window.
     ideal : tuple of commands or None
-        What the ideal evaluates beside the machine; None: the same commands.
+        The commands that the ideal evaluates beside the machine; None: the same.
 
     Raises
     ------
     UnsupportedState, ValueError
         As ``execute`` does; ValueError for a pixel outside.
     AssertionError
-        If the pixel, drawn again, were another than the frame's: a fault of this project.
+        If the pixel, drawn again, differs from the frame's: a fault of this project.
 
-    To ask for several pixels of a frame: ``record`` and ``record_ideal`` it once, then ``history`` for each.
+    For several pixels of a frame, ``record`` and ``record_ideal`` it once, then call ``history`` for each.
     """
     commands = tuple(commands)
     frame = record(commands, profile, width, height, **machine)

@@ -1,4 +1,4 @@
-"""Maps: what happened where in a frame, a number for each pixel and command."""
+"""Maps: what happened where in a frame, one number for each pixel and command."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from fixedpipe.pipeline.inspection.exact import unclamped
 from fixedpipe.pipeline.inspection.stage_errors import stage_errors
 from fixedpipe.pipeline.profiles.profile import Profile
 
-# What a map tells of a pixel, by its name.
+# The number that a map has for a pixel, by the map's name.
 KINDS = {
     "clamps": "how many components of general combiners a clamp changed",
     "overdraw": "how many fragments were shaded",
@@ -31,7 +31,7 @@ KINDS = {
     "stencil": "what the stencil buffer holds",
 }
 SHARES = ("reached", "above zero")  # of the numbers of a map: from 0 to 1
-# What is left when a command has run; the others are told while it runs.
+# These maps show the result of a command; an observer draws the others while it runs.
 _BESIDE_IDEAL = {"error", "bits"}
 _LEFT = {*_BESIDE_IDEAL, "depth", "stencil"}
 _DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
@@ -39,8 +39,8 @@ _DRAWING = (Draw, DrawPixels, CopyPixels, Bitmap)
 
 @dataclass(frozen=True, eq=False)
 class Map:
-    """A map of a command: float64 [h, w], top row first; no number where no fragment fell, or of texels where
-    none was read.
+    """A map of a command: float64 [h, w], top row first. NaN where no fragment fell, or for texels where none
+    was read.
     """
 
     command: int
@@ -48,8 +48,10 @@ class Map:
     values: NDArray[np.float64]
 
     def numbers(self) -> dict[str, float]:
-        """The share of the framebuffer's pixels, or of texels, that have a value, of those with one above
-        zero, and of the values the least, the median, the 95th percentile and the greatest.
+        """A map's numbers, by name.
+
+        They are the share of pixels (or texels) that have a value, the share with one above zero, and the
+        least value, the median, the 95th percentile and the greatest.
         """
         known = self.values[~np.isnan(self.values)]
         reached, above = SHARES
@@ -88,7 +90,7 @@ class _Drawn:
         if self.kind == "texels":
             return
         if fragments.x.max(initial=-1) >= self.size[1] or fragments.y.max(initial=-1) >= self.size[0]:
-            self.at = None  # of a pbuffer larger than the window
+            self.at = None  # a pbuffer larger than the window
             return
         self.at, self.read = (fragments.y, fragments.x), None
         if self.number not in self.maps:
@@ -116,7 +118,7 @@ class _Drawn:
             name = self.command.state.texture_units[unit].texture
             label = f"{self.command.label}: {name}, unit {unit}, level {level}"
             self.maps[key] = Map(self.number, label, np.full((depth * height, width), np.nan))
-        values = self.maps[key].values.reshape(depth, height, width)[:, ::-1]  # rows of texels begin below
+        values = self.maps[key].values.reshape(depth, height, width)[:, ::-1]  # texels' first row is below
         for taps in itertools.product(layers, rows, columns):
             places = np.broadcast_arrays(*[index for index, _ in taps])
             inside = np.ones(places[0].shape, bool)
@@ -150,7 +152,7 @@ _TOLD = {
 
 
 def _left(commands, profile, width, height, kind, ideal, given):
-    """Maps of what the window holds after each command that draws to it."""
+    """Maps of the window's contents after each command that draws to it."""
     runner, maps, colors, number = Machine(profile, width, height, **given), [], [], -1
 
     def seen(command, _):
@@ -202,15 +204,17 @@ def frame_maps(
     ideal: Iterable[Command] | None = None,
     **machine: Any,
 ) -> tuple[Map, ...]:
-    """Run ``commands``: a Map of each command that made a fragment, or after which something is left in the
-    window, in order.
+    """Run ``commands`` and return a Map for each command, in order.
 
-    kind     of KINDS
-    ideal    of "error", "bits" and "stages": what the ideal evaluates; None: the same commands
-    machine  as ``execute`` takes it, but ``engine``
+    The commands are those that made a fragment. For "error", "bits", "depth" and "stencil" they are those
+    that drew to the window.
 
-    Raises what ``execute`` raises, and ValueError for another kind; of "error" and "bits" what
-    ``execute_ideal`` raises, of "stages" what ``stage_errors`` does.
+    kind     one of KINDS
+    ideal    for "error", "bits" and "stages": the commands that the ideal evaluates; None: the same
+    machine  as ``execute`` takes it, without ``engine``
+
+    Raises what ``execute`` raises, and ValueError for another kind. "error" and "bits" also raise what
+    ``execute_ideal`` raises, "stages" what ``stage_errors`` raises.
     """
     if kind not in KINDS:
         raise ValueError(f"There is no map {kind!r}; there are: {', '.join(KINDS)}.")

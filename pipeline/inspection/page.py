@@ -32,7 +32,7 @@ tr.cause td:first-child { padding-left: 2rem; }
 
 
 def history_page(history: PixelHistory, title: str) -> str:
-    """The page, a whole HTML document."""
+    """A whole HTML document with the history."""
     return (
         "<!doctype html><html lang=en><head><meta charset=utf-8>"
         '<meta name=viewport content="width=device-width">'

@@ -39,7 +39,7 @@ Observer = Callable[..., None]
 
 @dataclass(frozen=True)
 class PixelValue:
-    """What a pixel holds: ``color`` RGBA codes in units of 2**bits - 1, the word of its depth, its stencil
+    """What a pixel holds: ``color``, RGBA codes in units of 2**bits - 1, its depth word, and its stencil
     value.
     """
 
@@ -49,16 +49,16 @@ class PixelValue:
 
 
 class PixelBuffers:
-    """A window, or a pbuffer, or one of the window's samples, of which one pixel exists, empty at first.
+    """A window, a pbuffer, or one of the window's samples, of which only one pixel exists. It begins empty.
 
     ``one``         a framebuffer of 1 x 1 pixels
-    ``everywhere``  the same memory as a framebuffer of full size, of which every pixel is this one
+    ``everywhere``  the same memory as a framebuffer of full size: each of its pixels is this one
     """
 
     def __init__(
         self, like: Framebuffer, accumulation: NDArray[np.int32], sharing: "PixelBuffers | None" = None
     ):
-        """``sharing``: other buffers whose depth and stencil value these are."""
+        """``sharing``: other buffers, whose depth and stencil value these share."""
         new = np.zeros((1, 1, 4), like.color.dtype)
         depth, stencil = np.full((1, 1), 2**like.depth_bits - 1, np.uint32), np.zeros((1, 1), np.uint8)
         if sharing is not None:
@@ -93,12 +93,12 @@ class Touch:
     """A command that touched the pixel.
 
     step           the Step
-    sample         which of the window's samples; 0 where there is one
+    sample         the number of the window's sample; 0 if there is one
     before, after  PixelValues of the buffer that it draws to
-    fragments      the observer of each fragment's making (``ReplayedPixel.run``)
-    triangles      of a Draw, the primitive of each
-    covered        of a Draw, how many samples each covers; empty where nothing is smooth
-    passed         whether each passed all tests
+    fragments      an observer for each fragment (``ReplayedPixel.run``)
+    triangles      for a Draw, the primitive of each fragment
+    covered        for a Draw, how many samples each fragment covers; empty if no primitive is smooth
+    passed         whether each fragment passed all tests
     alone          its state, with this pixel alone in the scissor box; None: it has no state
     """
 
@@ -114,7 +114,7 @@ class Touch:
 
     @property
     def changes_depths(self) -> bool:
-        """Whether the depth or the stencil value is another afterwards."""
+        """Whether the command changed the depth or the stencil value."""
         before, after = self.before, self.after
         return (before.depth, before.stencil) != (after.depth, after.stencil)
 
@@ -122,9 +122,9 @@ class Touch:
 class ReplayedPixel:
     """Pixel (x, y) of a RecordedFrame's window or pbuffer, x to the right and y downwards from the top left.
 
-    Framebuffers that have their depths in common have that pixel's too: what is drawn to them counts.
+    Framebuffers that share their depths share this pixel's depth too, so commands that draw to them count.
 
-    Raises ValueError for a pixel outside, and for a pbuffer that is not there.
+    Raises ValueError for a pixel outside, and for a pbuffer that does not exist.
     """
 
     def __init__(
@@ -161,10 +161,11 @@ class ReplayedPixel:
                 self._sharing[other] = ReplayedPixel(frame, x, y, other, self)
 
     def run(self, observer: Callable[[], Observer]) -> Iterator[Touch]:
-        """A Touch for every command, and sample, that touched the pixel, in order; of those that drew to
-        another framebuffer, where they changed the depth or the stencil value that both have.
+        """Yield a Touch for every command, and sample, that touched the pixel, in order.
 
-        ``observer``: makes the observer of a fragment before it is drawn; the Touch names it.
+        A command that drew to another framebuffer counts if it changed the shared depth or stencil value.
+
+        ``observer`` makes a fragment's observer before the fragment is drawn; the Touch holds it.
         """
         for step in self.frame.steps:
             draw, pixel = _DRAWING.get(type(step.command)), self._sharing.get(step.surface)
@@ -175,7 +176,7 @@ class ReplayedPixel:
                     yield touch
 
     def check(self) -> None:
-        """Raise AssertionError where the pixel is not what the frame left in it."""
+        """Raise AssertionError if the pixel differs from what the frame left in it."""
         where, first = (self.y, self.x), self._targets[0][0].one
         for which in ColorBuffer:
             self._agrees(
@@ -185,36 +186,39 @@ class ReplayedPixel:
         self._agrees("stencil", first.stencil, self._shown.stencil[where])
 
     def _agrees(self, plane, drawn, shown):
-        if (drawn[0, 0] != shown).any():  # no assert statement: -O would leave it out
+        if (drawn[0, 0] != shown).any():  # no assert statement: -O would remove it
             raise AssertionError(
                 f"Pixel ({self.x}, {self.y}), {plane}: {drawn[0, 0]} when drawn again, {shown} in the frame."
             )
 
     def value(self) -> PixelValue:
-        """What the pixel holds now: of several samples the colours' mean, and the first's depth."""
+        """What the pixel holds now. With several samples: the mean of their colours, and the first one's
+        depth.
+        """
         first = self._targets[0][0].value()
         return replace(first, color=self._window.value().color)
 
-    # Each takes the Step, its command and ``run``'s observer.
+    # Each of the following takes the Step, its command and ``run``'s observer.
 
     def _inside(self, box):
         x0, y0, x1, y1 = scissored(box, self._shown.width, self._shown.height)
         return x0 <= self.x < x1 and y0 <= self.y < y1
 
     def _alone(self, state):
-        """The same state with the pixel alone inside the scissor box."""
+        """The state, with this pixel alone inside the scissor box."""
         return replace(state, scissor=Scissor(self.x, self._shown.height - 1 - self.y, 1, 1))
 
     def _resolve(self, which):
-        """The window's colours after its samples'."""
+        """Set the window's colours from its samples."""
         if len(self._targets) > 1:
             colors = [buffers.one.buffer(which).color for buffers, _ in self._targets]
             self._window.one.buffer(which).color[...] = mean(colors)
 
     def _on_each(self, step, which, change, alone=None):
-        """A Touch of each sample that ``change(buffers, position)`` changes: it returns the fragments'
-        observers, primitives, whether they passed and perhaps what they cover, None where there is no
-        fragment.
+        """Yield a Touch of each sample that ``change(buffers, position)`` changes.
+
+        ``change`` returns the fragments' observers, their primitives, whether they passed, and optionally how
+        many samples they cover. It returns None if there is no fragment.
         """
         for sample, (buffers, position) in enumerate(self._targets):
             before = buffers.value(which)

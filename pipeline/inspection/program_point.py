@@ -1,4 +1,4 @@
-"""Register combiners on one fragment of given inputs: the commands that draw it."""
+"""The commands that draw one fragment with given inputs by register combiners."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,10 +15,10 @@ from fixedpipe.pipeline.textures.images import texture_2d
 def program_point(
     combiners: RegisterCombiners, machine: Profile, values: Mapping[str, Any]
 ) -> tuple[Command, ...]:
-    """A point of one pixel, whose texture units hold a texel each.
+    """The commands that draw a point of one pixel; each of its texture units holds one texel.
 
-    values  {register: four bytes} of t0 to t3, v0 and v1, the primary and the secondary color; what a machine
-            with fewer texture units does not have is left out
+    values  {register: four bytes} for t0 to t3, v0 and v1, the primary and the secondary color. Texture units
+            that the machine lacks are left out
     """
     units = [f"t{unit}" for unit in range(min(4, machine.textures.max_texture_units))]
     nearest = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST)

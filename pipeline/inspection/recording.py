@@ -1,7 +1,7 @@
-"""A frame that has run, with what a pixel of it needs to be drawn once more, alone.
+"""A frame that has run, with all that is needed to draw one of its pixels again, alone.
 
-All that a fragment reads beside its own pixel is remembered: the textures as they were, and what a CopyPixels
-copied. So no command has to run again for another pixel's sake.
+It keeps what fragments read outside their own pixel: the textures before each command, and what each
+CopyPixels copied. So no command has to run again for another pixel.
 """
 
 from copy import deepcopy
@@ -33,11 +33,11 @@ _DEFINE_TEXTURES = (TexImage, CopyTexImage, CopyTexSubImage, BindTexImage)
 class Step:
     """A command that ran.
 
-    number      its place among those that ran, from 0: those that a HostStep issued count where they ran
+    number      its place among those that ran, from 0. Commands of a HostStep count where they ran
     command     the command
-    surface     the pbuffer that was current when it had run; None: the window
-    textures    name to Texture, as they were before it
-    source      what a CopyPixels read: a copy of the framebuffer before it; None for other commands
+    surface     the current pbuffer after it ran; None: the window
+    textures    name to Texture, before it
+    source      for a CopyPixels, a copy of the framebuffer before it; otherwise None
     statistics  histograms and minmaxes before it
     """
 
@@ -75,19 +75,19 @@ class RecordedFrame:
         return self.result.surfaces[surface]
 
     def sharing(self, surface: str | None) -> tuple[str | None, ...]:
-        """The framebuffers that have their depths in common with one, itself among them; None: the window."""
+        """The framebuffers that share their depths with ``surface``, itself among them; None: the window."""
         made = self.result.surfaces
         owner = {name: it.depth_of if it.shares_depth else name for name, it in made.items()}
         return tuple(name for name in (None, *made) if owner.get(name) == owner.get(surface))
 
 
 def record(commands: Any, profile: Profile, width: int, height: int, **machine: Any) -> RecordedFrame:
-    """Run ``commands`` as ``execute`` does, and remember what any pixel needs. Returns a RecordedFrame.
+    """Run ``commands`` as ``execute`` does, and keep what any pixel needs. Returns a RecordedFrame.
 
     ``machine``: ``depth_bits``, ``threads``, ``batch``, ``engine``, ``samples`` and ``color_bits`` as
-    ``execute`` takes them; what it raises is raised here.
+    ``execute`` takes them. Raises what ``execute`` raises.
 
-    What is remembered beside the textures that a machine defines anyway is a framebuffer for each CopyPixels.
+    A machine keeps the textures that it defines anyway. The record adds a framebuffer for each CopyPixels.
     """
     commands = frame_of(commands)
     on = Machine(profile, width, height, **machine)

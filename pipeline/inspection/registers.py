@@ -1,7 +1,7 @@
-"""Registers over a whole frame: after every stage, what they held, what was clamped, what was left unused.
+"""Registers over a whole frame: after every stage, their values, what was clamped, and unused range.
 
-The answer to "where should I scale?": a register that never leaves a quarter of its range wastes two bits,
-and one that is clamped has none to spare.
+This answers "where should I scale?". A register that never leaves a quarter of its range wastes two bits. One
+that is clamped has none to spare.
 """
 
 from __future__ import annotations
@@ -25,14 +25,15 @@ _RGB, _ALPHA, _RGBA = "rgb", "a", "rgba"
 
 @dataclass(frozen=True)
 class RegisterUse:
-    """A component of a register after a stage of a command, over all fragments that came so far.
+    """A component of a register after a stage of a command, over all its fragments.
 
-    command, label, stage, register   whose, and which: "spare0.r"
-    fragments        how many
-    least, greatest, mean   of its values, 1.0 is full intensity
-    clamped_low, clamped_high   shares of the fragments whose value a clamp changed; 0.0 where none does
-    codes, of        how many different codes it held, of how many that it can hold
-    headroom         whole bits by which the values could grow before one is clamped; None: all are zero
+    command, label, stage, register  where the register was written, and its name: "spare0.r"
+    fragments                        how many fragments
+    least, greatest, mean            of its values, 1.0 is full intensity
+    clamped_low, clamped_high        shares of the fragments whose value a clamp changed; 0.0 without a clamp
+    codes, of                        how many different codes it held, and how many it can hold
+    headroom                         whole bits by which the values could grow before a clamp; None: all are
+                                     zero
     """
 
     command: int
@@ -52,7 +53,7 @@ class RegisterUse:
 
 @dataclass
 class _Seen:
-    """What has been seen of a component: how often each code, and what was clamped."""
+    """A component's counts: how often each code occurred, and how often a clamp changed the value."""
 
     low: int
     high: int
@@ -65,7 +66,7 @@ class _Seen:
         self.counts = np.zeros(self.high - self.low + 1, np.int64)
 
     def add(self, codes, free):
-        """Codes [k]; ``free``: what they were before a clamp, or None."""
+        """Count codes [k]. ``free``: their values before a clamp, or None."""
         self.counts += np.bincount(np.clip(codes, self.low, self.high) - self.low, minlength=len(self.counts))
         if free is not None:
             self.below += int((free < codes).sum())
@@ -91,13 +92,13 @@ class _Seen:
 
 
 class RegisterWitness:
-    """An observer of whole frames that counts what registers hold; ``add`` is told of each."""
+    """An observer of whole frames that counts register values. Each stage's registers go to ``add``."""
 
     def __init__(self):
         self.seen, self.number, self.label, self.general, self.one = {}, -1, "", 0, 1
 
     def __call__(self, stage, /, **columns):
-        """What a stage read and made."""
+        """Receive a stage's inputs and outputs."""
         tell = _TOLD.get(stage)
         if tell is not None:
             tell(self, **columns)
@@ -107,9 +108,11 @@ class RegisterWitness:
         return tuple(seen.use(*names) for names, seen in self.seen.items())
 
     def add(self, stage, register, components, codes, bounds, free=None):
-        """Codes [components, k] of a stage's register, fragment by fragment; ``free``: before its clamp."""
+        """Count a stage's register. ``codes``: [components, k], fragment by fragment; ``free``: before its
+        clamp.
+        """
         low, high, one = bounds
-        if not codes.shape[-1]:  # tests ended every fragment
+        if not codes.shape[-1]:  # tests discarded every fragment
             return
         for c, name in enumerate(components):
             key = self.number, self.label, stage, f"{register}.{name}"
@@ -166,10 +169,10 @@ _TOLD = {
 def register_uses(
     commands: Iterable[Command], profile: Profile, width: int, height: int, **machine: Any
 ) -> tuple[RegisterUse, ...]:
-    """Run ``commands`` on the column engine, and tell what every register held after every stage.
+    """Run ``commands`` on the column engine, and report every register's values after every stage.
 
-    ``machine``: as ``execute`` takes it, but ``engine``. Raises what ``execute`` raises, and ValueError for a
-    machine whose combiners do not clamp: its registers have no range.
+    ``machine``: as ``execute`` takes it, without ``engine``. Raises what ``execute`` raises, and ValueError
+    for a machine whose combiners do not clamp: its registers have no range.
     """
     if Clamp.GENERAL_COMBINER not in profile.arithmetic.clamps:
         raise ValueError(

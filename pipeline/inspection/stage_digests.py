@@ -1,4 +1,6 @@
-"""What every stage of every command made, as digests: which stage of two versions first made another."""
+"""Digests of every stage's results in every command. They show which stage first differs between two
+versions.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ SHORT = 8  # hexadecimal digits that are kept: they name a stage, and decide not
 
 
 class _Digests(RegisterWitness):
-    """Digests, in place of counts, of what each stage wrote."""
+    """An observer that digests each stage's results instead of counting them."""
 
     def __init__(self):
         super().__init__()
@@ -35,18 +37,18 @@ class _Digests(RegisterWitness):
     def add(self, stage, register, components, codes, bounds, free=None):
         hashes = self.found.setdefault(self.number, {})
         made = hashes.setdefault(stage, {}).setdefault(register, hashlib.sha256())
-        # Fragment by fragment: the digest is the same however many are shaded at a time.
+        # Fragment by fragment, so that the digest does not depend on how many are shaded together.
         made.update(np.ascontiguousarray(codes.T, "<i8").tobytes())
 
 
 def stage_digests(
     commands: Iterable[Command], profile: Profile, width: int, height: int, **machine: Any
 ) -> dict[int, dict[str, str]]:
-    """Run ``commands`` on the column engine: {number of the command: {stage: digest of what it wrote}}.
+    """Run ``commands`` on the column engine: {number of the command: {stage: digest of its results}}.
 
-    Stages are those of ``register_uses``, after the coverage: which fragments there are, and how deep.
-    ``machine``: as ``execute`` takes it, but ``engine``. A machine whose combiners do not clamp has none, as
-    its registers have no range. Raises what ``execute`` raises.
+    The stages are those of ``register_uses``, after the coverage: which fragments there are, and their
+    depths. ``machine``: as ``execute`` takes it, without ``engine``. A machine whose combiners do not clamp
+    gives none, because its registers have no range. Raises what ``execute`` raises.
     """
     if Clamp.GENERAL_COMBINER not in profile.arithmetic.clamps:
         return {}

@@ -1,4 +1,4 @@
-"""How far from the guided ideal is what every stage made, over whole frames: a map of each stage."""
+"""How far every stage's results are from the guided ideal's, over whole frames: a map for each stage."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -26,8 +26,8 @@ class _Chunk:
     """Fragments that are shaded together.
 
     where  the triangle and the pixel of each, int32 [k]
-    one    the value of one of what the machine's stages made
-    made   by a stage's name: registers, int64 [4, k], and which components of which it wrote
+    one    the value of one in the stages' results
+    made   by a stage's name: its registers, int64 [4, k], and which of their components it wrote
     """
 
     where: tuple[NDArray[np.int32], ...]
@@ -36,9 +36,9 @@ class _Chunk:
 
 
 class _Beside:
-    """An observer of a machine's frame that shades every Draw's fragments by the ideal as well.
+    """An observer of a machine's frame that also shades every Draw's fragments with the ideal.
 
-    ``errors``: by command's number, its label and stage, in order, float64 [h, w].
+    ``errors``: by the command's number, its label and the stage, in order, float64 [h, w].
     """
 
     def __init__(self, ideal: RecordedIdeal):
@@ -103,7 +103,7 @@ class _Beside:
             self._map(name)[y, x] = worst
 
     def _by_the_ideal(self):
-        """By stage, registers float64 [4, k] of the chunk's fragments."""
+        """The chunk's registers by stage, as the ideal computes them: float64 [4, k]."""
         state, textures, primitives, mesh = self.draw
         exact, stages = {}, []
 
@@ -147,13 +147,16 @@ _TOLD = {
 def stage_errors(
     commands: Any, profile: Profile, width: int, height: int, *, ideal: Any = None, **machine: Any
 ) -> dict[tuple[int, str, str], NDArray[np.float64]]:
-    """By command's number, its label and stage, as they run, how far what the stage wrote is from the guided
-    ideal's: float64 [h, w], top row first, in 1/255, of the component that differs most of the last
-    fragment; no number where there is none. The ideal's registers hold any number, so a clamp is an error.
+    """How far each stage's results are from the guided ideal's, by the command's number, its label and the
+    stage.
 
-    ``ideal``: what the ideal evaluates; None: the same commands. ``machine``: as ``execute`` takes it.
+    The commands count as they run. A map is float64 [h, w], top row first, in 1/255. It holds the last
+    fragment's largest difference of a component, and NaN where there is no fragment. The ideal's registers
+    hold any number, so a clamp is an error.
+
+    ``ideal``: the commands that the ideal evaluates; None: the same. ``machine``: as ``execute`` takes it.
     Passes without combiners or environments, and rectangles of pixels, have no stages. Raises what
-    ``execute`` raises, and ValueError where the ideal has no such frame.
+    ``execute`` raises, and ValueError if the ideal has no such frame.
     """
     commands = frame_of(commands)
     frame = record(commands, profile, width, height, **machine)

@@ -1,4 +1,6 @@
-"""From what an observer was told of one fragment to its stages: names, equations, codes and values."""
+"""From what an observer received for one fragment to the fragment's stages: names, equations, codes and
+values.
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -29,13 +31,17 @@ _RGBA = "rgba"
 
 
 class FragmentWitness:
-    """An observer of the making of one fragment, the machine's or the ideal's: what it was told, in order."""
+    """An observer of one fragment, drawn by the machine or the ideal. It keeps what it receives, in order."""
 
     def __init__(self) -> None:
         self.told: list[tuple[str, dict[str, Any]]] = []
 
     def __call__(self, name: str, /, **columns: Any) -> None:
-        """Be told. Dictionaries of registers change later: their arrays do not. An ideal's file does."""
+        """Keep a stage's columns.
+
+        A dictionary of registers changes later, so it is copied; its arrays do not change. The ideal's file
+        does.
+        """
         if "registers" in columns:
             columns["registers"] = dict(columns["registers"])
         for changes in ("file", "computed"):
@@ -47,8 +53,10 @@ class FragmentWitness:
 def fragment_of(
     observer: FragmentWitness, state: PassState | None, color_bits: int, ideal: FragmentWitness | None = None
 ) -> Fragment:
-    """The Fragment that an observer saw; ``color_bits``: of the buffer that it was written to; ``ideal``: the
-    observer of the same fragment of the ideal.
+    """The Fragment that an observer saw.
+
+    ``color_bits``: the width of the buffer that it was written to; ``ideal``: the ideal's observer of the
+    same fragment.
     """
     reader = _Reader(state, color_bits, {} if ideal is None else ideal_numbers(ideal.told))
     stages = tuple(stage for told in observer.told for stage in reader.stages(*told))
@@ -64,7 +72,7 @@ def fragment_of(
 
 
 def _added(quantity):
-    """How much of error a stage adds to what it made: the largest component."""
+    """The error that a stage adds to one of its results: the largest component's."""
     if quantity.error is None or not quantity.error.added:
         return 0.0
     return max(abs(sum(parts)) for parts in zip(*quantity.error.added.values(), strict=True))
@@ -85,7 +93,7 @@ def _coded(name, column, one):
 
 
 def _word(name, column):
-    """A Quantity of whole numbers that are what they are."""
+    """A Quantity of whole numbers without a scale."""
     codes = _ints(column)
     return Quantity(name, tuple(map(float, codes)), codes)
 
@@ -95,9 +103,11 @@ def _real(name, column, ideal=()):
 
 
 def _beside(quantity, ideal, exact=None, **steps):
-    """A Quantity beside what the ideal has: with its Error where ``exact`` arithmetic on the machine's inputs
-    is known. ``steps``: by the names of causes, values on the way from there to the machine's, each with one
-    cause more; the last cause, whose value is the machine's, has None.
+    """A Quantity with the ideal's values, and with its Error if ``exact`` is given.
+
+    ``exact``: the result of exact arithmetic on the machine's inputs. ``steps``: by the names of causes, the
+    values from there to the machine's, each with one more cause. The last cause's value is the machine's, so
+    it has None.
     """
     if not ideal or len(ideal) != len(quantity.values):
         return quantity
@@ -113,7 +123,7 @@ def _beside(quantity, ideal, exact=None, **steps):
 
 
 class _Reader:
-    """Turns what was told into Stages; remembers what later ones need."""
+    """Makes Stages from what an observer received, and keeps what later stages need."""
 
     def __init__(self, state, color_bits, ideal):
         self.state, self.color_bits, self.ideal = state, color_bits, ideal
@@ -122,7 +132,7 @@ class _Reader:
         self.texels, self.general, self.iterated, self.sampler = [], -1, None, None
 
     def stages(self, name, columns) -> Iterator[Stage]:
-        """The Stages that one thing told makes: none, or one."""
+        """The Stages for one call of the observer: none, or one."""
         read = _READERS.get(name)
         made = None if read is None else read(self, **columns)
         return iter(() if made is None else (made,))
@@ -164,7 +174,7 @@ class _Reader:
         return Stage("depth", "depth", "", read, (_word("depth word", words),))
 
     def shaded(self, part, fragments, bits):
-        """The fragment as texture units and combiners see it."""
+        """The fragment as texture units and combiners receive it."""
         self.one = numbers.one_of(bits)
         made, iterated = [], self.iterated
         for k, name in enumerate(("primary color", "secondary color")):
@@ -188,7 +198,7 @@ class _Reader:
         return Stage("lambda", f"texture unit {unit}, level of detail", "", read, (_real("lambda", lod),))
 
     def limited(self, unit, lod, limited):
-        """Lambda with bias, between its limits."""
+        """Lambda after its bias and its limits."""
         made = (Quantity("lambda, biased and limited", (limited[0] / 256.0,), _ints(limited), 256),)
         return Stage("lambda", f"texture unit {unit}, lambda", "", (_real("lambda", lod),), made)
 
@@ -205,7 +215,7 @@ class _Reader:
         return Stage("level", title, says + (", divided by q" if divided else ""), tuple(read), tuple(made))
 
     def filter(self, columns, rows, layers, fractions, bits):
-        """Where each axis of a filter reads."""
+        """The texels that each axis of a filter reads."""
         made = [
             _word(name, [index for index, _ in along])
             for name, along in zip(("columns", "rows", "layers"), (columns, rows, layers), strict=True)
@@ -225,12 +235,12 @@ class _Reader:
             self.texels.append(_word("as it is filtered", texel))
 
     def mipmaps(self, unit, lower, upper, fraction, blended):
-        """Which levels are blended."""
+        """The two levels that are blended."""
         made = _word("levels", (lower, upper)), _coded("fraction between levels", fraction, 256)
         return Stage("levels", f"texture unit {unit}, levels", "", (), made)
 
     def texture(self, unit, texel, one, register):
-        """What a unit's register receives."""
+        """A unit's register."""
         read, self.texels = (*self.texels, _coded("filtered", texel, one)), []
         quantity, parts = _coded(f"tex{unit}", register, self.one), None
         if self.sampler is not None and self.sampler.number == unit and self.ideal:
@@ -245,8 +255,8 @@ class _Reader:
         return Stage("texture", f"texture unit {unit}", "", read, (made,), number=unit)
 
     def _real_texels(self, unit, own):
-        """What the texture that the ideal reads holds, where it is as large; else what the machine's ``own``
-        was made of.
+        """The real texels of the ideal's texture if its levels have the same sizes, else those of the
+        machine's ``own``.
         """
         found = self.ideal.get(("levels", unit))
         if found is None or [level.shape for level in found] != [level.shape for level in own.levels]:
@@ -281,7 +291,7 @@ class _Reader:
         return Stage("texture shader", f"texture shader stage {unit}", says, read, made, number=unit)
 
     def color_key(self, unit, ended):
-        """A color key that ends fragments."""
+        """A color key that discards fragments."""
         if ended.any():
             self.fate = f"ended: color key of texture unit {unit}"
         made = (_word("equals the key", ended.astype(np.int64)),)
@@ -294,14 +304,14 @@ class _Reader:
         return Stage("dot product", f"texture shader stage {unit}, dot product", "", read, made)
 
     def made_coordinates(self, unit, strq):
-        """Coordinates that a texture shader made."""
+        """Coordinates that a texture shader stage made."""
         made = (_real("coordinates", strq),)
         return Stage("made coordinates", f"texture shader stage {unit}, coordinates", "", (), made)
 
     # ------------------------------------------------------------------------------------ combiners
 
     def program(self, program, environments):
-        """The combiners' program, or what stands for texture environments."""
+        """The combiners' program, or the program for texture environments."""
         self.select = None if program is None else program.mux_select
         self.environments = environments
 
@@ -314,7 +324,7 @@ class _Reader:
         self.begun, self.chosen = columns, ()
 
     def mux(self, takes_cd, spare0):
-        """What a mux took."""
+        """The choice of a mux."""
         word = _word("takes CD", takes_cd)
         self.chosen = _coded("spare0.a", spare0, self.one), word
 
@@ -448,11 +458,11 @@ class _Reader:
         return Stage("blending", "blending", says, tuple(read), (made,), clamped)
 
     def fragments(self, which):
-        """The fragment lives to be tested."""
+        """The fragment is still alive before the tests."""
         self.fate = "passed"
 
     def write(self, which, source, stored, result, mask):
-        """What is written, of a fragment that passed."""
+        """The values that a fragment writes, if it passed."""
         if not len(which):
             return None
         one, on = self.buffer_one, "".join(c for c, m in zip(_RGBA, mask, strict=True) if m)
@@ -464,7 +474,7 @@ class _Reader:
 
 
 def _used(portion, values):
-    """Which of a portion's variables some output asks for: AB's, CD's, or all."""
+    """Which of a portion's variables an output needs: AB's, CD's, or all."""
     registers = [register for register, _ in values]
     zero = Register.ZERO
     sums = portion.sum_output in registers
@@ -480,7 +490,7 @@ def _factor(factor):
 
 
 def _clamps(name, components, before, after, one):
-    """Clamped for each component that differs."""
+    """A Clamped for each component that differs."""
     before, after = np.broadcast_arrays(np.asarray(before), np.asarray(after))
     return [
         Clamped(f"{name}.{c}", int(b) / one, int(k) / one)

@@ -1,4 +1,4 @@
-"""The vertices of a fragment's primitive: what the mesh gave, and what the vertex stage made of it."""
+"""The vertices of a fragment's primitive: the mesh's values, and the vertex stage's results."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -16,7 +16,7 @@ from fixedpipe.pipeline.vertices.weighting import weight_of
 
 
 def vertices_stage(mesh: Mesh, state: PassState, primitives: WindowPrimitives, triangle: int) -> Stage:
-    """What the corners are of a row of ``primitives.triangles``; those of a line or point once."""
+    """The corners of a row of ``primitives.triangles``; each corner of a line or point appears once."""
     corners = dict.fromkeys(primitives.triangles[triangle, :3].tolist())
     read: list[Quantity] = []
     made: list[Quantity] = []
@@ -35,7 +35,7 @@ def _real(name: str, values: Any) -> Quantity:
 
 
 def _given(mesh: Mesh, state: PassState, vertex: int) -> Iterator[Quantity]:
-    """What the mesh has of a vertex."""
+    """A vertex's values in the mesh."""
     programmed = state.vertex.stage == VertexStage.PROGRAM_RESULTS
     yield _real(
         f"vertex {vertex}: {'position' if programmed else 'object coordinates'}", mesh.positions[vertex]
@@ -54,7 +54,7 @@ def _given(mesh: Mesh, state: PassState, vertex: int) -> Iterator[Quantity]:
 
 
 def _transformed(mesh: Mesh, state: PassState, vertex: int) -> Iterator[Quantity]:
-    """Eye and clip coordinates, by the functions that every vertex goes through."""
+    """Eye and clip coordinates, from the functions that every vertex goes through."""
     if state.vertex.stage == VertexStage.PROGRAM_RESULTS:
         return
     position = columns_of(mesh.positions[vertex : vertex + 1], (0.0, 0.0, 0.0, 1.0))
@@ -66,7 +66,7 @@ def _transformed(mesh: Mesh, state: PassState, vertex: int) -> Iterator[Quantity
 
 
 def _window(primitives: WindowPrimitives, vertex: int) -> Iterator[Quantity]:
-    """What is iterated of a vertex; x and y are told with the fragment's place."""
+    """A vertex's iterated values. x and y appear with the fragment's place."""
     yield _real(f"vertex {vertex}: window z", primitives.z[vertex])
     front, back = primitives.colors[vertex]
     yield _real(f"vertex {vertex}: lit color", front[:4])

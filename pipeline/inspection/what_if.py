@@ -25,14 +25,14 @@ from fixedpipe.raster.observer import unobserved
 
 Commands: TypeAlias = tuple[Any, ...]
 
-# Parts of a machine that have a width, and what ``Profile.with_precision`` calls that.
+# The parts of a machine that have a width, and their names in ``Profile.with_precision``.
 PARTS = {
     "combiner": "combiner_bits",
     "texture": "texture_bits",
     "framebuffer": "framebuffer_bits",
     "filter_fraction": "filter_fraction_bits",
 }
-_WIDEST = 16  # bits, of ``Profile.with_precision``
+_WIDEST = 16  # bits, the most that ``Profile.with_precision`` takes
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,9 @@ class Error:
     """A machine's picture minus the ideal of its fragments, over red, green and blue; 1.0 = full intensity.
 
     shown     root mean square of the pictures as they are seen: both clamped to [0, 1]
-    computed  of the colours that were computed: the ideal's are not clamped, so that a clamp's part shows
-    channels  ``shown`` of each component
-    largest   of the absolute differences that are seen
+    computed  root mean square without clamping the ideal's colours, so that a clamp's part shows
+    channels  ``shown`` for each component
+    largest   the largest absolute difference that is seen
     """
 
     shown: float
@@ -84,12 +84,14 @@ def frame_colors(
 
 
 def frame_error(commands: Any, profile: Profile, width: int, height: int, **given: Any) -> Error:
-    """Run ``commands`` on a machine, and the ideal guided by it: their Error. As ``frame_colors``."""
+    """Run ``commands`` on a machine and on the ideal guided by it, and return their Error. As
+    ``frame_colors``.
+    """
     return _error_of(*frame_colors(commands, profile, width, height, **given))
 
 
 def _error_of(color, exact):
-    """The Error of what ``frame_colors`` gives."""
+    """The Error of a result of ``frame_colors``."""
     seen = np.clip(color, 0.0, 1.0) - np.clip(exact, 0.0, 1.0)
     channels = tuple(_root_mean_square(seen[..., k]) for k in range(3))
     largest = float(np.abs(seen).max())
@@ -97,14 +99,14 @@ def _error_of(color, exact):
 
 
 def with_bits(profile: Profile, part: str, bits: int) -> Profile:
-    """The machine with a part (of ``PARTS``) of another width. Raises ValueError."""
+    """The machine with another width of a part (one of ``PARTS``). Raises ValueError."""
     if part not in PARTS:
         raise ValueError(f"There is no part {part!r} with a width; there are: {', '.join(PARTS)}.")
     return profile.with_precision(**{PARTS[part]: bits})
 
 
 def without_clamp(profile: Profile, name: str) -> Profile:
-    """The machine without a clamp, by its name. Raises ValueError for one that it has not."""
+    """The machine without the named clamp. Raises ValueError if it has no such clamp."""
     there = [clamp for clamp in Clamp if clamp in profile.arithmetic.clamps]
     for clamp in there:
         if clamp.name == name.upper():
@@ -114,8 +116,9 @@ def without_clamp(profile: Profile, name: str) -> Profile:
 
 
 def with_constant(commands: Any, number: int, color: tuple[float, float, float, float]) -> Commands:
-    """The commands with another constant colour 0 or 1 in every combiner program. Raises ValueError where no
-    program has one.
+    """The commands with another constant colour 0 or 1 in every combiner program.
+
+    Raises ValueError if no program has one.
     """
     if number not in (0, 1):
         raise ValueError(f"There is no constant colour {number}; combiners have 0 and 1.")
@@ -133,10 +136,11 @@ def with_constant(commands: Any, number: int, color: tuple[float, float, float, 
 
 
 def with_texture(commands: Any, name: str, image: ArrayLike) -> Commands:
-    """The commands with another image wherever a TexImage stores the 2D texture ``name``, in its format and
-    with levels where it had more than one. ``image``: as ``texture_2d`` takes it.
+    """The commands with another image wherever a TexImage stores the 2D texture ``name``.
 
-    Raises ValueError for a name that none stores, and for another target.
+    The format stays, and there are levels if there was more than one. ``image``: as ``texture_2d`` takes it.
+
+    Raises ValueError for a name that no TexImage stores, and for another target.
     """
     names = [command.texture for command in commands if type(command) is TexImage]
     if name not in names:
@@ -156,7 +160,10 @@ def with_texture(commands: Any, name: str, image: ArrayLike) -> Commands:
 
 
 def _changes(profile: Profile) -> Iterator[tuple[str, Profile]]:
-    """(what of a machine is as exact as can be, that machine), each alone; at last all widths at once."""
+    """(part, machine) for each part of a machine: a machine in which it alone is as exact as possible.
+
+    The last has all widths at their greatest.
+    """
     arithmetic, combines = profile.arithmetic, profile.combiners.max_general_combiners > 0
     if combines and arithmetic.expand_half != 127.5:
         yield "half of EXPAND_NORMAL", profile.changed(expand_half=127.5)
@@ -174,13 +181,13 @@ def _changes(profile: Profile) -> Iterator[tuple[str, Profile]]:
 def attribution(
     commands_of: Callable[[Profile], Any], profile: Profile, width: int, height: int, *, ideal: Any = None
 ) -> tuple[Error, list[tuple[str, Error]]]:
-    """What of a frame's error goes when one thing of the machine is as exact as it can be.
+    """How much of a frame's error goes if one part of the machine is as exact as possible.
 
-    commands_of  function of a machine that gives the frame's commands for it
-    ideal        commands of the ideal; None: each machine's own
+    commands_of  a function from a machine to the frame's commands
+    ideal        the commands that the ideal evaluates; None: each machine's own
 
-    Returns the machine's own Error, and (what was exact, the Error then) with the least error first. Errors
-    of several causes may cancel, or need each other: their parts need not add up to the whole.
+    Returns the machine's own Error, and (the exact part, the Error then) with the least error first. Errors
+    of several causes may cancel or depend on each other, so the parts need not add up to the whole.
     """
 
     def error(machine):
@@ -191,10 +198,10 @@ def attribution(
 
 
 class _Stages:
-    """An observer of which command runs, and of which stages its Draws have, and what they compute otherwise.
+    """An observer that follows which command runs and which stages its Draws have, and replaces stages.
 
-    ``number``: of the command whose stages are meant, as they run; None: of all. ``changed``: what those
-    compute otherwise.
+    ``number``: the number of the command whose stages count, as they run; None: all commands. ``changed``:
+    the ReplacedStages of these commands.
     """
 
     def __init__(self, number, changed=None):
@@ -218,11 +225,11 @@ class _Stages:
             self.found |= {(4, f"general combiner {number}") for number in range(len(general))}
 
     def replaced(self, draw: Draw) -> ReplacedStages:
-        """As of a Machine that this watches: what the Draw that runs computes otherwise."""
+        """The ReplacedStages of the Draw that runs; a Machine that this observes calls it."""
         return self._changed if self.wanted in (None, self.current) else ReplacedStages()
 
     def names(self):
-        """The names, in the order of a pass. Raises ValueError where there are none."""
+        """The stages' names, in the order of a pass. Raises ValueError if there are none."""
         if self.wanted is not None and self.wanted > self.current:
             raise ValueError(
                 f"There is no command {self.wanted}; the commands' numbers are 0 to {self.current}."
@@ -234,7 +241,7 @@ class _Stages:
 
 
 def _stages_error(given, ideal, number, changed):
-    """The Error of a frame whose stages are ``changed``, and the _Stages that watched it."""
+    """The Error of a frame with the ReplacedStages ``changed``, and the _Stages that observed it."""
     seen = _Stages(number, changed)
     return frame_error(*given, ideal=ideal, replaced_stages=seen.replaced, observer=seen), seen
 
@@ -250,13 +257,14 @@ def colors_with_stages(
     ideal: Any = None,
     number: int | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A frame whose named stages are exact, or do not clamp, in all its Draws or in command ``number``, as
-    they run, alone: the machine's colours and the ideal's, as ``frame_colors`` returns them.
+    """The colours of a frame with exact or unclamped stages: the machine's and the ideal's, as of
+    ``frame_colors``.
 
-    exact, unclamped  names of stages, as ``stage_attribution`` has them
-    ideal             what the ideal evaluates; None: the same commands
+    exact, unclamped  names of stages, as in ``stage_attribution``
+    number            the command, as they run, whose stages are replaced; None: all Draws
+    ideal             the commands that the ideal evaluates; None: the same
 
-    Raises ValueError for a stage that it has not, and as ``frame_colors``.
+    Raises ValueError for a stage that the frame lacks, and what ``frame_colors`` raises.
     """
     for name in unclamped:
         if not name.startswith(("general combiner", "final combiner")):
@@ -285,15 +293,15 @@ def stage_attribution(
     ideal: Any = None,
     number: int | None = None,
 ) -> tuple[Error, list[tuple[str, Error]]]:
-    """What of a frame's error goes when one stage of its passes is exact, or does not clamp.
+    """How much of a frame's error goes if one stage of its passes is exact, or does not clamp.
 
-    ideal   what the ideal evaluates; None: the same commands
-    number  of the command, as they run, whose stages are asked for; None: those of all Draws, each in all at
-            once
+    ideal   the commands that the ideal evaluates; None: the same
+    number  the command, as they run, whose stages are examined; None: those of all Draws, each stage in all
+            at once
 
-    Returns the machine's own Error, and (which stage, the Error then) with the least error first, as
-    ``attribution`` does. Rectangles of pixels, and units that a texture shader reads, are the machine's.
-    Raises as ``frame_error``, and ValueError for a command that has no stages.
+    Returns the machine's own Error, and (the stage, the Error then) with the least error first, as
+    ``attribution`` does. Rectangles of pixels, and units that a texture shader reads, stay the machine's.
+    Raises what ``frame_error`` raises, and ValueError for a command without stages.
     """
     given = frame_of(commands), profile, width, height
     own, seen = _stages_error(given, ideal, number, None)

@@ -1,4 +1,4 @@
-"""What is written of a history, in the words and numbers that a terminal and a page share."""
+"""A history's words and numbers, the same in a terminal and on a page."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ def held(value: PixelValue) -> str:
 
 
 def marks_of(fragment: Fragment, place: int) -> str:
-    """What is said of a stage beside its title: that it adds most to the error, that it clamps first."""
+    """The marks beside a stage's title: that it adds most to the error, or clamps first."""
     marks = ["adds most to the error"] * (place == fragment.worst)
     marks += ["the first clamp"] * (place == fragment.first_clamped)
     return ", ".join(marks)
 
 
 def causes(quantity: Quantity) -> list[tuple[str, str]]:
-    """What a quantity's error is the sum of, as text: causes that contribute, and how much."""
+    """The parts of a quantity's error as text: each cause that contributes, and how much."""
     if quantity.error is None or not any(quantity.error.total):
         return []
     named = [("brought", quantity.error.brought)]
@@ -38,7 +38,9 @@ def _errors(numbers):
 
 
 def cells(quantity: Quantity) -> tuple[str, str, str, str]:
-    """A quantity's codes, values, ideal values and errors as text; a value that is its code is said once."""
+    """A quantity's codes, values, ideal values and errors as text. A value that equals its code
+    appears once.
+    """
     codes = " ".join(str(code) for code in quantity.codes)
     plain = quantity.codes and quantity.one is None
     values = "" if plain else " ".join(_number(value) for value in quantity.values)
