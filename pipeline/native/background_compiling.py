@@ -1,6 +1,6 @@
-"""What draws while engines are compiled: another process compiles them, and this one draws with NumPy.
+"""Drawing while engines compile: another process compiles them, and this one draws with NumPy.
 
-Nothing of this happens without ``compile_beside`` or ``without_waiting``.
+Only ``compile_beside`` and ``without_waiting`` begin this.
 """
 
 import multiprocessing
@@ -50,10 +50,10 @@ def make_ready(engine):
 
 
 def chosen_engine(engine):
-    """The engine that draws a frame for which this ``engine`` was given.
+    """The engine that draws a frame for which ``engine`` was given.
 
-    Both are of ``fixedpipe.pipeline.execution.machine.ENGINES``. It is another one only where this process
-    does not wait for a compiler. The bits are the same.
+    Both are in ``fixedpipe.pipeline.execution.machine.ENGINES``. They differ only if this process does not
+    wait for a compiler. The bits are the same.
     """
     if not _never_waits or engine == "columns":
         return engine
@@ -80,7 +80,7 @@ def without_waiting():
 
 @contextmanager
 def interrupts_kept():
-    """Ctrl-C reaches no process that begins inside, from its first instruction on. Who began it ends it."""
+    """Ctrl-C reaches no process that starts inside this context; its parent has to end it."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

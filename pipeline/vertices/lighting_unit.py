@@ -178,10 +178,10 @@ def _strengths(light, material, lighting, geometry, normal):
 
 
 def _spot(spot, vector, strength):
-    """Attenuation times the cone's factor, and where no light falls: the factor is not positive or x < 0.
+    """Attenuation times the cone's factor, and where no light falls: no positive factor, or a negative x.
 
-    Measured: its reciprocal comes last (Lighting_spotlight captures). Inferred: nothing is lit where x is
-    negative, because a driver's cone would not end there otherwise (docs/numbers.md N2.26).
+    Measured: the factor's reciprocal comes last (Lighting_spotlight captures). Inferred: a negative x gives
+    no light, because a driver's cone would not end there otherwise (docs/numbers.md N2.26).
     """
     x = transform_dot((*vector, ONE), [single(np.float64(c)) for c in spot.axis])
     x = np.minimum(to_lighting(x), ONE)

@@ -32,9 +32,11 @@ def window_coordinates(clip_coordinates, viewport, half_size, center):
 def composite_coordinates(clip_coordinates, offset, height):
     """Window x, y (up), depth units and 1 / w; product and sum are truncated to single precision.
 
-    The reciprocal is the transform unit's; weights use w itself. Measured: Depth_buffer_fixed_function
-    z24_Cn_FZn_Mffffff, its 48089 depths that a truncated quotient makes too large, 62 of 64 colours beside
-    it; W_buffering FloorQuad_V0, 230809 texels, of which 33 are others with the reciprocal's w.
+    The reciprocal is the transform unit's; weights use w itself.
+
+    Measured: Depth_buffer_fixed_function z24_Cn_FZn_Mffffff has 48089 depths that a truncated quotient makes
+    too large; the reciprocal gives all of them, and 62 of 64 colours. W_buffering FloorQuad_V0: weights by w
+    give 230809 of 230809 texels; by the reciprocal's w, 33 differ.
     """
     *coordinates, w = clip_coordinates
     reciprocal = transform_reciprocal(w)

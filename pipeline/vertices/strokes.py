@@ -172,8 +172,8 @@ def with_squares(primitives, sizes, units, profile):
     - ``units``: the texture units whose coordinates sprites replace. s runs from left to right and t from top
       to bottom, each with 1/2 in the middle.
 
-    Measured: Point_sprite AlphaTest, 305506 of 305506 pixels; Point_params Detailed_FF: texels' exact
-    boundaries right of and below the middle are off by the last bit, those before it are not.
+    Measured: Point_sprite AlphaTest, 305506 of 305506 pixels. Point_params Detailed_FF: right of the middle
+    and below it, coordinates at exact texel boundaries are off by the last bit; before it they are not.
     """
     points = np.flatnonzero(primitives.strokes[:, KIND] == C.PRIMITIVE_POINT)
     at = primitives.triangles[points, 0].repeat(3)  # a place to the right, the middle, a place below
