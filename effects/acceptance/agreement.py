@@ -40,7 +40,7 @@ class Truth:
 
 
 def truth_of(scene: Scene, view: View, lamp: Lamp, self_shadows: bool = True) -> Truth:
-    """The ``Truth`` of a ``Scene``; ``self_shadows`` as of ``ray_caster.lit``."""
+    """The ``Truth`` of a ``Scene``; ``self_shadows`` as for ``ray_caster.lit``."""
     caster = ray_caster.scene_caster(scene)
     shown = ray_caster.visible(caster, view)
     return Truth(caster, view, lamp, shown, ray_caster.lit(caster, shown, lamp, self_shadows=self_shadows))
@@ -204,9 +204,14 @@ _RING = np.array(
 
 
 def _changes_within_texels(truth, at, distance, mask, contact):
-    """Whether rays of the light ``distance`` (in widths of the map) beside a point's own meet the plane of
-    its triangle where the answer is the mask's. ``at``: indices of pixels that differ, ``mask`` [n] their
-    answers, ``contact`` as of ``compare``; bool [n].
+    """Whether the light's rays beside a point's own explain the mask's answer: bool [n].
+
+    They do if one of them, at ``distance`` (in widths of the map), meets the plane of the point's triangle
+    where the answer is the mask's.
+
+    at       indices of the pixels that differ
+    mask     [n], the mask's answers there
+    contact  as for ``compare``
     """
     shown, matrix = truth.shown, np.array(truth.lamp.texture_matrix)
     points, normals, triangles = shown.points[at], shown.normals[at], shown.triangle[at]
@@ -282,7 +287,7 @@ def volume_checks(found: Found, least: float = 0.999) -> Iterator[Check]:
 
 
 def map_checks(found: Found, least: float = 0.98, most: int = 3) -> Iterator[Check]:
-    """The same of shadow maps: ``most`` pixels in all panels may be unexplained."""
+    """``Check`` objects for shadow maps: at most ``most`` pixels in all panels may be unexplained."""
     return _checks(
         found,
         least,

@@ -18,7 +18,7 @@ _LIFT = 2.0**-20
 class BentCaster:
     """A HeightField on a Base as triangles, some tiles of it round the one whose texels look.
 
-    field, base  as of ``curved_base``
+    field, base  as for ``curved_base``
     tiles        how many to either side, along s and t
     """
 

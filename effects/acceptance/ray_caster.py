@@ -414,7 +414,7 @@ def to_light(points, light):
 def lit_points(caster, points, normals, light, *, triangles=None, objects=None):
     """Whether the light reaches points [n, 3] of surfaces with normals [n, 3]: bool [n].
 
-    A surface turned away from the light is in shadow. ``triangles``, ``objects``: as of ``occluded``.
+    A surface turned away from the light is in shadow. ``triangles``, ``objects``: as for ``occluded``.
     """
     directions, longest = to_light(points, light)
     out = dot(normals, directions) > 0.0

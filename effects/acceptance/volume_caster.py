@@ -144,7 +144,7 @@ def occluded(volume, points, direction, away=1.0):
 def lit(volume, surface, direction, least=0.0, away=1.0):
     """Where the iso-surface receives light from a direction: bool [height, width], bottom row first.
 
-    What is turned away is dark, and where n.l is not above ``least``. ``away``: as of ``occluded``.
+    A point is dark if it faces away, or if n.l is not above ``least``. ``away``: as for ``occluded``.
     """
     toward = unit_vector(direction, "The direction to the lamp")
     out = surface.seen & (dot(surface.normals, toward) > least)

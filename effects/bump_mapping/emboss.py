@@ -234,10 +234,10 @@ def one_unit_passes(
 def two_unit_passes(
     surface, height_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), specular=0.0
 ):
-    """Embossing with two units and unsigned environments: two draws, with a highlight three.
+    """Embossing with two units and unsigned environments: two draws, or three with a highlight.
 
-    Parameters as of ``one_unit_passes``. The highlight's draw adds S (1/2 + H1 - H0): half as bright where
-    the surface is level.
+    Parameters as for ``one_unit_passes``. The highlight's draw adds S (1/2 + H1 - H0), so it is half as
+    bright where the surface is level.
     """
     texture = height_map.texture
     units = (
@@ -307,9 +307,10 @@ def specular_combiners(specular):
 def combiner_passes(
     surface, height_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), specular=0.0
 ):
-    """Embossing by register combiners: one draw, with a highlight two.
+    """Embossing by register combiners: one draw, or two with a highlight.
 
-    Parameters as of ``one_unit_passes``; destination alpha keeps min(1, 4 (n.l)+), which gates the highlight.
+    Parameters as for ``one_unit_passes``. Destination alpha keeps min(1, 4 (n.l)+), which gates the
+    highlight.
     """
     units = (unit(height_map.texture), unit(height_map.texture, coordinates=1))
 

@@ -44,7 +44,7 @@ def differences(heights, du=1.0, dv=1.0, periodic=True):
 
 def height_first_normals(heights, du=1.0, dv=1.0, periodic=True):
     """The document's normals, the cross product as it is printed: float64 [rows, columns, 3] of length one,
-    in the order height, u, v, bottom row first. Arguments as of ``differences``.
+    in the order height, u, v, bottom row first. Arguments as for ``differences``.
     """
     d_u, d_v = differences(heights, du, dv, periodic)
     one, zero = np.ones(d_u.shape), np.zeros(d_u.shape)

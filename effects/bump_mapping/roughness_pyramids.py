@@ -123,9 +123,9 @@ def checked_covariance(covariance):
 
 
 def deviations(covariance):
-    """D of covariances [..., 3] as (d_1, d_2, d_3), K = D D^T, d_1 and d_3 from zero on: float64 [..., 3].
+    """D of covariances [..., 3] as (d_1, d_2, d_3), K = D D^T, d_1 and d_3 at least zero: float64 [..., 3].
 
-    Where c is zero, as of corrugated iron along v, d_2 is zero and d_1 the root of a (erratum E001.8).
+    Where c is zero, as for corrugated iron along v, d_2 is zero and d_1 is the root of a (erratum E001.8).
     """
     a, b, c = (np.asarray(covariance, np.float64)[..., k] for k in range(3))
     d_3 = np.sqrt(c)

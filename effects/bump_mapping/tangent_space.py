@@ -122,7 +122,7 @@ def printed_normals(t, b, d_u, d_v):
 
 
 def displaced_normals(t, b, d_u, d_v):
-    """The normal of the surface displaced along its normal, Blinn's: arguments as of ``printed_normals``."""
+    """The normal of the surface displaced along its normal, Blinn's: arguments as for ``printed_normals``."""
     d_u, d_v = np.asarray(d_u, np.float64)[..., None], np.asarray(d_v, np.float64)[..., None]
     area = cross(t, b)
     normal = normalize(area)

@@ -46,14 +46,16 @@ from fixedpipe.effects.cli.options import refuse_ignored
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write what it sets as JSON.")
 def combiners(file, profile, targets, notation, constants, draw, bounds, table, inputs, json_file):
-    """Read FILE (- for standard input), a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0``
-    texture shaders, both in one text, a Direct3D pixel shader ps.1.0 to ps.1.3 or the Xbox's xps.1.1, or
-    words of the NV2A's registers as an emulator's dump has them, and print what it sets, as equations, each
-    with its lines.
+    """Read FILE (- for standard input), a combiner program, and print what it sets, as equations, each with
+    its lines.
 
-    A register is said to be clamped where a clamp of the machine, of the NV2A without --profile, may change
-    it. --bounds: the range of every register after every stage on the machine, for colours and texels from
-    0 to 1, and of which a clamp can bite. A range may be wider than what fragments reach, never narrower.
+    FILE is a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0`` texture shaders, or both in one
+    text. It may also be a Direct3D pixel shader ps.1.0 to ps.1.3, the Xbox's xps.1.1, or words of the NV2A's
+    registers as an emulator's dump has them.
+
+    A register is marked as clamped if a clamp of the machine may change it; without --profile the machine is
+    the NV2A. --bounds: the range of every register after every stage on the machine, for colours and texels
+    from 0 to 1, and which clamps can bite. A range may be wider than what fragments reach, never narrower.
     """
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.user_pictures.inputs import read_text

@@ -14,12 +14,12 @@ from fixedpipe.effects.cli.options import set_option
 @click.option("--out", metavar="FILE", help="A picture of the difference after the command where they part.")
 @set_option
 def compare(what, other, machines, size, out, settings):
-    """Draw figure ID on two machines, or two scripts' frames, and say where they part; or say where two
-    histories of a pixel do, which `fixedpipe inspect --json` wrote: of two machines or versions.
+    """Draw figure ID, or the frames of two scripts, on two machines, and say where they diverge. Or compare
+    two histories of a pixel that `fixedpipe inspect --json` wrote, of two machines or versions.
 
-    Commands are compared one after the other. Of the first after which the framebuffers differ it is told how
-    many pixels do, by how much and where; of the pixel that differs most, which stage first made other
-    values. Exit status: 0 where every command leaves the same, 1 where not.
+    The command compares the frames after each of their commands. For the first that leaves different
+    framebuffers it prints how many pixels differ, by how much and where. For the pixel that differs most, it
+    prints the first stage with other values. Exit status: 0 if every command leaves the same, 1 if not.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.refusal import Refusal, refusals

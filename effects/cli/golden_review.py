@@ -1,6 +1,4 @@
-"""Pictures that are not golden, one after the other in the terminal: each is told and drawn, a key says what
-becomes of it.
-"""
+"""Review of pictures that are not golden, in the terminal: it describes and draws each, and a key decides."""
 
 import click
 import numpy as np
@@ -11,7 +9,7 @@ _KEYS = "a accept   s later   d pixels   q end"
 
 
 def review_by_keys(root, found):
-    """Ask for every picture that differs or is new. ``found``: as of ``results``. Raises StoreError."""
+    """Ask for every picture that differs or is new. ``found``: as for ``results``. Raises StoreError."""
     from fixedpipe.effects.reports.golden.results import CHANGED, NEW
     from fixedpipe.pipeline.golden.accepting import accept_where_sound
     from fixedpipe.pipeline.golden.candidates import read_candidates

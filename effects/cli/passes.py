@@ -79,8 +79,10 @@ def passes(what, profile, trace, numbers, every, ideal, whole, size, settings):
 
 @dataclass(frozen=True)
 class _Passes:
-    """A frame whose passes are told: its name, the line above them, the machine and what is said behind it,
-    (width, height), ``commands_of``, a function of a machine, and its ``commands`` on this one.
+    """A frame to describe: its name, the line above its passes, the machine and the words after it.
+
+    Also (width, height), ``commands_of``, a function from a machine to commands, and its ``commands`` on this
+    one.
     """
 
     name: str

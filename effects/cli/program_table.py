@@ -7,10 +7,11 @@ _REGISTERS = ("t0", "t1", "t2", "t3", "v0", "v1")
 
 
 def tell_table(program, machine, inputs):
-    """Print what each combiner of a Program reads and makes on a machine. ``inputs``: of ``--input``.
+    """Print what each combiner of a Program reads and makes on a machine. ``inputs``: the values of
+    ``--input``.
 
-    The program's combiners draw one point, and the history of its pixel is told. Texture registers are given,
-    not looked up, so texture shaders take no part. Raises Refusal for inputs that are none.
+    The program's combiners draw one point, and the table is the history of its pixel. Texture registers are
+    given, not looked up, so texture shaders take no part. Raises Refusal for wrong inputs.
     """
     from rich.console import Console
 

@@ -53,8 +53,8 @@ def progress_of_long(steps):
 
 @contextmanager
 def progress(steps, done=0):
-    """A function that is called with a line of text as each of so many steps begins, of which so many are
-    done.
+    """A function to call with a line of text as each of ``steps`` steps begins. ``done``: how
+    many are done.
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 

@@ -69,7 +69,10 @@ def _fixed_function(name, corners, lighting, secondary, places):
 
 
 def _program(name, corners, lighting, secondary, places):
-    """The same of a vertex program, whose colours the lighting unit replaces where lighting is enabled."""
+    """Mesh and vertex state of a quad that a vertex program draws.
+
+    With lighting, the lighting unit replaces the program's colours.
+    """
     points = np.array([vertex_programs.unproject(x, y, NEAR_DEPTH) for x, y in places])
     window = vertex_programs.perspective(points)
     mesh = scenes.window_mesh(window, PrimitiveType.QUADS)

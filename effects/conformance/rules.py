@@ -1,9 +1,4 @@
-"""Open questions of the arithmetic, each with the rule that would answer otherwise: which captures can tell.
-
-A capture distinguishes two rules where the frame that its program drew comes out otherwise under the other
-rule. What the capture then shows is evidence; where none comes out otherwise, all captures are silent, and an
-owner of the hardware has to run another program.
-"""
+"""Open questions of the arithmetic, each with a rival rule, and the captures that can decide between them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -42,13 +37,16 @@ class Probe:
 
 @dataclass(frozen=True)
 class Rule:
-    """A question; ``stands``: the rule that the profile has, ``otherwise`` the other, on the machine
-    ``changed``.
+    """An open question of the arithmetic, with the profile's rule and a rival.
 
-    Where no profile has the other rule, ``changed`` is None. Fragments are then counted: of Draws whose
-    combiners ``concern`` the rule, those for which a ``stage`` would give another number, as ``differs``
-    finds by what the column engine's observer is told of it. ``probe``: the program to run where no capture
-    tells.
+    stands                   the profile's rule
+    otherwise                the rival rule
+    changed                  the machine with the rival rule; None: no profile has it, so fragments are
+                             counted instead
+    stage, concern, differs  count fragments of Draws whose combiners ``concern`` the rule. ``differs`` finds
+                             those for which ``stage`` would give another number, from what the column
+                             engine's observer receives
+    probe                    the program to run if no capture decides
     """
 
     question: str

@@ -133,9 +133,11 @@ def textured_quad(label, corners, texture, state=DEFAULT, height=HEIGHT):
 
 
 def unprojected_rectangle(left, top, right, bottom, z=0.0):
-    """A quad's corners, of which the program makes points of the XDK's view, and the chip pixels again.
+    """The corners of a quad that the program unprojects into the XDK's view, and that the chip projects
+    again.
 
-    Measured: they come back half a pixel further, the viewport's offset snapped (DrawCheckerboardUnproject).
+    Measured: they come back half a pixel further, because the viewport's offset is snapped
+    (DrawCheckerboardUnproject).
     """
     return rectangle(left + 0.5, top + 0.5, right + 0.5, bottom + 0.5, z)
 

@@ -14,12 +14,13 @@ from fixedpipe.effects.refusal import Refusal
 
 @dataclass(frozen=True)
 class Score:
-    """How a renderer's pictures agree with captures.
+    """How well a renderer's pictures agree with captures.
 
-    cases, exact    pictures that were compared, and those of which every compared pixel is equal
-    pixels, equal, within_one   compared pixels, equal ones, and those of which no component is off by more
-    largest         the largest difference of a component
-    missing         captures of which the renderer has no picture, or one of another size
+    cases, exact               pictures that were compared, and those in which every compared pixel is equal
+    pixels, equal, within_one  compared pixels, equal ones, and those in which no component differs by more
+                               than one
+    largest                    the largest difference of a component
+    missing                    captures for which the renderer has no picture, or one of another size
     """
 
     cases: int = 0

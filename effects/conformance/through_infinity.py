@@ -49,9 +49,11 @@ def _fan(polygon):
 
 
 def _shortened(triangle):
-    """A triangle of homogeneous corners, one of them far, as two that end ``REACH`` pixels along both of its
-    edges; None of any other. The first one's corners are in the triangle's order; in the second, of which the
-    screen has a strip less than a pixel wide, the end of the first edge has what the other two leave of one.
+    """Two triangles in place of one with a single far corner. They end ``REACH`` pixels along its two edges.
+
+    Returns None for any other triangle. Corners are homogeneous. The first triangle's are in the given order.
+    The second covers a strip of the screen that is less than a pixel wide: the end of the first edge, the end
+    of the second, and the last near corner.
     """
     far = [i for i, corner in enumerate(triangle) if not _is_near([c / corner[3] for c in corner])]
     if len(far) != 1 or any(corner[3] < 0 for corner in triangle):
@@ -87,8 +89,10 @@ def _middle(ws):
 
 
 def outlines(corners, edges):
-    """Ends of the lines between corners (device x, y and w) of which one has a negative w: from the other the
-    line leads away from it, and leaves the screen; how far is a whole multiple, so the direction is exact.
+    """Ends of the lines between corners (device x, y and w) of which one has a negative w.
+
+    From the other corner the line leads away from the negative one, and leaves the screen. Its length is a
+    whole multiple of the corners' distance, so its direction is exact.
 
     Measured: W_param w_neg_strip, whose lines the chip draws so.
     """

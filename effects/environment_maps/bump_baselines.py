@@ -46,8 +46,10 @@ def normal_points(count):
 
 
 def traced(view, mirror, levels, cube_levels, count=64, probes=1):
-    """S20: a plane that mirrors an environment by ``count`` normals a pixel, each of which sees it at the
-    level of the pixel's curvature: float64 [height, width, 3]. Other arguments: ``rough_mirrors.picture``.
+    """S20: a plane that mirrors an environment with ``count`` normals a pixel: float64 [height, width, 3].
+
+    Each normal reads the environment at the level for the pixel's curvature. Other arguments:
+    ``rough_mirrors.picture``.
     """
     beam = rough_mirrors.beams(view, mirror, levels, Antialiasing.ANISOTROPIC, probes)
     smooth = replace(beam, covariance=np.zeros_like(beam.covariance))

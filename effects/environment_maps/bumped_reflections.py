@@ -271,7 +271,7 @@ def offset_texels(normals, profile):
 
 
 def load_offsets(normals, dirt, name, profile):
-    """Commands that load an offset map and dirt, and their Names; arguments as of ``load``."""
+    """Commands that load an offset map and dirt, and their Names; arguments as for ``load``."""
     names = Names(f"{name} offsets", f"{name} dirt")
     dirt = np.broadcast_to(unit_numbers(dirt, "The dirt"), normals.shape[:2])
     return (

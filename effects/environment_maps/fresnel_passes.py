@@ -109,7 +109,7 @@ def mirror_passes(surface, view, table, mirror):
 
 
 def folded_mirror_pass(surface, view, table, mirror):
-    """H26 in one draw on two units, F in destination alpha; arguments as of ``mirror_passes``."""
+    """H26 in one draw on two units, F in destination alpha; arguments as for ``mirror_passes``."""
     units = unit(table, EDGE, environment=REPLACE), replace(mirror, environment=MODULATE)
     label = f"{table}, times {mirror.texture}"
     return (draw(label, _facing(surface, view), view, None, units, depth_test=FIRST_PASS, polygon=FRONT),)

@@ -446,7 +446,7 @@ def shown(beam, cube_levels, antialiasing=Antialiasing.ANISOTROPIC, most=16):
 
 def picture(view, mirror, levels, cube_levels, antialiasing=Antialiasing.ANISOTROPIC, *, probes=1, most=16):
     """A plane that mirrors an environment, and the environment above it, as floats: float64 [height, width,
-    3], bottom row first. Arguments as of ``beams`` and ``shown``.
+    3], bottom row first. Arguments as for ``beams`` and ``shown``.
     """
     beam = beams(view, mirror, levels, antialiasing, probes)
     return shown(beam, cube_levels, antialiasing, most)

@@ -293,14 +293,16 @@ class Figure:
         watch: Callable[[tuple[Command, ...]], "Watch"] | None = None,
         **changes: Any,
     ) -> Rendering:
-        """The figure on a machine, and its ideal of the same fragments: a Rendering.
+        """The figure on a machine, and the ideal of the same fragments: a Rendering.
 
-        As of ``commands``; ``IDEAL`` gives the ideal's own picture. ``threads``: any number gives the same
-        bits; None: one per processor. ``watch``: is given the commands, and gives what is called after each,
-        as ``execute`` has it; on a machine alone.
+        profile, size, method, changes  as for ``commands``. ``IDEAL`` gives the ideal's own picture
+        threads                         how many threads; None: one per processor. The bits are the same for
+                                        any number
+        watch                           a function from the commands to the function that ``execute`` calls
+                                        after each; for a machine only
 
-        Raises ValueError as ``commands`` does, for a parameter that checks alone change, and for what the
-        machine cannot hold (UnsupportedState).
+        Raises ValueError as ``commands`` does, for a parameter that only checks change, and for state that
+        the machine lacks (UnsupportedState).
         """
         from fixedpipe.pipeline.execution.machine import execute
         from fixedpipe.pipeline.ideal.evaluate import execute_ideal

@@ -155,16 +155,17 @@ class Difference(Pictured):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rendering(Pictured):
-    """A figure as a machine draws it (``Figure.render``). A notebook shows the machine's picture, ``save``
-    writes it. All arrays have their top row first.
+    """A figure as a machine draws it (``Figure.render``). All arrays have their top row first.
 
-    figure    the Figure
-    profile   the machine
-    method    how it drew: one of the figure's methods
-    size      a panel's height, pixels
-    changes   the parameters that have other values than the figure's, by name
-    result    what the machine left behind: its Result; the IdealResult where the machine is the ideal
-    threads   as of ``execute``, for the ideal too
+    A notebook shows the machine's picture; ``save`` writes it.
+
+    figure   the Figure
+    profile  the machine
+    method   the figure's method that drew it
+    size     a panel's height, pixels
+    changes  the parameters with other values than the figure's, by name
+    result   the machine's Result; the IdealResult if the machine is the ideal
+    threads  as for ``execute``, for the ideal too
     """
 
     figure: "Figure"

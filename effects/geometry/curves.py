@@ -82,17 +82,20 @@ def field(points: NDArray[np.float64], charges: ArrayLike) -> NDArray[np.float64
 def lines_of_force(
     charges: ArrayLike, count: int, *, step: float = 0.02, radius: float = 1.0, core: float = 0.05
 ) -> Curves:
-    """Lines of force of point charges in the ball of ``radius`` about the origin: from every positive charge,
-    until they come within ``core`` of a negative one or leave the ball, and those that enter the ball and end
-    at a negative charge. Tangents point along the field.
+    """Lines of force of point charges in the ball of ``radius`` about the origin. Tangents point along the
+    field.
+
+    A line begins at a positive charge and ends within ``core`` of a negative one, or where it leaves the
+    ball. Other lines enter the ball and end at a negative charge.
 
     charges  rows (x, y, z, q), inside the ball
-    count    lines that begin at positive charges, shared among these by what they hold, one or more each;
-             negative charges have as many for the same charge, of which those that come from outside are kept
-    step     length of a piece, of the method of Runge and Kutta of fourth order
+    count    how many lines begin at positive charges, shared among them in proportion to their charge, at
+             least one each. Negative charges have as many for the same charge; of these, only lines from
+             outside are kept
+    step     length of a piece, in the Runge-Kutta method of fourth order
 
-    Raises ValueError for charges of which none is positive, for lengths that are not positive, and where no
-    line is as long as a step.
+    Raises ValueError if no charge is positive, if a length is not positive, and if no line is as long as a
+    step.
     """
     rows = _checked(charges)
     positive, negative = rows[rows[:, 3] > 0.0], rows[rows[:, 3] < 0.0]

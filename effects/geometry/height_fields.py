@@ -222,10 +222,11 @@ def value_noise(columns, rows, cells_s, cells_t, seed):
 
 
 def gradient_noise(s, t, cells, seed):
-    """Periodic noise at texture coordinates, about in [-1, 1], ``cells`` x ``cells`` of it in a unit square.
+    """Periodic noise at texture coordinates, about in [-1, 1], with ``cells`` x ``cells`` cells in a unit
+    square.
 
-    Zero at the cells' corners, each of which has a gradient from an integer hash; joined by a quintic, so
-    that slopes and curvatures are continuous. Source: Perlin 2002, with gradients of any length up to
+    The noise is zero at a cell's corners. Each corner has a gradient from an integer hash; a quintic joins
+    them, so slopes and curvatures are continuous. Source: Perlin 2002, with gradients of any length up to
     sqrt(2) instead of twelve.
     """
     x, y = s * cells, t * cells

@@ -1,16 +1,16 @@
-"""Functions of direction as two discs: parabolic maps, of which a projective texture matrix makes
-coordinates.
+"""Functions of direction as two discs: parabolic maps, addressed through a projective texture matrix.
 
-A paraboloid mirror that is seen along its axis shows one hemisphere without a singularity, two show all. The
-first disc has the directions with z <= 0, those that a viewer looking along -z has before him, at (x, y)/(1 -
-z); the second those with z > 0, at (x, y)/(1 + z). The discs' edge is the circle of radius one; beyond it a
-map's texels go on with what the other hemisphere has, so that filters at the edge find what they need.
+A paraboloid mirror that is seen along its axis shows one hemisphere without a singularity; two mirrors show
+all directions. The first disc has the directions with z <= 0, in front of a viewer who looks along -z, at (x,
+y)/(1 - z). The second has those with z > 0, at (x, y)/(1 + z). The edge of a disc is the circle of radius
+one. Beyond it a map's texels continue with the other hemisphere, so that filters at the edge find the right
+texels.
 
-``reach`` is the disc's radius in half edges of the map: one where it touches the map's edges, less where
-texels are to be left around it (``margin``).
+``reach`` is the disc's radius in half edges of the map. It is one if the disc touches the map's edges, and
+less if texels remain around the disc (``margin``).
 
 Source: Heidrich, Seidel 1998, View-independent environment maps; Heidrich 2001, section 1.3 (H21 of the
-catalogue; pass sequence A-H21). The second disc is mirrored against what a viewer who turns round sees.
+catalogue; pass sequence A-H21). The second disc is a mirror image of the view of someone who turns round.
 """
 
 import numpy as np

@@ -1,8 +1,10 @@
-"""Passes with pixel textures: material textures are loaded through a colour matrix, a polygon puts their dot
-products into channels of the framebuffer, and copies of the framebuffer onto itself look them up.
+"""Passes with pixel textures, by copies of the framebuffer onto itself.
 
-The stencil buffer marks the polygon's pixels, so that copies leave others alone. ``through_host`` makes the
-same of DrawPixels, as Kautz, Seidel 2000, section 5, has it (K15). Source: SGIX_pixel_texture.
+Material textures are loaded through a colour matrix. A polygon writes their dot products into channels of the
+framebuffer, and the copies look them up. The stencil buffer marks the polygon's pixels, so copies leave the
+others alone. ``through_host`` uses DrawPixels for the same, as Kautz, Seidel 2000, section 5, do (K15).
+
+Source: SGIX_pixel_texture.
 """
 
 import math

@@ -15,10 +15,11 @@ GREEN_BLUE_STAGE = TextureShaderStage(Operation.DEPENDENT_GB_TEXTURE_2D)
 def dot_product_stages(
     *previous, lookup=Operation.DOT_PRODUCT_TEXTURE_2D, mapping=DotProductMapping.EXPAND_NORMAL
 ):
-    """Stages, each of which multiplies its texture coordinates with an earlier unit's texel, and the last of
-    which looks the products up.
+    """Stages that multiply their texture coordinates with earlier units' texels; the last one looks the
+    products up.
 
-    ``previous``: the number of that unit for each stage. ``mapping``: how its texels are read.
+    ``previous``: that unit's number for each stage. ``mapping``: how its texels are read.
+
     Raises ValueError for no stage.
     """
     if not previous:

@@ -123,9 +123,9 @@ def _own_count(kind, values):
 
 
 def moving(figure, name, method):
-    """The parameter of that name, of which there are values between two others.
+    """The parameter of this name; it must have values between any two others.
 
-    Raises ValueError as ``Figure.offer`` does, and where it is of another kind.
+    Raises ValueError as ``Figure.offer`` does, and for a parameter of another kind.
     """
     parameter = figure.offer(name, method)
     if not movable(parameter.kind):
@@ -201,7 +201,7 @@ def pictures_of(
     """The frames' pictures, drawn as they are asked for: uint8 [h, w, 3], top row first, as
     ``Figure.render`` of each frame's values draws them.
 
-    profile, size, method, threads  as of ``Figure.render``
+    profile, size, method, threads  as for ``Figure.render``
     changes                         other values of parameters, of all frames
     """
     for frame in frames:

@@ -1,11 +1,12 @@
-"""Form factors from points to rectangles, and what things hide of them.
+"""Form factors from points to rectangles, and how things in between reduce them.
 
-The part of what a point with a normal receives that comes from a polygon of radiance one is Lambert's sum
-over its edges: each adds the angle that it is seen under times how far the plane through it and the point
-leans. That is exact for a polygon above the point's horizon. A rectangle is parted into smaller ones, each of
-which is seen or not as its middle is, so shadows are soft in so many steps.
+A polygon of radiance one gives a point with a normal Lambert's sum over its edges. Each edge adds the angle
+that it subtends, times the lean of the plane through edge and point. This is exact for a polygon above the
+point's horizon. A rectangle is divided into smaller ones. Each is visible if its middle is, so shadows are
+soft in as many steps.
 
-Additions, products, quotients and square roots alone, in a fixed order, angles too: the same bits everywhere.
+The module uses additions, products, quotients and square roots alone, for angles too, in a fixed order. So
+its bits are the same everywhere.
 
 Source: Baum, Rushmeier, Winget 1989 (the sum in radiosity); Lambert 1760.
 """

@@ -72,8 +72,9 @@ def combiners(specular=(1.0, 1.0, 1.0)):
 
 
 def square_combiners():
-    """(4 T'.h)^2, at most one, by one general combiner: the final combiner squares the dot product's positive
-    and negative half, of which one is zero, and adds them.
+    """(4 T'.h)^2, at most one, by one general combiner.
+
+    The final combiner squares the dot product's positive and negative half and adds them; one half is zero.
     """
     t, h = expand(TEXTURE0), expand(PRIMARY)
     return program(
@@ -86,7 +87,7 @@ def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
     """Eq. 1 with one texture unit and one general combiner in a pass: three draws, which replace what the
     framebuffer holds.
 
-    Parameters as of ``specular_pass``.
+    Parameters as for ``specular_pass``.
     """
     mesh = surface.mesh(colors=vector_colors(half_vectors(surface, view, light), profile))
     tangent, binormal = unit(names.tangent, sampler), unit(names.binormal, sampler)

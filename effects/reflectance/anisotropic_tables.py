@@ -180,13 +180,13 @@ def light_half(surface, view, light):
 
 
 def specular_passes(surface, view, light, distribution, obstruction, colors, *, units):
-    """c D G, which replaces what the framebuffer holds.
+    """c D G, which replaces the framebuffer's contents.
 
-    surface, view, light   the light and the viewer may be near
+    surface, view, light       the light and the viewer may be near
     distribution, obstruction  names of the textures
-    colors                 c: RGB at the vertices, float64 [n, 3], or one RGB for all
-    units                  texture units that take part: two, in one pass, of which the second has a scale
-                           (EXT_texture_env_combine); or one, in two passes
+    colors                     c: RGB at the vertices, float64 [n, 3], or one RGB for all
+    units                      how many texture units take part. Two: one pass, in which the second unit
+                               scales (EXT_texture_env_combine). One: two passes
 
     Raises ValueError for another number of units.
     """

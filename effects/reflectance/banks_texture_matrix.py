@@ -86,7 +86,7 @@ def load_threads(texture, profile, *, diffuse, specular, exponent, texels=TEXELS
 
 
 def load_rough(texture, profile, *, diffuse, specular, exponent, texels=TEXELS):
-    """The command that loads ``rough`` over (n.h, anything); parameters as of ``load_threads``."""
+    """The command that loads ``rough`` over (n.h, anything); parameters as for ``load_threads``."""
     _check(diffuse, specular, exponent)
     return _table(
         texture, lambda nh, other: rough(nh, diffuse, specular, exponent) + 0.0 * other, texels, profile
@@ -181,8 +181,9 @@ def lit_passes(surface, coordinates, view, lights, unit_of, *, color=(1.0, 1.0, 
 
 
 def banks_passes(surface, tangents, view, lights, texture, *, color=(1.0, 1.0, 1.0)):
-    """Banks's model of a surface with these tangents [n, 3]; ``texture``: of ``load_threads``, the rest as of
-    ``lit_passes``.
+    """Banks's model of a surface with these tangents [n, 3].
+
+    ``texture``: from ``load_threads``; the rest as for ``lit_passes``.
     """
     return lit_passes(
         surface, tangents, view, lights, lambda v, light: tangent_unit(texture, v, light), color=color
@@ -190,7 +191,7 @@ def banks_passes(surface, tangents, view, lights, texture, *, color=(1.0, 1.0, 1
 
 
 def isotropic_passes(surface, view, lights, texture, *, color=(1.0, 1.0, 1.0)):
-    """The isotropic counterpart; ``texture``: of ``load_rough``, the rest as of ``lit_passes``."""
+    """The isotropic counterpart; ``texture``: from ``load_rough``, the rest as for ``lit_passes``."""
     return lit_passes(
         surface, surface.normals, view, lights, lambda v, light: halfway_unit(texture, v, light), color=color
     )

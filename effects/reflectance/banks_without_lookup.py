@@ -125,11 +125,11 @@ def _irradiance(specular):
 def specular_passes(
     surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), subtract=None, sampler=REPEATED
 ):
-    """The model in passes of two units and two general combiners; they replace what the framebuffer holds.
+    """The model in passes of two units and two general combiners; they replace the framebuffer's contents.
 
-    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load``. ``subtract``: whether
-    a blend equation takes ((v.t)(l.t))+ away (five passes) or two inversions of the framebuffer do (seven);
-    None: as the machine's blend equations allow.
+    Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``names``: from ``load``. ``subtract``: True:
+    a blend equation subtracts ((v.t)(l.t))+ (five passes); False: two inversions of the framebuffer do it
+    (seven passes); None: as the machine's blend equations allow.
     """
     if subtract is None:
         subtract = BlendEquation.FUNC_REVERSE_SUBTRACT in profile.fragments.blend_equations
@@ -187,7 +187,7 @@ def combiners(specular=(1.0, 1.0, 1.0)):
 def specular_pass(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.0), sampler=REPEATED):
     """The model in one draw that replaces, for boards with five general combiners (GeForce 3).
 
-    Parameters as of ``specular_passes``.
+    Parameters as for ``specular_passes``.
     """
     mesh = surface.mesh(
         colors=vector_colors(view_vectors(surface, view), profile),

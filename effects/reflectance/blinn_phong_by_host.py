@@ -70,7 +70,7 @@ def blinn_phong(
     """K05: k_s F(N, e), which replaces what the polygon covers; a diffuse pass is added afterwards. K06,
     where not ``with_exponent``: k_s sqrt(e).
 
-    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``up_to``: where it ends.
+    Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``up_to``: where it ends.
     """
     member_of(UpTo, up_to, "How far it is drawn")
     panel, tables = view.panel, (pixel_textures.root_table, pixel_textures.power_table)

@@ -243,7 +243,7 @@ def blinn_phong_passes(
 ):
     """K05 with an exponent per texel: k_s F(N, e), F looked up in "F(N, e)" (``load_power``).
 
-    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load``; ``gated``: times
+    Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``names``: from ``load``; ``gated``: times
     min(1, 4 (n.l)+). ``load_screen`` has made room on this panel.
     """
     parameters = surface.mesh(colors=vector_colors(half_vectors(surface, view, light), profile))
@@ -354,7 +354,7 @@ def ward_passes(
     """K09: k_s / (4 pi ax ay) S(p) E(m, d) (n.l)+, looked up in what ``load_ward_functions`` loaded.
 
     The viewing vector is a texture coordinate that passes through unit 3. ``largest_s`` as the table's.
-    Other parameters as of ``blinn_phong_passes``.
+    Other parameters as for ``blinn_phong_passes``.
     """
     toward_light = vector_colors(light_vectors(surface, light), profile)
     parameters = surface.mesh(

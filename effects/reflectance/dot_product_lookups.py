@@ -133,7 +133,7 @@ def banks_pass(
 ):
     """K03, k_s (n.l)+ times the bracket, in one draw.
 
-    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load_banks``.
+    Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``names``: from ``load_banks``.
     """
     scale = 1.0 / banks_period()
     to_light, to_viewer = light_vectors(surface, light), view_vectors(surface, view)
@@ -236,7 +236,7 @@ def blinn_phong_pass(
 ):  # fmt: skip
     """K05 with one N for the surface, or K06: k_s (sqrt e)^N in one draw.
 
-    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load_blinn_phong``.
+    Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``names``: from ``load_blinn_phong``.
     """
     scale = 1.0 / names.smallest_alpha / blinn_phong_period(names.smallest_alpha)
     mesh = surface.mesh(surface.texture_coordinates, scale * half_vectors(surface, view, light))

@@ -96,9 +96,9 @@ class Means(Enum):
 
 @dataclass(frozen=True)
 class Board:
-    """What of a machine decides how factors are drawn.
+    """The properties of a machine that decide how factors are drawn.
 
-    units      texture units, of which 1, 2 or more are used
+    units      texture units; passes use 1, 2 or more of them
     subtracts  whether blending can subtract
     """
 

@@ -1,9 +1,10 @@
 """Fresnel's reflectance of unpolarized light at a smooth surface with a real index of refraction.
 
-Additions, products, quotients and a square root alone, in a fixed order: the same bits on every computer.
+The module uses additions, products, quotients and a square root alone, in a fixed order. So its bits are the
+same on every computer.
 
-Source: Heidrich 2001, sections 1.1 and 1.5, of which the catalogue has the form. A metal's index is complex;
-the paper draws it with a real one of 200, and so does the project.
+Source: Heidrich 2001, sections 1.1 and 1.5, in the form of the catalogue. A metal's index is complex. The
+paper draws metal with a real index of 200, and so does the project.
 """
 
 import numpy as np

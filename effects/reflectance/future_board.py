@@ -340,7 +340,7 @@ def blinn_phong(
 ):  # fmt: skip
     """K05 in one draw.
 
-    Parameters as of ``anisotropic_blinn_phong.specular_pass``; ``names``: of ``load``; ``steady``: the
+    Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``names``: from ``load``; ``steady``: the
     vertices' vectors turn along arcs, at unit length.
     """
     units = unit(names.tangent, sampler), unit(names.binormal, sampler)

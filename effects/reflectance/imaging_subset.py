@@ -166,11 +166,12 @@ def light_vectors(faces, light):
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Which part of the material images each polygon reads, all of one size, and where its corners lie in it.
+    """The part of the material images that each polygon reads, all of one size, and its corners' places in
+    it.
 
     rows, columns  int64 [p, height], [p, width]: texels of the images, repeated beyond their edges
     coordinates    float64 [p, corners, 2]
-    sampler        REPEAT along an edge of which everything is loaded, else CLAMP_TO_EDGE
+    sampler        REPEAT along an edge that is loaded whole, else CLAMP_TO_EDGE
     """
 
     rows: np.ndarray

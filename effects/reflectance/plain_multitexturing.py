@@ -135,7 +135,7 @@ def _grey(values):
 
 
 class _Passes:
-    """Draws of one surface into its framebuffer, the first of which replaces."""
+    """Draws of one surface into its framebuffer; the first of them replaces."""
 
     def __init__(self, surface, view):
         self.surface, self.view, self.out = surface, view, []
@@ -245,7 +245,7 @@ def bumped_diffuse_passes(
     what inverts and colours. They replace what the framebuffer holds where depths are equal.
 
     Positive products sum to one at most, and negative ones as well, so nothing saturates; (.)+ is the
-    framebuffer's. ``names``: of ``load_normals``. The surface has been drawn, so that depths are there.
+    framebuffer's. ``names``: from ``load_normals``. The surface has been drawn, so that depths are there.
     """
     toward, passes = surface.to_local(light.light_vectors(surface.positions)), []
 

@@ -87,7 +87,7 @@ def _over(numerator, denominator):
 def quotient(d, covariance, form=Form.INVERSE):
     """q: float64 [...], infinite where nothing leans that way.
 
-    d           float64 [..., 2], as of ``apart``
+    d           float64 [..., 2], as for ``apart``
     covariance  float64 [..., 3]: K, (a, b, c)
 
     Raises ValueError for a matrix that is no covariance, a d longer than one, or another form.
@@ -109,7 +109,7 @@ def quotient(d, covariance, form=Form.INVERSE):
 
 
 def squared_cosine(d, covariance, form=Form.INVERSE):
-    """cos^2 a' by anisotropic roughness, S21: float64 [...] from 0 to 1. Arguments as of ``quotient``."""
+    """cos^2 a' by anisotropic roughness, S21: float64 [...] from 0 to 1. Arguments as for ``quotient``."""
     q = quotient(d, covariance, form)
     rest = _rest(d)
     return _over(rest, q + rest)

@@ -131,7 +131,7 @@ def digests_in(text):
 
 
 def _bases(folder, named):
-    """The digests from which named pictures are told, and those from which these are: a set."""
+    """The digests of the pictures on which named pictures are based, directly or in steps: a set."""
     found, asked = set(), set(named)
     while asked:
         scripts = (folder / PICTURES / f"{digest}.js" for digest in asked)

@@ -92,7 +92,7 @@ def _change(one, other):
 
 
 def _folded(lines):
-    """Lines of which equal ones that follow each other are one; of many, the first and the last."""
+    """Lines in which equal neighbours become one. If many remain, only the first and the last."""
     out = []
     for line in lines:
         if out and out[-1][0] == line:

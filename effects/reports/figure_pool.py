@@ -59,7 +59,9 @@ class Order:
             return self.failed(error, changes)
 
     def failed(self, error, changes=None):
-        """The record of a figure of which nothing was drawn because of ``error``, written where it can be."""
+        """The record of a figure for which nothing was drawn because of ``error``. It is written
+        if possible.
+        """
         figure = self.figure
         how = self.machines, self.size or figure.size, changes or {}, self.with_checks
         record = figure_record.record_of(figure, *how, [], [failure(error, file=self.file)], self.file)
@@ -173,8 +175,9 @@ def _print_but_ends(unraisable):
 
 
 def _begin(said, threads):
-    """A process's first call: it has so many threads, ends when it is told to or who began it has ended, and
-    leaves Ctrl-C to that.
+    """The first call in a process. It sets the number of threads, and ignores Ctrl-C.
+
+    The process ends on request, or when its parent has ended.
     """
     global _SAID
     _SAID = said

@@ -151,8 +151,10 @@ def render(figure, machines, size, threads, with_checks, step, changes=None, fil
 
 
 def record_of(figure, machines, size, changes, with_checks, drawn, failures, file=None):
-    """The record of a figure: ``drawn``, a record for each machine that drew it, and ``failures``
-    (``figure_failures.failure``), one for each that did not. The others: as of ``render``, ``size`` a number.
+    """The record of a figure.
+
+    ``drawn``: a record for each machine that drew it. ``failures``: a ``figure_failures.failure`` for each
+    that did not. Other arguments are those of ``render``; ``size`` is a number.
     """
     width, height = figure.dimensions(size)
     across = figure.panel_width(size)

@@ -36,7 +36,7 @@ def canonical(image):
 def digest_of(pixels):
     """A picture's name: the first 16 hexadecimal digits of the SHA-256 of its width, height and bytes.
 
-    ``pixels``: as of ``canonical``.
+    ``pixels``: as for ``canonical``.
     """
     height, width = pixels.shape[:2]
     return hashlib.sha256(f"{width}x{height}\n".encode() + pixels.tobytes()).hexdigest()[:16]
@@ -113,9 +113,11 @@ class Pictures:
     endings: dict[str, dict[str, int]] = field(default_factory=dict)
 
     def add(self, image, *files, base=None):
-        """Keep a picture, as of ``canonical``, with ``files``: LOSSLESS, WIDE, NARROW, OF_GRID. Returns its
-        digest. ``base``: the digest of one that was added before, from which its bytes may be told where that
-        is shorter.
+        """Keep a picture, as for ``canonical``, and return its digest. ``files``: LOSSLESS, WIDE, NARROW,
+        OF_GRID.
+
+        ``base``: the digest of a picture that was added before. This one's file may hold its difference from
+        the base, if that is shorter.
         """
         pixels = canonical(image)
         digest = digest_of(pixels)

@@ -91,7 +91,7 @@ def simulated(
 
     size     pixels along a picture's edge; None: one for each texel along the longer edge
     kind     "float16" or "uint8"
-    folder, executor, progress  as of ``long_work.run``; a piece is one light
+    folder, executor, progress  as for ``long_work.run``; a piece is one light
 
     Raises ValueError for directions that are none or not above the horizon, another kind, and a field with
     highlights, and Refusal as ``long_work.run``.

@@ -150,7 +150,7 @@ class Bent:
     normals     float64 [rows, columns, 3], in the frame of the base at p
     triangles   int64 [k, 3]: between which three directions others lie, as on the flat base
     flat        float64 [n, 3], the directions on the flat base
-    seen        int32 [n, rows, columns], as of Visibility
+    seen        int32 [n, rows, columns], as for Visibility
     far         float64 [n, rows, columns]: how far away what is seen was; infinity: nothing; 0: hidden by the
                 texel's own surface
     """
@@ -224,10 +224,9 @@ def border_weights(base, directions, triangles, far, heights):
 
 
 def fan_weights(base, directions, triangles, far, heights):
-    """w_i as the paper has them, by the triangles round the moved directions; arrays as of
-    ``border_weights``.
+    """w_i as in the paper, from the triangles round the moved directions; arrays as for ``border_weights``.
 
-    Where directions pass each other these are of no use: negative, or the sphere's area too many.
+    If directions pass each other, the weights are useless: negative, or too large by the sphere's area.
     """
     corners = np.moveaxis(moved(base, directions, far, heights), 0, -2)
     return (sphere.fan_areas(corners, triangles) / sphere.fan_areas(directions, triangles)).T
@@ -327,7 +326,7 @@ def gathered(field, bent, arriving):
 
 def bounces(field, bent, light, count, lit=None):
     """Direct light and ``count`` further reflections, as ``light_transport.bounces``: a list of float64
-    [rows, columns, 3], the k-th with k of them. ``light`` and ``lit`` as of ``direct``.
+    [rows, columns, 3], the k-th with k of them. ``light`` and ``lit`` as for ``direct``.
     """
     arriving = direct(field, bent, light, lit)
     out = [arriving]

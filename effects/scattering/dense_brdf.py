@@ -115,7 +115,7 @@ def _piece(task):
 def simulated(field, visibility, count=16, bounces=2, *, folder=None, executor=None, progress=None):
     """The DenseBRDF of a HeightField by a virtual goniometer, in texture space with masking by rays.
 
-    folder, executor, progress  as of ``long_work.run``; a piece is one z of the light
+    folder, executor, progress  as for ``long_work.run``; a piece is one z of the light
 
     Raises ValueError for a count below one, and Refusal as ``long_work.run``.
     """

@@ -1,18 +1,18 @@
 """G11 on machines: paths of bump mapping and dependent lookups, drawn texel by pixel, and their sum.
 
-The height field's square fills a panel of as many pixels as it has texels. ``PathPasses`` are how a machine
-draws the two things of which paths are made: bump mapping, and bump mapping times a lookup of the light that
-the texels seen along d_i send back. This module makes the paths of them, in the order of pass sequence A-G11.
+The height field's square fills a panel with one pixel for each texel. ``PathPasses`` are a machine's ways to
+draw the two parts of a path. One is bump mapping. The other is bump mapping times a lookup of the light that
+the texels seen along d_i send back. This module makes paths of them, in the order of pass sequence A-G11.
 
-Radiances are in units of what a white surface that faces the light sends back. The weight W of a path's step
-is 4 (``light_transport``), and light after so many steps may be so many times as large; textures hold 1 at
-most. So after every step the light is kept divided by W, which is what leaves the lookup as it is: the direct
-light that is added there is divided instead, by 4, 16, 64. What takes part in the sum is a term of [0, 1],
-and the whole weight, W^K over the number of paths, is applied to it once.
+Radiances are in units of the light that a white surface facing the lamp sends back. A path's step has the
+weight W = 4 (``light_transport``), so each step may make the light as many times as large; textures hold 1 at
+most. So the light is kept divided by W after every step, and the lookup stays as it is. Instead, the direct
+light that is added there is divided by 4, 16, 64. Each term of the sum lies in [0, 1]. The whole weight, W^K
+over the number of paths, is applied to the sum once.
 
-What that costs is counted in bytes: a path of four lookups has its last direct light but one in steps of
-1/16. ``rounds`` keeps the bytes: the sum over all directions becomes the light that is looked up next, for
-diffuse surfaces, whose light goes every way alike.
+This costs precision: in a path of four lookups, the last direct light but one has steps of 1/16. ``rounds``
+keeps the precision: the sum over all directions becomes the light of the next lookup. It works for diffuse
+surfaces, because they send light equally in all directions.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.2 and 3.3; pass sequences A-G08 to A-G11.
 """
@@ -115,16 +115,16 @@ class Setup:
 
 @dataclass(frozen=True)
 class PathPasses:
-    """How a machine draws what paths are made of. Each function returns commands.
+    """A machine's ways to draw the parts of a path. Each function returns commands.
 
-    load      (setup, lit, numbers): textures of the field, and S_i of these directions
-    bumps     (setup, light, view, lit) -> the work panel becomes bump mapping with a light of 1; ``lit``: as
-              of ``load``, or None: without a shadow
-    keep      (setup, name) -> the work panel's light can then be looked up under this name
-    gathered  (setup, number, view, name, into) -> bump mapping with a light along d_i, times the light that
-              is looked up at S_i, goes ``into`` a panel
-    looked_up (setup, number, name) -> the work panel becomes the light that is looked up, by itself
-    by_host   whether the host looks up: then each light needs a name of its own
+    load       (setup, lit, numbers): load the field's textures, and S_i of the directions ``numbers``
+    bumps      (setup, light, view, lit): the work panel becomes bump mapping with a light of 1. ``lit``: as
+               for ``load``; None: without shadow
+    keep       (setup, name): later lookups find the work panel's light under this name
+    gathered   (setup, number, view, name, into): bump mapping with a light along d_i, times the light at S_i
+               under ``name``, goes into the panel ``into``
+    looked_up  (setup, number, name): the work panel becomes the light at S_i under ``name``
+    by_host    whether the host looks up: then each light needs a name of its own
     """
 
     load: Callable
@@ -436,7 +436,7 @@ def rounds_drawn(
 
     weight  of all directions together, 4 for those of the sphere
 
-    Other arguments as of ``paths_drawn``. Raises ValueError for a field with highlights too, whose light
+    Other arguments as for ``paths_drawn``. Raises ValueError for a field with highlights too, whose light
     differs from direction to direction.
     """
     light, lit = _checked(setup, light, lit, accumulation, exposure)

@@ -290,7 +290,7 @@ def imaging_passes(
 
     normals  float64 [rows, columns, 3], unit vectors in the surface's frame
 
-    Other arguments as of ``light_where_marked`` and ``imaging_marking_passes``.
+    Other arguments as for ``light_where_marked`` and ``imaging_marking_passes``.
     """
     color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")
     lit = f"{name}: (n.l)+"

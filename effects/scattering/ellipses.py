@@ -1,25 +1,24 @@
-"""G14: for every texel an ellipse in the tangent plane that holds the directions along which nothing is in
-the way; and G20: five of them, for surfaces that are curved a little.
+"""G14: for every texel an ellipse in the tangent plane that holds the unblocked directions. G20: five
+ellipses for slightly curved surfaces.
 
-A direction is seen from above as the point (x, y) of the unit disc. Of the free directions of the upper
-hemisphere, U, the ellipse has the mean for its centre and the larger eigenvector of the covariance for its
-axis. The radii begin at twice the roots of the eigenvalues, as of an ellipse that is filled evenly, and are
-then searched, one after the other: with the one held, each direction is inside from a radius on that is
-known, so that the best of all radii is found by walking through these in order. Best is where the free
-directions inside less the shadowed ones inside are most; of the radii that are as good, the middle of the
-widest range. The count never falls, so the search ends.
+A direction is seen from above as the point (x, y) of the unit disc. U are the free directions of the upper
+hemisphere. The ellipse's centre is the mean of U, and its axis is the larger eigenvector of the covariance.
+The radii begin at twice the roots of the eigenvalues, as for an evenly filled ellipse. Then a search improves
+one radius after the other. With one radius fixed, each direction is inside from a known value of the other
+on, so walking through these values in order finds the best. The best radius has the most free directions
+inside, less the shadowed ones inside. Among equally good radii it takes the middle of the widest range. The
+count never falls, so the search ends.
 
-What a direction counts whose texel is turned away from it (BACK) is the caller's: it is shadowed (A-G01), or
-it takes no part, as its cosine is zero whatever the test says (``counted``; erratum E002.9).
+The caller decides how to count a direction from which the texel faces away (BACK). Either it is shadowed
+(A-G01), or it takes no part, because its cosine is zero in any case (``counted``; erratum E002.9).
 
-Where nothing is free the ellipse is far away.
+If no direction is free, the ellipse is far away.
 
-The six numbers of a texel are two linear forms of (l_x, l_y, 1), E1 and E2, and l is inside where E1^2 + E2^2
-<= 1. Any rotation of the pair is the same test. ``packed`` gives the paper's, along the axes: a and -a are
-one axis, so that neighbours may have opposite signs, and a filter between them gives a form near zero that
-lets all light in. ``rooted`` gives the pair whose matrix is symmetric and positive, the root of the quadratic
-form: there is but one, which changes smoothly where the ellipse does. It may be filtered, and differences of
-it be taken.
+The six numbers of a texel are two linear forms of (l_x, l_y, 1), E1 and E2; l is inside if E1^2 + E2^2 <= 1.
+Any rotation of the pair is the same test. ``packed`` gives the paper's pair, along the axes. There a and -a
+are one axis, so neighbours may have opposite signs, and a filter between them gives a form near zero that
+lets all light in. ``rooted`` gives the pair with a symmetric, positive matrix: the root of the quadratic
+form. It is unique and changes smoothly where the ellipse does, so it may be filtered and differenced.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 4, Eqs. 2-4, and section 5. Assumed: the search; the
 paper says a local one. Inferred: the symmetric pair (erratum E002.15).
@@ -65,7 +64,7 @@ class Ellipses:
     axis    float64 [rows, columns, 2], of length one: the first radius lies along it
     radii   float64 [rows, columns, 2], along the axis and across, LEAST_RADIUS to LARGEST_RADIUS
 
-    Source: section 4; six numbers, of which five are free (E002.6).
+    Source: section 4; five of the six numbers are independent (E002.6).
     """
 
     center: NDArray[np.float64]
@@ -251,7 +250,7 @@ def of_visibility(visibility, turned_away_counts=False, least_radius=LEAST_RADIU
 
     turned_away_counts  whether a direction from which a texel is turned away is shadowed; else it takes no
                         part: its light is zero
-    least_radius        as of ``fit``
+    least_radius        as for ``fit``
 
     Raises ValueError where fewer than three directions lie above the horizon.
     """

@@ -320,7 +320,7 @@ def brdf(field, visibility, towards, views, bounces=2, shares=None):
     """f_r(l, v) of a HeightField for all pairs: float64 [n, m, 3], RGB per steradian.
 
     towards, views  unit vectors [n, 3] and [m, 3], above the horizon
-    bounces         as of ``lights``
+    bounces         as for ``lights``
     shares          of the views, by any of the ways; None: in texture space, masked by rays
 
     Raises ValueError for directions that are none or not above the horizon.

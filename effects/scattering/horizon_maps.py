@@ -1,18 +1,17 @@
-"""G17, what there was before: horizon maps. For eight azimuths every texel keeps how high its horizon stands,
-and light is let in where it stands higher, between two azimuths interpolated.
+"""G17, the earlier method: horizon maps. Every texel stores the height of its horizon at eight azimuths.
+Light arrives if it stands higher, interpolated between two azimuths.
 
 The horizon is exact on the field's triangles (``height_field``). Along an azimuth the field is linear between
-the lines where triangles meet, so the tangent of the elevation at which it is seen has its greatest value on
-one of these lines: they are walked until nothing that is farther could stand higher. What is level or lower
-counts as level.
+the lines where triangles meet. So the tangent of the elevation has its maximum on one of these lines. The
+search follows them until nothing farther could stand higher. A horizon that is level or lower counts as
+level.
 
-A byte holds the sine of the elevation: what a light's direction, of length one, has for its z. Eight bytes a
-texel are two RGBA textures, or eight of one component, of which a machine reads the two that are next to the
-light's azimuth:
+A byte stores the sine of the elevation, which is z of a light direction of length one. Eight bytes a texel
+are two RGBA textures, or eight of one component. A machine reads the two next to the light's azimuth:
 
     horizon = (1 - w) H_k + w H_k+1,   lit where l_z - horizon > 0
 
-with combiners: the first interpolates, the second subtracts, and the alpha test marks as for ellipses.
+The first combiner interpolates, the second subtracts, and the alpha test marks as for ellipses.
 
 Source: Max 1988; Heidrich, Daubert, Kautz, Seidel 2000, section 2; Heidrich 2001, section 3.1; pass sequences
 A-G17 and A-H46. Assumed: sines; the angle is interpolated evenly in azimuth.

@@ -89,7 +89,7 @@ def simulated(field, sent, eyes=32, size=32, *, spread=1.0, distance=2.0, progre
 
     eyes      along each edge of their square, 2 or more
     size      pixels along a picture's edge
-    spread, distance  as of LightField
+    spread, distance  as for LightField
     progress  None, or a function that is called with the number of rows of eyes that are done
 
     Raises ValueError for fewer eyes, eyes that are not above the field or too far away, a spread that is not

@@ -44,7 +44,7 @@ def bump(field, light, view):
 
 
 def reflected(normals, albedo, light, view, specular, exponent):
-    """The same of any normals and albedos [..., 3]: float64 [..., 3]."""
+    """Reflected light for any normals and albedos [..., 3]: float64 [..., 3]."""
     facing = dot(normals, light)
     out = albedo * np.maximum(facing, 0.0)[..., None]
     if specular:
@@ -139,7 +139,7 @@ def scattered(field, visibility, paths, light, view=(0.0, 0.0, 1.0), *, lit=None
     paths  int [paths, K], as ``sequences`` makes them
     lit    where the light is not shadowed; None: by rays
 
-    Other arguments, and what is raised, as of ``chain``; also ValueError where there are no paths.
+    Other arguments, and what is raised, as for ``chain``; also ValueError where there are no paths.
     """
     if not len(paths):
         raise ValueError("There are no paths, so they have no mean; give one or more.")

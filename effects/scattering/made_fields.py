@@ -83,10 +83,12 @@ def gravel(columns=128, rows=128, cells=10, depth=0.6, seed=7):
 
 
 def scales(columns=128, rows=128, count=8, depth=0.5, seed=9):
-    """Scales as of a fish, ``count`` x ``count`` of them in moved rows: each rises along t to its round tip,
-    under which the next ones begin; ``depth`` is how high the tips are, of a scale's width.
+    """Scales like a fish's, ``count`` x ``count`` of them in staggered rows.
 
-    Raises ValueError for an odd count, whose moved rows could not repeat.
+    Each rises along t to its round tip, under which the next ones begin. ``depth`` is the height of the tips,
+    in widths of a scale.
+
+    Raises ValueError for an odd count, because its staggered rows could not repeat.
     """
     if count < 2 or count % 2:
         raise ValueError(f"There are {count} x {count} scales; give an even number from 2 on.")

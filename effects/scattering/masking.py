@@ -46,8 +46,9 @@ def coarse(field, cells=CELLS):
 
 
 def seen_share(field, view):
-    """How much of a unit of the mean plane, as the eye sees it, each texel takes: V (n.v)+ / (n_z v_z),
-    float64 [rows, columns], of which the mean is about one.
+    """Each texel's share of a unit of the mean plane, as the eye sees it: V (n.v)+ / (n_z v_z).
+
+    The result is float64 [rows, columns]; its mean is about one.
 
     view  direction towards the eye [3], above the horizon
     """

@@ -237,7 +237,7 @@ def indirect(
 def direct(field, s, t, light, *, view=(0.0, 0.0, 1.0), lit=None, reconstruction=Reconstruction.BILINEAR):
     """Direct light at points, with the normal that is interpolated there: float64 [n, 3].
 
-    Albedo and shadow are interpolated as ``reconstruction`` says. Arguments as of ``indirect``.
+    Albedo and shadow are interpolated as ``reconstruction`` says. Arguments as for ``indirect``.
     """
     if lit is None:
         lit = free_view(field, light)

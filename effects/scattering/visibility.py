@@ -1,16 +1,15 @@
-"""G01 and G02: for every texel of a height field and every direction, which texel is seen. S_i of the paper.
+"""G01 and G02: which texel is seen from every texel of a height field in every direction: the paper's S_i.
 
-A ray leaves the texel's centre, which is a vertex of the field's triangles (``height_field``), and the field
-repeats. Along the ray the height above the field is linear between the lines where triangles meet, so that it
-is asked there alone and the crossing is exact but for float64's rounding. What is stored is the texel whose
-centre is nearest to the point that is hit (section 3: "quantized" coordinates for secondary hits).
+A ray leaves the texel's centre, which is a vertex of the field's triangles (``height_field``); the field
+repeats. Along the ray, the height above the field is linear between the lines where triangles meet. So it is
+tested on these lines alone, and the crossing is exact up to float64's rounding. The result is the texel whose
+centre is nearest to the hit (section 3: "quantized" coordinates for secondary hits).
 
-A texel whose normal looks away from the direction sees nothing along it: the cosine is zero there (BACK).
-That is not the same as a free view (FREE), by which shadows and environments are told.
+A texel whose normal faces away from the direction sees nothing along it, because the cosine is zero there
+(BACK). That differs from a free view (FREE), which shadows and environments need.
 
-Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3; pass sequence A-G01 of the catalogue. Where it
-departs: triangles and not bilinear patches lie between the texels, so that the field drawn as a mesh is the
-same.
+Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3; pass sequence A-G01 of the catalogue. It departs in
+one point: triangles, not bilinear patches, lie between the texels, so the field drawn as a mesh is the same.
 """
 
 from concurrent.futures import Executor, ThreadPoolExecutor

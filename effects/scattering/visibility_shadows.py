@@ -89,7 +89,7 @@ def free_share(visibility, light, triangles=None, turned_away_counts=False):
 
     triangles  of the directions (``directions.triangulated``); None: they are made
 
-    Other arguments and what is raised as of ``nearest_free``; also ValueError where the directions do not
+    Other arguments and what is raised as for ``nearest_free``; also ValueError where the directions do not
     surround the origin.
     """
     vectors = _lights(visibility, light)

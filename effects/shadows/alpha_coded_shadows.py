@@ -188,7 +188,7 @@ class Coding:
     def ramp(self, profile, subtract=True):
         """The command that stores the ramp.
 
-        ``subtract``: as of ``with_one_unit``; False: the ramp ends a step below one. What lies beyond the
+        ``subtract``: as for ``with_one_unit``; False: the ramp ends a step below one. What lies beyond the
         lamp's far plane then stays below one when nothing of a map is added to it, and is lit.
         """
         alphas = np.arange(self.width) / float(self.width - 1)
@@ -284,10 +284,11 @@ def store_map(
 def picture_from_light(
     scene, lamp, panel, coding, *, bias, viewport=None, shading=SceneShading.LIT, background=(0.0, 0.0, 0.0)
 ):
-    """The scene as the light sees it, alpha its depth, ``bias`` steps farther; red where that is the depth.
+    """The scene from the light's view. Alpha is its depth, ``bias`` steps farther; red too, if red holds
+    depths.
 
-    ``viewport``: a Panel that the light's whole view fills, of which ``panel`` shows what falls on it; None:
-    the panel itself.
+    ``viewport``: the Panel that the light's whole view fills; ``panel`` shows the part that falls on it.
+    None: the panel itself.
     """
     view = lamp.view(panel if viewport is None else viewport)
     ramp = coding.ramp_unit(lamp, view, bias, environment=REPLACE)
@@ -367,10 +368,9 @@ def with_combiners(scene, view, lamp, profile, coding, *, background, shading=Sc
 
 
 def with_environments(scene, view, lamp, profile, coding, *, background, shading=SceneShading.LIT, name=MAP):
-    """H37 by the texture environments of two units: 1/2 + (ramp - map) is alpha; what has at most one half is
-    lit.
+    """H37 by the texture environments of two units: alpha is 1/2 + (ramp - map), and at most one half is lit.
 
-    Parameters as of ``with_combiners``.
+    Parameters as for ``with_combiners``.
     """
     marking = marking_pass(
         "mark what is not behind the map: 1/2 + ramp - map <= 1/2",
@@ -405,8 +405,10 @@ def scale_alpha(panel, bits, *, subtract=True):
 def difference_in_alpha(
     scene, view, lamp, profile, coding, *, background, subtract=True, shading=SceneShading.LIT, name=MAP
 ):
-    """P1 and the first two parts of H38's P2: the scene without the light, and ramp minus map as destination
-    alpha; without ``subtract`` ramp plus one minus map, at most one. Parameters as of ``with_one_unit``.
+    """P1 and the first two parts of H38's P2: the scene without the light, and ramp minus map in destination
+    alpha.
+
+    Without ``subtract``, alpha is ramp plus one minus map, at most one. Parameters as for ``with_one_unit``.
     """
 
     def drawn(label, texture_unit, blending):
@@ -448,11 +450,11 @@ def with_one_unit(
 ):
     """H38, one texture unit: the difference in destination alpha, made zero or one by a copy of the window.
 
-    ``alpha_bits``: of the window's alpha, n; 0: it has none. ``subtract``: False where the machine has no
-    FUNC_REVERSE_SUBTRACT; the map is then ``store_map``'s with the same. Other parameters as of
-    ``with_combiners``.
+    ``alpha_bits``: the bits of the window's alpha, n; 0: it has none. ``subtract``: False for a machine
+    without FUNC_REVERSE_SUBTRACT; the map is then the ``store_map`` of the same value. Other parameters as
+    for ``with_combiners``.
 
-    Raises ValueError for a window without alpha. ``fixedpipe.pipeline.validation`` refuses the passes where a
+    Raises ValueError for a window without alpha. ``fixedpipe.pipeline.validation`` refuses the passes if a
     machine cannot subtract.
     """
     if alpha_bits < 1 or coding.component is not DepthComponent.ALPHA:

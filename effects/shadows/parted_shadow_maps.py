@@ -1,9 +1,9 @@
-"""Z11, Z13 to Z16: shadow maps of which each is for a part of what is seen.
+"""Z11, Z13 to Z16: shadow maps, each for a part of the view.
 
-A part is a shadow map's camera and the clip planes, in the viewer's eye coordinates, between which it is
-read. First the maps are stored, one after the other; then each part is drawn between its planes, without the
-light and with the light times the comparison. Z13 and Z15 have one part without planes, Z14 and Z16 a part
-for each slice of the viewer's frustum, Z11 one for each face of a cube.
+A part is a shadow map's camera and the clip planes, in the viewer's eye coordinates, between which the map is
+read. First the maps are stored, one after the other. Then each part is drawn between its planes: without the
+light, and with the light times the comparison. Z13 and Z15 have one part without planes. Z14 and Z16 have a
+part for each slice of the viewer's frustum, and Z11 one for each face of a cube.
 
 Source: document 003, "limited field of view" and "sampling problems"; A-Z11, A-Z14/Z15/Z16 of the catalogue.
 """
@@ -49,9 +49,11 @@ class Part:
 def parts_of_view(fit, scene, direction, view, edge, count=3, mixture=frustum_slices.LAMBDA):
     """The parts of a MapFit for a light far away, ``edge`` texels a map: a tuple of Part.
 
-    ``direction``: to the light, world coordinates. ``count``: of slices, ``mixture``: as of
-    ``frustum_slices.split_distances``. One texel is left free round each
-    map, for filters. A slice that sees nothing of the scene has no part.
+    direction  to the light, world coordinates
+    count      how many slices
+    mixture    as for ``frustum_slices.split_distances``
+
+    One texel is left free round each map, for filters. A slice that sees nothing of the scene has no part.
     """
     member_of(MapFit, fit, "The way to fit shadow maps")
     border = 1.0 / positive(edge, "The map's edge")
@@ -98,7 +100,7 @@ def tinted_color(color, tint):
 
 
 def tinted(scene, tint):
-    """The scene with each colour as of ``tinted_color``."""
+    """The scene with each colour as for ``tinted_color``."""
     return Scene(tuple(replace(thing, color=tinted_color(thing.color, tint)) for thing in scene.objects))
 
 

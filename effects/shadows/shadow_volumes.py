@@ -412,7 +412,7 @@ def z_pass(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None,
 
 
 def z_fail(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None, operations=None, **settings):
-    """A-Z24: shadow volumes of a scene by z-fail; arguments as of ``z_pass``.
+    """A-Z24: shadow volumes of a scene by z-fail; arguments as for ``z_pass``.
 
     All passes are drawn without a far plane where the volumes are infinite (``length`` None), and with the
     view's own otherwise.

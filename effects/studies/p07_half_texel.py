@@ -52,7 +52,7 @@ def _row(draw, repeated):
 def errors(texels, profile, bits, *, corrected, repeated=False):
     """Alpha minus depth in a row of pixels from the near plane to the far one: float64 [1024].
 
-    ``repeated``: with the wrap mode that textures have until they are told otherwise.
+    ``repeated``: with OpenGL's initial wrap mode, REPEAT.
     """
     coding = alpha.Coding(bits, texels=texels, bias=0.0, corrected=corrected)
     scene = Scene((Object("plane", _falling(), (1.0, 1.0, 1.0)),))

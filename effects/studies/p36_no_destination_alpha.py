@@ -87,7 +87,7 @@ def depths():
 
 
 def refused(profile, color_format, alpha_bits):
-    """Whether ``alpha_coded_shadows`` refuses H38 where it is told how many bits of alpha there are."""
+    """Whether ``alpha_coded_shadows`` refuses H38 for a window with ``alpha_bits`` bits of alpha."""
     try:
         lit(profile, color_format, alpha.with_one_unit, alpha_bits=alpha_bits)
     except ValueError:

@@ -130,7 +130,7 @@ def load_rows(levels, roughness, slopes, profile, *, spread=SPREAD, texels=512):
 
     levels  both pyramids, with a lobe beneath level 0
     slopes  the largest of (h_1, h_2) / h_3 that is met
-    spread  as of ``covariances``
+    spread  as for ``covariances``
     """
     ks = covariances(levels, roughness, spread)
     rows = [inverse_rows(level.offsets, k) for level, k in zip(levels, ks, strict=True)]
@@ -204,8 +204,9 @@ class QuotientNames:
 
 
 def load_quotient(levels, roughness, slopes, profile, *, spread=SPREAD):
-    """Commands that load f and K as mip-maps for ``quotient_pass``, and their QuotientNames. Arguments as of
-    ``load_rows``.
+    """Commands that load f and K as mip-maps for ``quotient_pass``, and their QuotientNames.
+
+    Arguments as for ``load_rows``.
     """
     ks = covariances(levels, roughness, spread)
     most = max(float(np.abs(k).max()) for k in ks)
@@ -241,7 +242,7 @@ def quotient_pass(surface, slopes, names, view, profile, colors, gain=1):
 
     and its square, times the energy s^2 / sqrt(det K): eight stages. K is filtered as K.
 
-    slopes, colors, gain  as of ``rows_pass``
+    slopes, colors, gain  as for ``rows_pass``
     """
     x = slopes / names.slope
     mesh = replace(

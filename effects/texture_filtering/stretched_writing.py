@@ -196,8 +196,9 @@ def correlation(image, truth):
 
 
 def within_letters(strip):
-    """A strip [height, width, 3] less its mean along the rows over a letter's width: what letters are told
-    apart by. Lines and the spaces between words are left by any blur.
+    """A strip [height, width, 3] minus its mean along the rows over a letter's width.
+
+    The result distinguishes letters. Any blur keeps lines and the spaces between words.
     """
     width = max(2, strip.shape[1] * 6 // 256 // 2 * 2)
     padded = np.pad(strip, ((0, 0), (width // 2, width // 2), (0, 0)), mode="edge")

@@ -49,7 +49,7 @@ def values(file, found, name):
 
 
 def cut_off(name, found, there):
-    """A Refusal of an array of which so many bytes are ``there``."""
+    """A Refusal of an array with too few bytes: only ``there`` of them."""
     return Refusal(
         f"{name} is cut off: an array of shape {found.shape} and type {found.dtype} has {found.bytes} bytes, "
         f"and {there} are there. Write it with numpy.save, as an array of numbers."

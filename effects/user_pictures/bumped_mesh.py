@@ -139,7 +139,7 @@ def _power_of_two(edge, largest):
 
 
 def map_edges(shape, profile, map_size=None):
-    """Rows and columns of the map that heights of a shape [rows, columns] become, as of ``material_map``."""
+    """Rows and columns of the map that heights of a shape [rows, columns] become, as for ``material_map``."""
     if map_size is None:
         largest = min(512, profile.textures.max_texture_size)
         return tuple(max(4, _power_of_two(edge, largest)) for edge in shape)

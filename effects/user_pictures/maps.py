@@ -78,7 +78,7 @@ class HeightField:
         return scale * smooth(_fitted(self.heights, columns, rows, repeated), periodic=repeated)
 
     def slopes(self, size, scale, *, repeated):
-        """Slopes (dh/ds, dh/dt) at ``size`` texels along both edges; the rest as of ``fitted``."""
+        """Slopes (dh/ds, dh/dt) at ``size`` texels along both edges; the rest as for ``fitted``."""
         return height_fields.slopes(self.fitted(size, size, scale, repeated=repeated), periodic=repeated)
 
 
@@ -123,7 +123,7 @@ class Photograph:
         return np.stack([self._channel(self.values, k) for k in range(3)], axis=-1)
 
     def fitted(self, columns, rows, *, repeated):
-        """Colours at another size, float64 [rows, columns, 3]; ``repeated`` as of ``HeightField.fitted``."""
+        """Colours at another size, float64 [rows, columns, 3]; ``repeated`` as for ``HeightField.fitted``."""
         channels = [_fitted(self._channel(self.values, k), columns, rows, repeated) for k in range(3)]
         return np.stack(channels, axis=-1)
 

@@ -112,10 +112,10 @@ def check_closed(algorithm, surface, name):
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A mesh on its floor under a lamp, and who looks.
+    """A mesh on its floor under a lamp, and its viewer.
 
-    ``scene``, ``lamp``: as of ``shadow_maps``. ``eye`` looks at ``center``; within ``radius`` of that all
-    of the scene lies. ``whole``: whether all of the shadow is on the floor and in the picture.
+    ``scene``, ``lamp``: as in ``shadow_maps``. ``eye`` looks at ``center``; the whole scene lies within
+    ``radius`` of it. ``whole``: whether the whole shadow is on the floor and in the picture.
     """
 
     scene: Scene

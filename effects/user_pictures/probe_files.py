@@ -1,9 +1,9 @@
 """Files of high dynamic range, Radiance's and OpenEXR's, as linear red, green and blue, top row first.
 
-Radiance's are read here. OpenImageIO, which reads them too, was tried: it refuses files without a FORMAT
-line, of the runs of old and of XYZE, all of which Radiance writes or reads. OpenEXR files are read by
-OpenImageIO, which gives the channels that are asked for alone; those of luminance and of chroma of half as
-many rows and columns, which it refuses, by OpenEXR's own library.
+The module reads Radiance files itself. OpenImageIO also reads them, but refuses files without a FORMAT line,
+old runs, and XYZE, all of which Radiance writes or reads. OpenImageIO reads OpenEXR files, only the channels
+that are needed. It refuses luminance with chroma of half the rows and columns; OpenEXR's own library reads
+those.
 
 Source: Radiance's file formats (LBNL, "Radiance File Formats": pictures, RGBE and XYZE, resolution strings,
 runs); OpenEXR's "Technical Introduction" (windows, layers, luminance and chroma) and its attribute

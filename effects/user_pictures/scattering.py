@@ -125,8 +125,9 @@ def check_panel(field, size):
 
 
 def spread(field, directions, progress=None):
-    """What a field's texels see along so many directions over the sphere; ``progress`` as of
-    ``visibility.precompute``. Raises ValueError for fewer than one.
+    """What a field's texels see along ``directions`` directions over the sphere.
+
+    ``progress``: as for ``visibility.precompute``. Raises ValueError for fewer than one.
     """
     return precompute(field, spiral(directions), progress=progress)
 

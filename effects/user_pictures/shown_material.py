@@ -192,7 +192,7 @@ def environment(name, count=16, exposure=None, layout=None):
 
     count     of lights; fewer where fewer texels shine
     exposure  None: one where bytes hold all, else so that 99.5 % of the environment are below one
-    layout    of the file's picture, as of ``probes.probe``
+    layout    of the file's picture, as for ``probes.probe``
 
     Raises ValueError (Refusal) for what is none, and for a black environment.
     """
@@ -299,7 +299,7 @@ def commands(found, surface, lighting, profile, width, height, *, color=(1.0, 1.
 
 def meant(brdf, surface, lighting, width, height, *, color=(1.0, 1.0, 1.0), eye=EYE, threads=None):
     """The Drawing of a BRDF itself, with no factors: the ideal interpolates the surface's frame, and the BRDF
-    is evaluated at each pixel, pi f_r (n.l)+ of every light. Arguments as of ``commands``.
+    is evaluated at each pixel, pi f_r (n.l)+ of every light. Arguments as for ``commands``.
 
     Raises ValueError for a colour that is none.
     """

@@ -195,7 +195,7 @@ def _raw_values(source, file, skip, needed, count, dtype):
 
 
 def _unpacked_values(source, file, encoding, skip, needed, count, dtype):
-    """The same of a compressed file, unpacked so far as there are values."""
+    """The values of a compressed file, unpacked as far as they are needed."""
     if skip > _MOST_SKIPPED:
         raise Refusal(f"{source} skips {skip} unpacked bytes; up to {_MOST_SKIPPED} are. {_WHOLE_NRRD}")
     data, at = np.empty(count * dtype.itemsize, np.uint8), 0

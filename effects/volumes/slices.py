@@ -101,7 +101,7 @@ class Volume:
     def texture(self, zero):
         """The 3D texture, RGBA8: normals n as ``zero`` + 127.5 n in RGB, densities in alpha.
 
-        The exact machine gets the same bytes: they are data, of which a scanner has no more.
+        The exact machine gets the same bytes, because a scanner's data has no more.
         """
         if zero not in self._stored:
             counts = reversed(self.density.shape)

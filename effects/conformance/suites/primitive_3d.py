@@ -1,11 +1,12 @@
-"""3D_primitive: one picture of each primitive, by each way of handing vertices over, plain and smooth.
+"""3D_primitive: one picture of each primitive, for each way of passing vertices, plain and smooth.
 
-Source: src/tests/three_d_primitive_tests.cpp of nxdk_pgraph_tests. The ways draw the same picture. The names
-with -ls and -ps (line and polygon smoothing) draw to a surface of two samples a pixel, both of which have
-the same colour, for SET_SMOOTHING_CONTROL's low bit is clear; then the surface is blended over the window,
-which nobody cleared: it holds what the test three before left, for there are three buffers in turn. Tests
-run in the order of their names. Measured: the three pictures of Lines-ls, Lines-inlineelements-ls and
-Lines-inlinearrays-ls-ps, and all others.
+Source: src/tests/three_d_primitive_tests.cpp of nxdk_pgraph_tests. All ways draw the same picture.
+
+The names with -ls and -ps (line and polygon smoothing) draw to a surface with two samples a pixel. Both
+samples have the same colour, because SET_SMOOTHING_CONTROL's low bit is clear. Then the surface is blended
+over the window, which no command cleared. There are three buffers in turn, so the window holds the picture of
+the test three before. Tests run in the order of their names. Measured: the three pictures of Lines-ls,
+Lines-inlineelements-ls and Lines-inlinearrays-ls-ps, and all others.
 """
 
 from dataclasses import replace

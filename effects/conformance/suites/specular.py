@@ -1,9 +1,8 @@
-"""Specular: the secondary colour under every light control, specular coefficients, and normals of other
-lengths than 1.
+"""Specular: the secondary colour under every light control, with specular coefficients and scaled normals.
 
-Source: src/tests/specular_tests.cpp of nxdk_pgraph_tests. ControlFlags: 16 quads, of which the first and
-third row show the secondary and the others the primary colour; the upper two rows have no secondary colour.
-FF: the fixed-function stage, VS: a vertex program that hands on the vertex's colours.
+Source: src/tests/specular_tests.cpp of nxdk_pgraph_tests. ControlFlags draws 16 quads: the first and third
+row show the secondary colour, the others the primary. The upper two rows have no secondary colour. FF is the
+fixed-function stage; VS is a vertex program that passes the vertex's colours on.
 """
 
 from functools import partial

@@ -218,7 +218,7 @@ def _strips(drawn, perspective):
 
 
 def _zero(shape, perspective):
-    """A square of the XDK's view of which one corner's w is zero: it lies at infinity."""
+    """A square in the XDK's view, one corner of which has w = 0 and lies at infinity."""
     upper, right = (-EDGE, EDGE, 0.0, 0.0), (EDGE, EDGE, 0.0, 1.0)
     lower, left = (EDGE, -EDGE, 0.0, 1.0), (-EDGE, -EDGE, 0.0, 1.0)
     corners = [upper, right, lower, left] if shape == "_quad" else [upper, right, left, lower, left, right]

@@ -66,9 +66,11 @@ _SIZE, _SMALL, _IDEAL_SIZE = 256, 128, 64
 
 
 def _understood(picture, surface, mask, differs):
-    """Of pixels whose mask differs from the rays' answer, those of which some ray has the mask's that begins
-    where the passes may have put the point: half a step of slices nearer or farther, a texel of the map
-    aside; or whose only blocker is within the bias. bool [n].
+    """Which pixels' masks are explained although they differ from the rays' answer: bool [n].
+
+    A mask is explained if some ray gives its answer from a point where the passes may have put the pixel's
+    point. That is half a step of slices nearer or farther, or a texel of the map aside. It is also explained
+    if the only blocker lies within the bias.
     """
     volume, lamp = picture.volume, picture.lamp
     points, wanted = surface.points[differs], mask[differs]

@@ -183,7 +183,7 @@ def scene(profile, size, *, background):
 
 
 def checks(figure, renderer):
-    """That both diagrams say the same of every point in the camera's view, and that the pictures show it."""
+    """Checks that both diagrams agree at every point in the camera's view, and that the pictures show it."""
     parts, lit = outlines()
     middles = [tuple(m) for m in parts.mean(axis=1).tolist()]
     images = [image_of(m) for m in middles]

@@ -29,8 +29,8 @@ _EDGES = tuple((a, a | bit) for bit in (1, 2, 4) for a in range(8) if not a & bi
 def frustum_corners(lamp):
     """The corners of a perspective lamp's frustum in world coordinates, float64 [8, 3].
 
-    From where it is and looks, not from its matrices: left and right, bottom and top, near and far are the
-    bits 4, 2 and 1 of a corner's number.
+    They are computed from the lamp's place and direction, not from its matrices. Bits 4, 2 and 1 of a
+    corner's number mean left or right, bottom or top, near or far.
     """
     position = np.array(lamp.position)
     forward = normalize(np.array(lamp.target) - position)

@@ -1,1 +1,1 @@
-"""What is told of golden pictures: a page that shows what differs, JSON, and JUnit's XML."""
+"""Reports on golden pictures: a page with the differences, JSON, and JUnit's XML."""

@@ -62,7 +62,7 @@ def _write(folder, files, profile, seed):
 
 
 def _lines(head, cases):
-    """A JSON object with ``format``, ``head`` and ``cases``, each of which has a line of its own."""
+    """A JSON object with ``format``, ``head`` and ``cases``, with one line for each case."""
     begin = json.dumps({"format": FORMAT, **head})[:-1]
     lines = ",\n".join(json.dumps(case) for case in cases)
     return f'{begin}, "cases": [\n{lines}\n]}}\n'.encode()

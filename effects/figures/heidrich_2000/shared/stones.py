@@ -93,8 +93,8 @@ def load(bed, profile):
 
 
 def with_shadows(bed, p, share):
-    """What texels send of which ``share`` [rows, columns] of the light is not shadowed: RGB [rows, columns,
-    3].
+    """The light that texels send if the lamp reaches the ``share`` [rows, columns] of each: RGB [rows,
+    columns, 3].
     """
     vector = unit_vector(p["light"], "The light's direction")
     lit = np.maximum(dot(bed.field.normals, vector), 0.0) * share
