@@ -1,7 +1,7 @@
-"""What figures and studies say, read from their folders' data files: captions, bounds and their reasons.
+"""The words of figures and studies, from their folders' data files: captions, bounds and their reasons.
 
-A folder of figures has a ``figures.toml``, the studies have a ``studies.toml``. The table of a figure is
-named by its id, the table of a check by what is measured::
+A folder of figures has a ``figures.toml``, the studies have a ``studies.toml``. A figure's table has the
+figure's id as its name. A check's table has the measured quantity as its name::
 
     [F004-4]
     title = "Two spheres brushed in different directions"
@@ -9,9 +9,9 @@ named by its id, the table of a check by what is measured::
     at_least = 2.5
     reason = "the catalogue's acceptance"
 
-A sentence may go on in further lines. A bound or a reason that is not the same for both answers is
-``at_least.ideal`` and ``at_least.machine``. ``{name}`` in a check's name or reason is filled in by who
-measures. A bound that is computed stands in Python: docs/decisions/0031-words-in-data.md says why.
+A sentence may continue on further lines. If a bound or a reason differs for ideal and machine, its keys are
+``at_least.ideal`` and ``at_least.machine``. The caller fills in ``{name}`` in a check's name or reason. A
+bound that is computed stays in Python: docs/decisions/0031-words-in-data.md says why.
 """
 
 import re

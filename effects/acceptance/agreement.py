@@ -1,9 +1,13 @@
-"""A machine's shadows against rays: how many pixels agree, and what kind of pixel each that differs is.
+"""A machine's shadows against rays: how many pixels agree, and why each of the others differs.
 
-A shadow algorithm is right where its mask is the rays' except at pixels that are understood: on the outline
-of an object, where vertices snapped to fractions of a pixel move coverage; at the edge of a shadow, which a
-map knows to a texel and a stencil to a pixel; where all that throws the shadow is nearer than a map's bias;
-where light grazes the surface. What is none of these is ``other``, and a fault.
+A shadow algorithm is right if its mask equals the rays', except at pixels with a known cause. The causes are:
+
+- an object's outline, where snapped vertices move coverage;
+- the edge of a shadow, which a map knows to a texel and a stencil to a pixel;
+- blockers that are all nearer than a map's bias;
+- light that grazes the surface.
+
+A difference without such a cause is ``other``, and a fault.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,5 +1,7 @@
-"""What the texels of a height field on a curved base truly see: rays against the bent triangles, cast anew
-for every curvature. The truth of ``curved_base``, which keeps what was seen on the flat base.
+"""What the texels of a height field on a curved base truly see: rays cast anew for every curvature.
+
+The rays meet the bent triangles. They are the truth for ``curved_base``, which keeps what was seen on the
+flat base.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
-"""Ways to tell the shadows of bumps against rays: how many texels that face a light each lights as rays do.
+"""Shadows of bumps against rays: how many texels that face a light an algorithm lights as rays do.
 
-A way is a function of a light, a unit vector [3] above the horizon, that says which texels are lit: bool
-[rows, columns]. What a texel that is turned away from the light gets is not asked: its cosine is zero.
+An algorithm is a function of a light, a unit vector [3] above the horizon. It says which texels are lit: bool
+[rows, columns]. Texels that face away from the light do not count, because their cosine is zero.
 """
 
 import math

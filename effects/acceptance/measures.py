@@ -1,8 +1,8 @@
-"""What the figures' acceptance checks measure pictures with.
+"""Measures of pictures, for the figures' acceptance checks.
 
-Bounds of checks are the catalogue's (docs/papers/catalogue) where it computed or proposed them; others were
-measured at the first correct picture and frozen with about a third of slack. The mathematics is asserted on
-the free ideal; the machine has bounds of its own.
+A check's bound is the catalogue's (docs/papers/catalogue), if the catalogue computed or proposed one. Other
+bounds were measured at the first correct picture and frozen with about a third of slack. The mathematics is
+asserted on the free ideal; the machine has bounds of its own.
 """
 
 import math

@@ -1,15 +1,15 @@
-"""Shadows by casting rays: what the shadow algorithms of documents 000 and 003 approximate, computed exactly.
+"""Shadows by casting rays: the exact result that the shadow algorithms of documents 000 and 003 approximate.
 
-A point is lit when nothing lies between it and the light: Z21's counter of surfaces entered and left is zero
-exactly there. ``visible`` finds what a view shows at the centre of each pixel, ``lit`` asks the light from
-there, and ``seen_fraction`` the many points of an area light (Z26). All of it is float64; nothing here goes
-to a machine, the figures' checks compare with it.
+A point is lit when nothing lies between it and the light; exactly there Z21's counter of surfaces entered and
+left is zero. ``visible`` finds what a view shows at the centre of each pixel. ``lit`` tests the light from
+there, and ``seen_fraction`` the many points of an area light (Z26). All of it is float64. Nothing here goes
+to a machine; the figures' checks compare with it.
 
-A ray meets a triangle where the three edge functions of the triangle, sheared so that the ray is the z axis,
-have one sign: neighbours compute the same function of the edge they share, so no ray passes between them.
-Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, section 3.
-Triangles are found in a tree of boxes, split where the surface area heuristic says.
-Source: Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007, section 3.
+To intersect a ray with a triangle, the triangle is sheared so that the ray is the z axis. They meet if the
+three edge functions have one sign. Neighbours compute the same function of their shared edge, so no ray
+passes between them. Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013,
+section 3. A tree of boxes finds the triangles; the surface area heuristic decides where to split. Source:
+Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007, section 3.
 """
 
 from dataclasses import dataclass

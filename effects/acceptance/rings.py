@@ -1,4 +1,4 @@
-"""The rings at the rim of a dome (F004-2, K16, P11): vectors that are interpolated before use make them."""
+"""The rings at the rim of a dome (F004-2, K16, P11): they arise when vectors are interpolated before use."""
 
 import numpy as np
 

@@ -1,13 +1,13 @@
 """Pictures of a scene's shadows without any shadow algorithm: the references of the shadow figures.
 
-Rays find what is seen at sixteen places of a pixel and whether the lamp reaches it; a pixel whose neighbours
-show the same in the same light and nearly its colour has one place, its middle. The light there is what
-OpenGL computes at the vertices of the triangle (the lighting of ``fixedpipe.effects.shadows.lit_scene``),
-interpolated as it interpolates it, in float64. So a machine's picture differs where its shadows err, and
-where edges are stairs because a pixel has one sample.
+Rays find what is visible at sixteen places of a pixel, and whether the lamp reaches it. One place, the
+middle, is enough for a pixel whose neighbours show the same thing in the same light and nearly its colour.
+The light there is OpenGL's: computed at the vertices of the triangle (the lighting of
+``fixedpipe.effects.shadows.lit_scene``), then interpolated as OpenGL does, in float64. So a machine's picture
+differs where its shadows err, and where edges are stairs because a pixel has one sample.
 
-Rays meet flat triangles: where light grazes something round, a triangle that is turned away is dark though
-its vertices' normals are not, and a map with a bias has it lit.
+Rays meet flat triangles. Where light grazes a round surface, a triangle may face away although its vertices'
+normals do not. Rays then leave it dark, and a map with a bias lights it.
 """
 
 import os

@@ -1,8 +1,8 @@
-"""Rays cast at a volume in float64: what slices through it are compared with.
+"""Rays cast at a volume in float64: the reference for slices through it.
 
-Densities are trilinear between voxel centres, as the texture's filter has them, and constant beyond the
-outermost; a ray ends where they first reach the iso-surface's, found by steps of a quarter of a voxel and
-bisection. This is ground truth: no figure's bits depend on it.
+Densities are trilinear between voxel centres, as in the texture's filter, and constant beyond the outermost.
+A ray ends where it first reaches the iso-surface's density. Steps of a quarter of a voxel and bisection find
+that point. This is ground truth: no figure's bits depend on it.
 """
 
 from dataclasses import dataclass

@@ -1,17 +1,17 @@
-"""What diagrams are drawn with, on the machines themselves: strokes, arrows, dots, polygons, labels.
+"""The parts of diagrams, drawn on the machines themselves: strokes, arrows, dots, polygons, labels.
 
 A diagram is a figure like any other: a tuple of commands on a panel of BACKGROUND. Points are given in the
-coordinates of a ``View``, of two components on a ``sheet`` or of three in a scene, and projected here, so
-that strokes, dots and letters have their width on the screen; what is drawn are triangles in pixels of the
-panel, with the depth that a vertex at the same place has. Lengths on the screen (``width``, ``radius``,
-``head``, ``dash``, ``offset``) are in UNITs, 1/256 of the panel's height: diagrams scale with the panel.
+coordinates of a ``View``: two components on a ``sheet``, three in a scene. They are projected here, so
+strokes, dots and letters have their width on the screen. The result is triangles in pixels of the panel, with
+the depth of a vertex at the same place. Lengths on the screen (``width``, ``radius``, ``head``, ``dash``,
+``offset``) are in UNITs, 1/256 of the panel's height, so diagrams scale with the panel.
 
-No lines, points or bitmaps: the ideal draws none (``fixedpipe.pipeline.ideal``). No antialiasing: edges are
-the machine's. Every machine can draw all of it: vertex colours, one texture of alpha and the alpha test for
-labels.
+A diagram has no lines, points or bitmaps, because the ideal draws none (``fixedpipe.pipeline.ideal``). It has
+no antialiasing: edges are the machine's. Every machine can draw all of it: vertex colours, one texture of
+alpha and the alpha test for labels.
 
-Later commands lie over earlier ones. With a ``depth_test``, what lies behind other things is hidden; strokes
-then come forward by ``NEARER``, so that those on a surface are seen.
+Later commands lie over earlier ones. With a ``depth_test``, nearer things hide farther ones. Strokes then
+move towards the eye by ``NEARER``, so that those on a surface stay visible.
 """
 
 import math

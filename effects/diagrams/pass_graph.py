@@ -1,13 +1,13 @@
-"""Which textures the passes of a frame read and leave, found in its commands, for diagrams of what runs.
+"""The textures that a frame's passes read and write, found in its commands, for diagrams of what runs.
 
-A ``Step`` is a run of commands that draw into one panel, to the command that keeps what it shows: a copy into
-a texture, or pixels for the host. Its ``Lookup`` says which picture a command reads and where the coordinates
-come from: the vertices, the texels of another picture (texture shaders), an image of the host's (pixel
-textures), or the host itself. A picture is a texture's name and how often it has been written before, so that
-a texture that is kept anew for every step is another picture each time.
+A ``Step`` is a run of commands that draw into one panel. It ends with the command that keeps the panel: a
+copy into a texture, or pixels for the host. Its ``Lookup`` names the picture that a command reads, and the
+source of the coordinates. The source is the vertices, the texels of another picture (texture shaders), an
+image of the host's (pixel textures), or the host itself. A picture is a texture's name and how often it was
+written before. So a texture that every step writes anew is another picture each time.
 
-Host steps are asked for their commands with black pixels: what they draw depends on the pixels, but which
-passes they are does not.
+A host step gets black pixels to give its commands. The pixels decide what it draws, but not which passes it
+has.
 
 Source: NV_texture_shader (operations that depend on an earlier unit's texel); SGIX_pixel_texture.
 """

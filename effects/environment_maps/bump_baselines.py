@@ -1,12 +1,13 @@
-"""S10 and S20: what there was before roughness pyramids, and what a ray tracer makes of one.
+"""S10 and S20: the method before roughness pyramids, and a ray tracer's picture of one.
 
-S10, Becker and Max (1993), as the paper tells it: near by, bumps of level 0; far away a BRDF, here the normal
-distribution of all of the map's offsets, which the environment is filtered by; between two levels of the
-footprint a blend of both. One blend serves one width of bumps. A map with many is split into bands, each with
-a blend of its own: of octaves that is the roughness pyramid. What is left out is the redistribution of bumps
-by what a viewer sees of them, which belongs to displaced geometry; bump maps have none.
+S10 is Becker and Max's method (1993), as the paper describes it. Near by, it uses the bumps of level 0. Far
+away it uses a BRDF, here the normal distribution of all the map's offsets, which filters the environment.
+Between two levels of the footprint it blends both. One blend serves one width of bumps. A map with many
+widths is split into bands, each with a blend of its own; with octaves as bands that is the roughness pyramid.
+Their redistribution of bumps by visibility is left out. It belongs to displaced geometry, and bump maps have
+none.
 
-S20: normals n' + D xi, xi normally distributed, and the mean of what they see. The xi are the same for every
+S20 is the mean of what normals n' + D xi see, with xi normally distributed. The xi are the same for every
 pixel: rings of equal shares, turned against each other.
 
 Source: Schilling 1997, sections 5 and 8; pass sequence A-S20 of the catalogue. Inferred: the blend's levels.

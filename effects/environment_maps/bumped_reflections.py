@@ -8,14 +8,15 @@ Z08 on a GeForce 3, one draw:
     unit 3  with the third row, z in q: the normal's reflection of the eye, r = 2 N (N.e)/(N.N) - e, looked up
             in a cube map (DOT_PRODUCT_REFLECT_CUBE_MAP)
 
-Rows and eye vectors are of the world's axes, as the cube map is. All four units are taken, so Z09's dirt is
-the normal map's alpha, which the combiners multiply; or a second draw with DST_COLOR, ZERO (``dirt_pass``).
+Rows and eye vectors are in the world's axes, like the cube map. All four units are taken, so Z09's dirt is
+the normal map's alpha, which the combiners multiply. Alternatively it is a second draw with DST_COLOR, ZERO
+(``dirt_pass``).
 
-On a Matrox G400 the bump map holds two signed numbers (du, dv), a 2x2 matrix turns them, and they displace
+On a Matrox G400 the bump map holds two signed numbers (du, dv). A 2x2 matrix turns them, and they displace
 the coordinates of a sphere map (OFFSET_TEXTURE_2D), which SPHERE_MAP generates for the smooth surface. The
-matrix, by how much (s, t) of the reflection moves with the normal, differs from point to point, and is state,
-one for a draw: the surface is drawn in parts, each with its own middle's matrix. Nothing clamps: what is
-displaced beyond the map's circle reads its edge.
+matrix says how much the reflection's (s, t) moves with the normal. It differs from point to point, but it is
+state, constant in a draw. So the surface is drawn in parts, each with the matrix of its middle. Nothing
+clamps: coordinates beyond the map's circle read its edge.
 
 Source: Zwicker 2016, "Environment mapped bump mapping" and "'Dirt' texture"; NV_texture_shader, section
 3.8.13.1.18; ATI_envmap_bumpmap; pass sequence A-Z08/Z09 of the catalogue.

@@ -1,16 +1,16 @@
-"""H32: an environment map filtered by the machine itself, anew for every frame, while it is copied.
+"""H32: the machine itself filters an environment map in every frame, while it copies it.
 
-    1. what is around is drawn into the framebuffer as a parabolic map's disc, alpha one in the disc
-    2. CopyTexImage2D takes it through the imaging subset's convolution, a kernel of 11 x 11 texels
-    3. the texture that this makes is looked up by the reflected vectors (``reflections.parabolic_passes``)
+    1. the surroundings are drawn into the framebuffer as a parabolic map's disc, alpha one in the disc
+    2. CopyTexImage2D filters it with the imaging subset's convolution, a kernel of 11 x 11 texels
+    3. the reflected vectors look the resulting texture up (``reflections.parabolic_passes``)
 
-The kernel is Phong's lobe, cos^e of the angle that a texel is away. A texel of the disc's middle covers an
-angle of twice what one at the edge does, and the kernel is the same everywhere: it is made for the texels
-half-way, so reflections are a third too broad in the middle and a third too narrow at the edge. Eleven texels
-bound the exponent: of maps of 64 texels, 100 is about the least.
+The kernel is Phong's lobe, cos^e of the angle between two texels. A texel at the disc's middle covers twice
+the angle of one at the edge, but the kernel is the same everywhere. It is made for the texels half-way, so
+reflections are a third too broad in the middle and a third too narrow at the edge. Eleven texels bound the
+exponent: for maps of 64 texels, the least is about 100.
 
-The lobe is nearly a product of two, so the separable filter serves, 22 products a texel where the general one
-takes 121.
+The lobe is nearly a product of two functions, so the separable filter is enough: 22 products a texel in place
+of 121.
 
 Source: Heidrich 2001, section 1.6; Kautz, Vazquez, Heidrich, Seidel 2000 (filtering by hardware); OpenGL
 1.2.1, section 3.6.5; pass sequence A-H32 of the catalogue. Assumed: the lobe as the kernel, and where it is

@@ -1,12 +1,13 @@
 """S07: an environment mirrored by upright cylinders, whose curvature is in one direction only.
 
-Round a cylinder the mirrored ray turns fast, so that a pixel covers a long arc of the environment; along its
-axis it covers no more than a flat mirror's pixel does. A level of detail is one number: what is set for the
-one direction blurs the other, or leaves it noise. The environment is a panorama, a 2D texture of longitude
-and latitude, which boards of the time filter anisotropically where they filter at all.
+Round a cylinder the mirrored ray turns fast, so a pixel covers a long arc of the environment. Along its axis
+it covers no more than a flat mirror's pixel does. A level of detail is one number: a value for one direction
+blurs the other, or leaves noise in it. The environment is a panorama, a 2D texture of longitude and latitude.
+Boards of the time filter it anisotropically, if they can at all.
 
-With p the azimuth of the cylinder's normal and q that of the way back to the eye, the mirrored ray's azimuth
-is 2 p - q, and its elevation is d's. Both are exact at vertices; between them the machine interpolates.
+Let p be the azimuth of the cylinder's normal and q that of the direction to the eye. The mirrored ray's
+azimuth is then 2 p - q, and its elevation is d's. Both are exact at vertices; between them the machine
+interpolates.
 
 Source: Schilling 1997, section 2 (the cylinder has no picture there); pass sequence A-S08 of the catalogue.
 """

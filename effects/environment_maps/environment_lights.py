@@ -1,14 +1,16 @@
 """An environment as a few directional lights: its texels in groups of about equal power, a light for each.
 
-The group with the most power is parted across its longest extent where half of its power lies on each side,
-until there are as many groups as lights are wanted (a median cut). A group's light comes from the mean of its
-directions, weighted by power, with all of its irradiance, so that a surface that faces it gets what the
-texels would give it, up to how far they lie apart.
+The method is a median cut. In each step, the group with the most power is cut across its longest extent, so
+that half of its power lies on each side. It ends with as many groups as lights. A group's light comes from
+the mean of its directions, weighted by power, with all of the group's irradiance. So a surface that faces the
+light receives what the texels would give it, up to their spread.
 
-Sorting, additions in a fixed order, products and quotients alone: the same bits on every computer.
+The module uses sorting, additions in a fixed order, products and quotients alone, so its bits are the same on
+every computer.
 
 Source: Ward Larson, Shakespeare 1998 and Debevec 2005 for lights in place of an environment; Heckbert 1982
-for the median cut. Assumed: what is cut is a set of directions in space and no picture, which has no poles.
+for the median cut. Assumed: the cut divides a set of directions in space, not a picture, because a set has no
+poles.
 """
 
 from dataclasses import dataclass

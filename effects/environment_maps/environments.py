@@ -1,8 +1,7 @@
-"""A room with windows as an environment: what mirrors in it show, as a cube map, a sphere map or a picture.
+"""A room with windows as an environment: a cube map, a sphere map or a picture of what mirrors in it show.
 
-The room is a box; the eye of an environment map is at its centre, and a direction sees the wall it meets.
-Everything is a function of directions, in elementwise arithmetic, so that texels have the same bits
-everywhere.
+The room is a box, with the eye of an environment map at its centre. A direction sees the wall that it meets.
+Everything is a function of directions, in elementwise arithmetic, so texels have the same bits everywhere.
 
 Source: EXT_texture_cube_map, table 3.8 (faces, through ``geometry.cube_maps``); OpenGL 1.2.1,
 section 2.10.4 (SPHERE_MAP).

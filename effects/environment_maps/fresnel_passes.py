@@ -6,10 +6,10 @@
 
     1. a table of 256 alphas F(n.v), n.v computed at the vertices, into destination alpha; colours masked
     2. the mirror, times destination alpha (DST_ALPHA, ZERO); alpha masked
-    3. what lies under it: added (H27), or times one minus destination alpha (H28); alpha masked
+    3. the layer below: added (H27), or times one minus destination alpha (H28); alpha masked
 
-Two units fold 1 and 2 into one draw: the table's texel is F in all four components, which the second unit
-multiplies by the environment map, and its alpha stays for 3.
+With two units, 1 and 2 are one draw. The table's texel is F in all four components; the second unit
+multiplies it by the environment map, and its alpha remains for 3.
 
 Source: Heidrich 2001, section 1.5; pass sequence A-H26/H27/H28 of the catalogue.
 """

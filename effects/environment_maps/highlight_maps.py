@@ -2,14 +2,13 @@
 
     map(r) = sum over the lights of color (r.l)+^e
 
-The map begins black and each light's lobe is added. Looked up along the reflected vector it gives Phong's
-highlights at every pixel, however coarse the mesh is, at the cost of one texture whatever the number of
-lights.
+The map begins black, and each light adds its lobe. Looked up along the reflected vector, it gives Phong's
+highlights at every pixel, even on a coarse mesh. The cost is one texture for any number of lights.
 
-Two ways. The host adds the lobes in a cube map of floats. Or the window does it, in a sphere map for the
-view: a net of directions over the map's square is drawn once for each light, the directions its texture
-coordinates, a texture matrix with l in its first row making r.l of them, and a table of one row the power;
-then the square is copied to a texture. So lights may move from frame to frame.
+There are two ways. The host adds the lobes in a cube map of floats. Or the window adds them, in a sphere map
+for the view. For each light it draws a net of directions over the map's square. The directions are texture
+coordinates, a texture matrix with l in its first row makes r.l of them, and a table of one row has the power.
+Then the square is copied to a texture. So lights may move from frame to frame.
 
 Source: Voorhies, Foran 1994; Heidrich 2001, section 1.6; pass sequence A-H31 of the catalogue.
 """

@@ -1,13 +1,13 @@
 """H22 and H23: a mirror over diffuse global light, k_d L_d + k_s L_m, by blending or accumulation.
 
-    H22  1. diffuse light times k_d: light maps, or what was filtered for every normal
-         2. the mirror times k_s, added where the first pass drew it (ONE, ONE)
+    H22  1. diffuse light times k_d: light maps, or a map filtered for every normal
+         2. the mirror times k_s, added to the pixels of the first pass (ONE, ONE)
 
     H23  1. diffuse light, whole; the accumulation buffer loads it times k_d
          2. the colours cleared, the mirror drawn, whole; accumulated times k_s, and returned
 
-Both of H23's pictures have their full range of bytes, and the accumulation buffer more than eight bits, so
-that less is lost to rounding than by H22, which rounds each product.
+H22 rounds each product. In H23 both pictures use the full range of bytes, and the accumulation buffer has
+more than eight bits, so H23 loses less to rounding.
 
 Source: Heidrich 2001, section 1.4; pass sequences A-H22 and A-H23 of the catalogue.
 """

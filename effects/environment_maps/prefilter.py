@@ -1,15 +1,16 @@
-"""H25, H29, H33: environment maps filtered beforehand as floats, by a cosine for diffuse light and by Phong's
-lobe for glossy reflection.
+"""H25, H29, H33: environment maps filtered beforehand as floats.
+
+A cosine filters for diffuse light, Phong's lobe for glossy reflection:
 
     L_o(r) = sum of w(r.l) L(l) / sum of w(r.l),  w = (r.l)+^(1/r') times the texel's solid angle
 
-over the whole sphere, r' the roughness and 1/r' Phong's exponent. Divided by its own weights, the sum leaves
-a constant map as it is, which k_s = (1/r' + 1)/(2 pi) does for an integral. With an exponent of one this is
-irradiance over pi.
+The sum is over the whole sphere; r' is the roughness and 1/r' Phong's exponent. Because the sum is divided by
+its own weights, it leaves a constant map unchanged. For an integral, k_s = (1/r' + 1)/(2 pi) does the same.
+With an exponent of one this is irradiance over pi.
 
-A lobe of exponent e is about 1/sqrt(e) radians wide. What is far finer is not seen through it: the map is
-averaged first to texels of a fifth of that or less, the lobe's sum is made on a grid of a third of it, and
-what lies between is interpolated by cubics. The grid goes on beyond each face's edge, so there is no seam.
+A lobe of exponent e is about 1/sqrt(e) radians wide, and hides much finer detail. So the map is first
+averaged to texels of a fifth of that width or less. The lobe's sum is computed on a grid of a third of the
+width, and cubics interpolate between. The grid continues beyond each face's edge, so there is no seam.
 
 Source: Heidrich 2001, sections 1.4 and 1.6, Eq. 6; erratum E000.7 (the sphere and not n's hemisphere); pass
 sequences A-H25, A-H29 and A-H33 of the catalogue.

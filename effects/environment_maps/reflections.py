@@ -3,19 +3,18 @@
     cube map        one lookup by the reflected vector (REFLECTION_MAP); the texture matrix undoes the
                     camera's rotation, so the map is the world's and serves every view
     parabolic map   two discs of directions z <= 0 and z > 0; the texture matrix undoes the rotation and
-                    divides by 1 - z or 1 + z by way of q. Two units look both up, and one disc's alpha, one
-                    inside, chooses; with one unit a disc is drawn, then the other over it where the alpha
-                    test finds it
-    sphere map      SPHERE_MAP: a picture of a mirror ball, whose middle is right for the view that it was
-                    made for
+                    divides by 1 - z or 1 + z, through q. Two units look both up, and one disc's alpha, which
+                    is one inside, selects. With one unit the second disc is drawn over the first, where the
+                    alpha test passes
+    sphere map      SPHERE_MAP: a picture of a mirror ball, right only for the view that it was made for
 
-Iterated vectors are shorter than one between vertices. Where a vector lies close to a disc's opposite pole
-its divisor is then too large, and the middle of a coarse facet finds what is in the disc: a dot. So the disc
-whose alpha chooses is the one that has its opposite pole away from the eye (``over``), where reflections
-graze.
+Between vertices, an iterated vector is shorter than one. Near the opposite pole of a disc its divisor is then
+too large. So the middle of a coarse facet reads inside the disc, and shows a dot. Therefore the disc whose
+alpha selects is the one whose opposite pole faces away from the eye (``over``), where reflections graze.
 
-Where no REFLECTION_MAP is (boards without cube maps), the host writes the reflected vectors at the vertices.
-A cube map that was filtered beforehand (``prefilter``) is looked up alike, diffuse light by NORMAL_MAP.
+Boards without cube maps have no REFLECTION_MAP; there the host writes the reflected vectors at the vertices.
+A cube map that was filtered beforehand (``prefilter``) is looked up in the same way, for diffuse light by
+NORMAL_MAP.
 
 Source: Heidrich 2001, sections 1.2, 1.3 and 1.5; Heidrich, Seidel 1998 (parabolic maps); EXT_texture_cube_map
 (REFLECTION_MAP, NORMAL_MAP); pass sequences A-H20, A-H21 and A-H58/H59 of the catalogue.

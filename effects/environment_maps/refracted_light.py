@@ -1,9 +1,9 @@
 """H30: glossy transmission, a filtered environment map looked up along the refracted direction.
 
-No coordinate generation makes refracted vectors: the host writes them at the vertices, in the world's axes.
-A board with cube maps looks them up there. One without has a single disc of a parabolic map, about the
-direction in which the eye looks, and the texture matrix that divides: what glass refracts goes on away from
-the eye, so the other disc is not needed.
+No coordinate generation gives refracted vectors, so the host writes them at the vertices, in the world's
+axes. A board with cube maps looks them up in one. Other boards have one disc of a parabolic map, about the
+viewing direction, and the texture matrix that divides. Glass refracts light away from the eye, so the other
+disc is not needed.
 
 Source: Heidrich 2001, section 1.6; pass sequence A-H30 of the catalogue; Heidrich, Seidel 1998 (the disc).
 """

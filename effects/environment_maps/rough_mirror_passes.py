@@ -1,11 +1,12 @@
-"""S24 and S25 on boards of the time: a bumped surface that mirrors an environment, filtered by roughness, in
-as many passes as there are roughnesses.
+"""S24 and S25 on boards of the time: a bumped surface mirrors an environment, filtered by roughness.
 
-A GeForce 3 forms r = 2 N (N.e)/(N.N) - e from a bump map and looks it up in a cube map
-(``bumped_reflections``), but such a lookup has no level: its coordinates come from no vertex, and the machine
-reads the cube map's level 0. Nor can a 3D texture of filtered maps take I_1 as its third coordinate: each of
-the three coordinates is a product with the same texel (f_1, f_2, third), and r needs a one there. So the
-levels are textures of their own, and I_1, the bump map's alpha, which is mip-mapped with it, weighs them:
+It takes one pass for each roughness.
+
+A GeForce 3 computes r = 2 N (N.e)/(N.N) - e from a bump map and looks it up in a cube map
+(``bumped_reflections``). But no vertex gives these coordinates, so the lookup has no level: the machine reads
+the cube map's level 0. A 3D texture of filtered maps cannot take I_1 as its third coordinate either. Each of
+the three coordinates is a product with the same texel (f_1, f_2, third), and r needs a one there. So each
+level is a texture of its own. I_1, the bump map's alpha, is mip-mapped with the map and weights the levels:
 
     load   the bump map's levels: (f_1, f_2)/s and 1 as RGB, I_1 over the largest I_1 as alpha
            cube map k of n: the environment as a flat mirror of roughness sigma_k shows it, sigma_0 = 0
@@ -13,13 +14,13 @@ levels are textures of their own, and I_1, the bump map's alpha, which is mip-ma
                weight = (1 - (4 (alpha - c_k))+ - (4 (c_k - alpha))+)+,  c_k = k / 4
            a tent round c_k; tents sum to one. The alpha test leaves out what has no weight, blending adds.
 
-A cube map for roughness sigma holds along r the environment over Sigma = sigma^2 J_r J_r^T, J_r being that of
-the flat surface in which r is seen. So it is anisotropic, as S24 is: roughness of equal size in all
-directions spreads r by 2 sigma in the plane of incidence and by 2 sigma cos theta_i across it. ``isotropic``
-ones spread by 2 sigma all round (S25), as a mip-map would.
+A cube map for roughness sigma holds, along r, the environment filtered by Sigma = sigma^2 J_r J_r^T. J_r is
+that of the flat surface in which r is seen. So the map is anisotropic, as S24 is. Roughness of equal size in
+all directions spreads r by 2 sigma in the plane of incidence and by 2 sigma cos theta_i across it.
+``isotropic`` maps spread by 2 sigma in all directions (S25), as a mip-map would.
 
-Curvature, by which one pixel's r differs from the next, is not measured on the machine. In the levels above 0
-a pixel's step is about a texel's, and what f differs by over half of that is added to K before I_1 is taken.
+The machine does not measure curvature, the change of r from pixel to pixel. In the levels above 0 a pixel's
+step is about a texel's. So the change of f over half a texel is added to K before I_1 is taken.
 
 Source: Schilling 1997, section 8; NV_texture_shader, section 3.8.13.1.18; docs/numbers.md, N12.11 (no level).
 Inferred: the tents; pass sequences A-S24 and A-S25 of the catalogue.

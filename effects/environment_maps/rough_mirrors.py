@@ -1,8 +1,9 @@
-"""S08, S24, S25, S29: a plane with bumps that mirrors an environment, in floats: the truth, of 256 samples a
-pixel, and what filtering by curvature and by roughness makes of it.
+"""S08, S24, S25, S29: a plane with bumps that mirrors an environment, in floats.
 
-A pixel's footprint on the bump map gives the mean offset f and the covariance K of what is lost in it. The
-mirrored ray
+The truth has 256 samples a pixel. Filters by curvature and by roughness approximate it.
+
+A pixel's footprint on the bump map gives the mean offset f, and the covariance K of the offsets around it.
+The mirrored ray
 
     r = d - 2 (d.N) N/(N.N),   N = n + f_1 e_1 + f_2 e_2
 
@@ -10,14 +11,13 @@ then spreads by
 
     Sigma = 1/4 J_c J_c^T + J_r K J_r^T
 
-J_c being what r changes by from pixel to pixel and J_r what it changes by with f, both in texels of the cube
-map's face that r meets. A quarter, because a trilinear probe of level lambda has the deviation 2^lambda / 2:
-a texel's box has the variance 1/12, and interpolating between texels adds 1/6. Mip-mapping, whose 2^lambda is
-a pixel's step, is therefore Sigma without roughness, and a roughness of deviation sigma asks for 2^lambda = 2
-sigma.
+J_c is the change of r from pixel to pixel, and J_r its change with f, both in texels of the cube map's face
+that r meets. The factor is a quarter because a trilinear probe of level lambda has the deviation 2^lambda /
+2: a texel's box has the variance 1/12, and interpolation between texels adds 1/6. In mip-mapping 2^lambda is
+a pixel's step, so that is Sigma without roughness. A roughness of deviation sigma needs 2^lambda = 2 sigma.
 
-S24 puts probes at the short axis's level along the long axis, as footprint assembly does, so far apart that
-their variance is that of Sigma. S25 takes one probe at the long axis's level.
+S24 places probes of the short axis's level along the long axis, as footprint assembly does. Their distances
+give them the variance of Sigma. S25 takes one probe of the long axis's level.
 
 Source: Schilling 1997, sections 2 and 8; the method is reconstructed (docs/decisions/0020); pass sequences
 A-S08, A-S24, A-S25 and A-S29 of the catalogue.

@@ -1,14 +1,15 @@
-"""S24 and S25 on the machine that the paper proposes: a bumped plane that mirrors an environment through its
-roughness, in one pass.
+"""S24 and S25 on the machine that the paper proposes: a bumped plane mirrors an environment, in one pass.
+
+The lookup is filtered by the plane's roughness.
 
     unit 0   bumps: f_1 and f_2 over ``bump_scale`` as signed bytes, and one; mip-mapped
     unit 1   D of each level over ``rough_scale``, three bytes; mip-mapped
     unit 2   the dot product that is s
     unit 3   the dot product that is t: the environment there, over pixel and roughness
 
-At a vertex a row is (ds/df_1, ds/df_2) times the scale of the bumps, and s where there are no bumps: the
-lookup is linear in the bumps, from the plane's own reflection on. The environment is a picture by central
-projection (``Ahead``), whose coordinates are quotients.
+At a vertex a row is (ds/df_1, ds/df_2) times the scale of the bumps, and the s of the plane without bumps. So
+the lookup starts at the plane's own reflection and is linear in the bumps. The environment is a picture by
+central projection (``Ahead``), whose coordinates are quotients.
 
 Source: Schilling 1997, sections 2 and 8 (proposed); decisions 0020 and 0021; pass sequences A-S24 and A-S25
 of the catalogue. Assumed: the division into stages, and the map's projection.
