@@ -1,1 +1,1 @@
-"""Techniques that evaluate reflectance: document 004's materials and what they are compared with."""
+"""Techniques that evaluate reflectance: document 004's materials, and the models to compare them with."""

@@ -1,16 +1,18 @@
-"""K07, the simplified anisotropic Blinn-Phong model in one pass of register combiners, and K11, its two
+"""K07 and K11: the simplified anisotropic Blinn-Phong model in one pass of register combiners, and its
 frames.
 
 Eq. 1: L_o = k_s (1 - (h.t/alpha_x)^2 - (h.b/alpha_y)^2)+. Texture unit 0 holds t/(4 alpha_x) and k_s, unit 1
-b/(4 alpha_y), the primary colour the halfway vector. The first general combiner makes both dot products and
-multiplies by four; the second squares and adds; the final combiner subtracts from one and multiplies by k_s
-times the light's colour. Results beyond [-1, 1] saturate, where Eq. 1 is zero anyway (erratum E004.8).
+b/(4 alpha_y), and the primary colour the halfway vector. The first general combiner computes both dot
+products and multiplies them by four. The second squares and adds. The final combiner subtracts from one and
+multiplies by k_s times the light's colour. Results beyond [-1, 1] saturate; there Eq. 1 is zero anyway
+(erratum E004.8).
 
-A board with one texture unit, or one general combiner, has one material vector in a pass: the squares are
-then added in the framebuffer, which also subtracts them from one (``specular_passes``).
+A board with one texture unit, or one general combiner, has one material vector in a pass. Then the
+framebuffer adds the squares, and also subtracts them from one (``specular_passes``).
 
-K11: the halfway vector is turned into the surface's local frame at every vertex (the paper's choice), or the
-material textures are baked in world coordinates for one surface and the halfway vector stays as it is.
+K11 has two choices of frame. The paper's choice turns the halfway vector into the surface's local frame at
+every vertex. The other bakes the material textures in world coordinates for one surface, and leaves the
+halfway vector unchanged.
 
 Source: Kautz, Seidel 2000, sections 3.2, 4 and 4.1, Eq. 1 (K07, K11 of the catalogue; pass sequence A-K07).
 """

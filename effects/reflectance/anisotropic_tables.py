@@ -1,27 +1,28 @@
-"""H13 and H14, anisotropic reflection as a product of two tables: facets over the halfway vector, obstruction
-over both cosines.
+"""H13 and H14: anisotropic reflection as a product of two tables.
+
+One table has the facets, over the halfway vector; the other has the obstruction, over both cosines.
 
     I_o = c D(x, y) G(n.l, n.v) I_i,    x = h.t / (1 + h.n),  y = h.b / (1 + h.n)
 
-The distribution D of an anisotropic model depends on two angles of the halfway vector, h = l + v of length
-one: its distance from the normal and its azimuth about it. The azimuth jumps from one end of a table to the
-other and has no value at the normal, in the middle of every highlight. The coordinates x and y, those of a
-map of the hemisphere onto the unit disc that keeps angles, are smooth there, and are even where the cosine
-h.n is coarse: half a degree is a texel of 256 anywhere near the normal. They are no product with a constant,
-so the host, or a vertex program, computes them at the vertices; with h it may do so for a near light and a
-near viewer. n.l and n.v are computed beside them.
+The distribution D of an anisotropic model depends on two angles of the halfway vector h = l + v, made of
+length one: its distance from the normal and its azimuth. The azimuth jumps from one end of a table to the
+other. It has no value at the normal, in the middle of every highlight. The coordinates x and y belong to a
+conformal map of the hemisphere onto the unit disc. They are smooth at the normal, and even where the cosine
+h.n is coarse: half a degree is a texel of 256 anywhere near the normal. They are not linear in h, so the
+host, or a vertex program, computes them at the vertices. With h it may do so for a near light and a near
+viewer. It also computes n.l and n.v.
 
-Both tables are one texture each. Two units multiply them in one pass, one unit in two. What else a model has
-and changes slowly, as Fresnel's factor of l.h, is the vertices' colour. A G of more than one is stored over
-``LARGEST`` and multiplied back: by the second unit's scale, or by a blending that doubles.
+Each table is one texture. Two units multiply them in one pass, one unit in two. Slowly changing parts of a
+model, such as Fresnel's factor of l.h, go into the vertices' colour. A G greater than one is stored over
+``LARGEST`` and multiplied back, by the second unit's scale or by a blending that doubles.
 
     Ward (H13)                D = exp(-tan^2 delta (cos^2 phi / alpha_x^2 + sin^2 phi / alpha_y^2))
                               G = sqrt(n.l / n.v)
     Ashikhmin, Shirley (H14)  D = (h.n)^(n_u cos^2 phi + n_v sin^2 phi)
                               G = n.l / max(n.l, n.v), and F(l.h) / (l.h) is the vertices' colour
 
-Their constants, k_s / (4 pi alpha_x alpha_y) and sqrt((n_u + 1)(n_v + 1)) / (8 pi), are part of c: a factor
-of the light that one chooses so that the highlight is white.
+Their constants, k_s / (4 pi alpha_x alpha_y) and sqrt((n_u + 1)(n_v + 1)) / (8 pi), are part of c. This
+factor of the light is chosen so that the highlight is white.
 
 Source: Heidrich 2001, section 1.1.1 (pass sequences A-H13 and A-H14 of the catalogue, which chose x and y);
 Ward 1992; Ashikhmin, Shirley 2000.

@@ -2,22 +2,22 @@
 
     I_o = (n.l)+ (k_d n'.l + k_s (n'.h)^(1/r)) I_i
 
-n' is the normal, among all that a thread with the tangent t has, that lies nearest to the light. Both terms
-depend on l.t and v.t alone:
+n' is the normal nearest to the light, among all normals of a thread with the tangent t. Both terms depend on
+l.t and v.t alone:
 
     n'.l  is  sqrt(1 - (l.t)^2),    n'.h  is  sqrt(1 - (l.t)^2) sqrt(1 - (v.t)^2) - (l.t)(v.t)
 
-A table over both has them. Its coordinates are made by the texture matrix, whose rows are l/2 and v/2 with a
-bias of one half, from the coordinate (t, 1): a product of either sign falls into [0, 1]. So the light is
-directional, the viewer far away, and t is in the space of l and v. (n.l)+ is hardware lighting's, with a
-white diffuse material or one of a colour, and the texture environment multiplies. Further lights are added,
-each with a matrix of its own.
+A table over l.t and v.t holds both. The texture matrix makes its coordinates from the coordinate (t, 1). The
+matrix has the rows l/2 and v/2 and a bias of one half, so a product of either sign falls into [0, 1]. So the
+light is directional, the viewer far away, and t in the space of l and v. Hardware lighting computes (n.l)+
+with a white or coloured diffuse material, and the texture environment multiplies. Further lights are added,
+each with its own matrix.
 
-K04 is the same model with vectors that change from texel to texel, which a matrix for a whole mesh cannot
-turn; it pays with five passes or more and with the root.
+K04 is the same model with vectors that change from texel to texel. A matrix for a whole mesh cannot turn
+those, so K04 needs five passes or more, and does without the root.
 
-``halfway_unit`` does the same for an isotropic model, the normal in the tangent's place: what grooves change
-is then all that differs.
+``halfway_unit`` does the same for an isotropic model, with the normal in place of the tangent. The two
+pictures then differ only by what grooves change.
 
 Source: Heidrich 2001, section 1.1.1, Eq. 3 and 4 (pass sequence A-H15 of the catalogue; errata E000.3: the
 scale and bias; E000.4: n' made of length one, and the term for lines in the place of n'.h; E000.5: 1/r is an

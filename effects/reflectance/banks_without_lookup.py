@@ -2,9 +2,9 @@
 
     L = k_s (n.l)+ ((1 - (v.t)^2) (1 - (l.t)^2) - (v.t)(l.t))+
 
-The bracket is of degree four in the dot products, two general combiners reach two: the framebuffer multiplies
-and adds. It holds bytes without a sign, so the product (v.t)(l.t) comes in two halves, where it is negative
-and where it is positive. Nothing saturates on the way: (1 - a^2)(1 - b^2) + |a b| <= 1 for |a|, |b| <= 1.
+The bracket is of degree four in the dot products. Two general combiners reach degree two, so the framebuffer
+multiplies and adds. It holds bytes without a sign, so the product (v.t)(l.t) comes in a negative and a
+positive half. Nothing saturates on the way: (1 - a^2)(1 - b^2) + |a b| <= 1 for |a|, |b| <= 1.
 
     1  1 - (v.t)^2                          primary colour: v
     2  times 1 - (l.t)^2                    primary colour: l
@@ -14,11 +14,11 @@ and where it is positive. Nothing saturates on the way: (1 - a^2)(1 - b^2) + |a 
     6  one minus that
     7  times k_s (n.l)+                     primary colour: l
 
-A board whose blending subtracts (EXT_blend_subtract) has one pass for 4 to 6, which takes ((v.t)(l.t))+ away.
-A board with five general combiners needs no other pass: ``specular_pass``.
+A board whose blending subtracts (EXT_blend_subtract) subtracts ((v.t)(l.t))+ in one pass, in place of 4 to 6.
+A board with five general combiners needs one pass for all: ``specular_pass``.
 
-The tangent map holds t for EXPAND_NORMAL and k_s in alpha; (n.l)+ needs the normal map besides, for n changes
-from texel to texel as t does (erratum E004.3).
+The tangent map holds t for EXPAND_NORMAL and k_s in alpha. (n.l)+ also needs the normal map, because n
+changes from texel to texel as t does (erratum E004.3).
 
 Source: Kautz, Seidel 2000, section 3.1 (K04 of the catalogue; pass sequence A-K04; erratum E004.2: the
 exponent of the bracket, printed without, is one).

@@ -1,13 +1,13 @@
 """K05 by the host: the anisotropic Blinn-Phong model with N per texel on a board without dependent lookups.
 
-The register combiners are the parameter stage: e = 1 - (h.t/ax)^2 - (h.b/ay)^2, made as in
-``anisotropic_blinn_phong``, goes to red, green and blue, and N/128, which the binormals' texture holds in
-alpha, to alpha. The host reads them, codes N as log2(N)/7, looks up F(N, e) = (sqrt e)^N as a pixel texture
-would, and draws what it found; a second pass multiplies by k_s. For each polygon one rectangle is read and
-one drawn.
+The register combiners are the parameter stage. They write e = 1 - (h.t/ax)^2 - (h.b/ay)^2, computed as in
+``anisotropic_blinn_phong``, to red, green and blue. They write N/128, from the alpha of the binormals'
+texture, to alpha. The host reads them, codes N as log2(N)/7, looks up F(N, e) = (sqrt e)^N as a pixel texture
+would, and draws the result. A second pass multiplies by k_s. For each polygon, one rectangle is read and one
+drawn.
 
-Unlike the color matrix, register combiners take vectors per vertex: surfaces may be curved, lights and
-viewers near. Their vectors are bytes, and alphas are at least 1/4.
+Unlike the color matrix, register combiners take vectors per vertex. So surfaces may be curved, and lights and
+viewers near. But their vectors are bytes, and alphas are at least 1/4.
 
 Source: Kautz, Seidel 2000, sections 3.2 and 5; pass sequence A-K05 of the catalogue (K05, K15).
 """

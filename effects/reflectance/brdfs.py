@@ -1,16 +1,15 @@
-"""Reflectance models in float64, as the papers print them, and one table of them: what passes are compared
-with.
+"""Reflectance models in float64, as the papers print them, and a table of them, to compare passes with.
 
-Vectors are arrays [..., 3] of length one, away from the surface: l to the light, v to the viewer, h the
-halfway vector, {t, b, n} the surface's frame. Every function broadcasts its arguments, parameters included,
-so a parameter may be an array of a value per pixel. What a model gives is the radiance L_o towards the viewer
-under one directional light.
+Vectors are arrays [..., 3] of length one that point away from the surface: l to the light, v to the viewer, h
+the halfway vector, {t, b, n} the surface's frame. Every function broadcasts its arguments, parameters
+included, so a parameter may be an array with a value per pixel. A model gives the radiance L_o towards the
+viewer under one directional light.
 
-``BRDFS`` has a row for each model: what the paper claims of it, the ranges of its parameters, and one way to
-evaluate it, whatever vectors it takes. tests/effects/reflectance/test_brdfs.py tests every row.
+``BRDFS`` has a row for each model: the paper's claims, the ranges of its parameters, and one function that
+evaluates it, whatever vectors the model takes. tests/effects/reflectance/test_brdfs.py tests every row.
 
-These functions use powers and exponentials, whose last bit differs between computers: what a figure stores
-of them in a texture is rounded to the texture's format at once.
+These functions use powers and exponentials, whose last bit differs between computers. So a figure that stores
+their results in a texture rounds them to the texture's format at once.
 
 Source: Kautz, Seidel 2000, sections 3.1 to 3.4 and 4, Eq. 1 (K03, K04, K05, K06, K07, K09 and K24 of the
 catalogue; errata E004.1, E004.2, E004.4, E004.11); Phong 1975; Blinn 1977; Ward 1992; Banks 1994; Schlick

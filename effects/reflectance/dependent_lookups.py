@@ -1,19 +1,20 @@
 """K01's framework as the paper draws it, on a GeForce 3: parameters on the screen, then dependent lookups.
 
-    1  the parameter stage: register combiners leave up to four parameters in the framebuffer's channels
+    1  the parameter stage: register combiners write up to four parameters to the framebuffer's channels
     2  CopyTexSubImage: the panel becomes a texture, padded to powers of two
     3  the surface again: unit 0 reads its own pixel of that texture (NEAREST), a unit after it looks a
        function up at alpha and red (DEPENDENT_AR_TEXTURE_2D), another at green and blue
-       (DEPENDENT_GB_TEXTURE_2D); combiners multiply what was found
+       (DEPENDENT_GB_TEXTURE_2D); combiners multiply the results
 
-Each function may have two parameters, which vary per pixel as they like, unlike in ``dot_product_lookups``:
+Each function may have two parameters. They vary per pixel without restriction, unlike in
+``dot_product_lookups``:
 
     Blinn-Phong (K05)   red e, alpha N/128; F(N, e) = (sqrt e)^N
     Ward (K09)          red d, green p, alpha m; E(m, d) = exp(-2 m / (1 + d)) and S(p) = 1/sqrt(p)
     the paper's Fig. 1  red t, green u, blue v, alpha s; F(s, t) = exp(s/t) and G(u, v) = sqrt(u^v)
 
-The last pass replaces what the framebuffer holds where the surface is; a diffuse pass is added afterwards.
-Parameters have eight bits there, whatever the combiners have.
+The last pass replaces the framebuffer's contents on the surface; a diffuse pass is added afterwards.
+Parameters have eight bits in the framebuffer, whatever the combiners have.
 
 Source: Kautz, Seidel 2000, section 3, figure 1 and sections 3.2 and 3.3; NV_texture_shader, sections
 3.8.13.1.12 and 3.8.13.1.13; pass sequences A-K05 and A-K09 of the catalogue.

@@ -1,6 +1,6 @@
-"""K03, K05 and K06 on a GeForce 3: two dot products of texture shaders are the place of a dependent lookup.
+"""K03, K05 and K06 on a GeForce 3: two dot products of texture shaders address a dependent lookup.
 
-A texture shader's dot product multiplies a texture coordinate, a float vector of the vertices', with an
+A texture shader's dot product multiplies a texture coordinate, a float vector from the vertices, with an
 earlier unit's texel. Two of them are s and t of a table, so a function of two dot products takes one pass:
 
     Banks         unit 0: t, unit 1: l.t, unit 2: v.t and the whole bracket from a table, unit 3: n;
@@ -8,12 +8,12 @@ earlier unit's texel. Two of them are s and t of a table, so a function of two d
     Blinn-Phong   units 0 and 1: t/ax and b/ay, unit 2: h.t/ax, unit 3: h.b/ay and F(N, e) from a table;
                   combiners: k_s. N is one number, the table's; with N = 1 it is K06
 
-The tables' arguments have signs: zero lies on the corner of texel (0, 0), and wrapping puts what is negative
-at the other end (REPEAT). What lies beyond the function's own domain must not come round to it, so the period
-is larger than the domain by the farthest argument (A-K05 leaves this open).
+The tables' arguments have signs. Zero lies on the corner of texel (0, 0), and wrapping puts negative
+arguments at the other end (REPEAT). Arguments beyond the function's domain must not wrap into it. So the
+period is larger than the domain by the farthest argument (A-K05 leaves this open).
 
-A dot product reads the byte n as (n - 128)/127, on every machine that has one; combiners read 2n - 256. What
-dot products alone read is stored for them, as 128 + 127 v.
+On every machine that has dot products, they read the byte n as (n - 128)/127; combiners read 2n - 256.
+Textures that dot products alone read are stored for them, as 128 + 127 v.
 
 Source: Kautz, Seidel 2000, sections 3.1 and 3.2; NV_texture_shader, sections 3.8.13.1.14 and 3.8.13.1.15;
 pass sequences A-K03, A-K05 and A-K06 of the catalogue.

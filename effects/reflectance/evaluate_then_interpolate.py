@@ -1,9 +1,11 @@
-"""K16, the order that the paper asks for: evaluate Eq. 1 at the texels, then interpolate the results. In
-float64.
+"""K16, the order that the paper asks for: evaluate Eq. 1 at the texels, then interpolate the results.
+
+All of it is in float64.
 
 Four texels are fetched with NEAREST, the model is evaluated at each, and the four results are blended
-bilinearly: no halfway vector ever meets a vector that no surface has. ``interpolate_then_evaluate`` is the
-order of the hardware, also in float64, so that the two orders can be compared without 8-bit arithmetic.
+bilinearly. So the halfway vector never meets an interpolated vector that no surface has.
+``interpolate_then_evaluate`` is the order of the hardware, also in float64. So the two orders can be compared
+without 8-bit arithmetic.
 
 Source: Kautz, Seidel 2000, section 5.1 (K16 of the catalogue; artefact P11).
 """

@@ -1,20 +1,22 @@
-"""H17 and H18 drawn: products of maps of directions, looked up along light, view, halfway and difference
-vectors that are computed at the vertices.
+"""H17 and H18 drawn: products of maps of directions.
 
-What comes out is pi f_r (n.l)+ times the light's intensity, so that a white surface that faces a light of one
-is full. A product of textures is a draw where there are units enough, else one draw multiplies another's
-picture. Further terms add; their factors have signs, and so there are three ways:
+The maps are looked up along light, view, halfway and difference vectors, which are computed at the vertices.
 
-    blending      halves of one sign each, textures as they are: the products of like halves add, those of
+The result is pi f_r (n.l)+ times the light's intensity, so a white surface that faces a light of one is full.
+With enough units, a product of textures is one draw; otherwise one draw multiplies another's picture. Further
+terms are added. Their factors have signs, so there are three ways:
+
+    blending      halves of one sign each, textures as they are: products of like halves are added, those of
                   unlike ones are subtracted, by a blend equation or between two inversions of the picture
     combiners     textures that EXPAND_NORMAL reads; a product's positive part adds, and its negative part
                   subtracts. With four units two terms are one sum in a combiner
-    accumulation  the halves again, each product in the window by itself and added, or taken off, in the
-                  accumulation buffer: for boards with one unit
+    accumulation  the halves again. The window draws each product by itself, and the accumulation buffer adds
+                  or subtracts it: for boards with one unit
 
-The largest product of a term is its factors' scale; the scale goes into the vertices' colour, with n.l. Above
-one the picture is drawn at a half or a quarter and doubled at the end, by the combiners' output, by the
-accumulation buffer or by a white draw that adds the picture to itself; beyond four the first map is clamped.
+A term's scale is the largest product of its factors; it goes into the vertices' colour, with n.l. If it
+exceeds one, the picture is drawn at a half or a quarter and doubled at the end. The combiners' output
+doubles, or the accumulation buffer, or a white draw that adds the picture to itself. Beyond four the first
+map is clamped.
 
 Source: Kautz, McCool 1999; McCool, Ang, Ahmad 2001; Heidrich 2001, section 1.1.2 (A-H17 and A-H18 of the
 catalogue). Chosen: how signs are stored, and the doubling.

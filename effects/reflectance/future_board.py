@@ -1,8 +1,8 @@
 """K17, the board that the paper asks for: whole models in one pass of combiners, by functions or by lookups.
 
-The future board's general combiners take square roots, quotients and exponentials of their sums, may look a
-texture up after a stage, and turn iterated vectors along arcs (docs/numbers.md, section 20). So each model
-needs one pass, where boards of the time need several, or tables before the combiners:
+The future board's general combiners take square roots, quotients and exponentials of their sums. They may
+look a texture up after a stage, and turn iterated vectors along arcs (docs/numbers.md, section 20). So each
+model needs one pass. Boards of the time need several passes, or tables before the combiners:
 
 K03, Banks:        5 stages. vt = v.t, lt = l.t; their squares; sqrt((1 - vt^2)(1 - lt^2)); minus vt lt; n.l.
 K05, Blinn-Phong:  8 stages. The exponent N is per texel, and the board has no logarithm: the fourth root s
@@ -12,13 +12,13 @@ K09, Ward:         8 stages. The halfway vector is l + v, never normalised: with
                    exponent is -2 ((H.t/ax)^2 + (H.b/ay)^2) / (q + sqrt(q) H.n). The alpha portions meanwhile
                    make sqrt((n.l)(n.v)) / (n.v) and multiply it by k_s/(4 pi ax ay), which may exceed one.
 
-``blinn_phong_by_lookup`` and ``banks_by_lookup`` are the alternative that the paper weighs against functions:
-a dependent lookup inside the combiners, three stages each.
+The paper weighs functions against a dependent lookup inside the combiners. ``blinn_phong_by_lookup`` and
+``banks_by_lookup`` are that alternative, with three stages each.
 
 ``evaluated_first`` is the order of section 5.1 (K16): combiners before the filter.
 
 Source: Kautz, Seidel 2000, sections 3.1 to 3.3 and 5.1 (K03, K05, K09, K16, K17 of the catalogue). The
-division into stages is ours, and so is the polynomial; docs/numbers.md, section 20, fixes the board's
+project chose the division into stages and the polynomial; docs/numbers.md, section 20, fixes the board's
 arithmetic.
 """
 

@@ -1,11 +1,11 @@
-"""Functions of a direction above the horizon as square maps, and the two halves into which a reflectance's
-four parameters are parted.
+"""Functions of a direction above the horizon as square maps, and a reflectance's parameters as two
+directions.
 
-A map has one paraboloid's disc, over the hemisphere around z: a direction w lies at (x, y)/(1 + z), from -1
-to 1. As a texture it takes the coordinate ((x + 1 + z)/2, (y + 1 + z)/2, 0, 1 + z), which any machine
-divides by its last component at each pixel. Texels beyond the disc's edge hold what is at the edge, so a
-direction below the horizon finds the horizon's. Where there are cube maps the same function fills one, and w
-is the coordinate as it is.
+A map has one paraboloid's disc, over the hemisphere around z. A direction w lies at (x, y)/(1 + z), from -1
+to 1. Its texture coordinate is ((x + 1 + z)/2, (y + 1 + z)/2, 0, 1 + z), which any machine divides by the
+last component at each pixel. Texels beyond the disc's edge hold the edge's value, so a direction below the
+horizon finds the horizon's. On boards with cube maps the same function fills one, and w itself is the
+coordinate.
 
 Source: Heidrich, Seidel 1998 (parabolic maps); Kautz, McCool 1999 (halfway and difference vector by
 Gram-Schmidt); Heidrich 2001, sections 1.1.2 and 1.3.

@@ -1,15 +1,15 @@
-"""S26: where Phong's highlight and Blinn and Phong's end on a plane that two points, a lamp and an eye, look
-at.
+"""S26: the outlines of Phong's highlight and of Blinn and Phong's on a plane, for a lamp and an eye at
+points.
 
     Phong          (r.v)^m' = 1/2, r the lamp's mirrored ray
     Blinn, Phong   (n.h)^m = 1/2
 
-Of a distant lamp and eye Phong's outline is a circle of directions v about r. Blinn and Phong's is drawn out
-in the plane of incidence, by 1/cos theta: a tilt of h turns v by twice itself there, and across it by twice
-the cosine of it. With m = 4 m' both are equally long.
+For a distant lamp and eye, Phong's outline is a circle of directions v about r. Blinn and Phong's is longer
+in the plane of incidence, by 1/cos theta. There, a tilt of h turns v by twice the tilt; across the plane it
+turns v by twice the tilt's cosine theta. With m = 4 m' both are equally long.
 
-The plane is y = 0 and mirrors the lamp to the eye at the origin. All is additions, products, quotients,
-square roots and bisections, the same bits everywhere.
+The plane is y = 0 and mirrors the lamp to the eye at the origin. The module uses additions, products,
+quotients, square roots and bisections alone, so its bits are the same everywhere.
 
 Source: Schilling 1997, appendix A and figure 16; pass sequence A-S26 of the catalogue.
 """

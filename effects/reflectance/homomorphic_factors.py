@@ -1,14 +1,13 @@
 """H18: a reflectance as a product of functions of light, halfway vector and view, f_r = p(l) q(h) p(v).
 
-The logarithm makes a sum of it, log f_r = p'(l) + q'(h) + p'(v), which is linear in the texels of p' and q':
-least squares, with the differences between neighbouring texels as a second, weak demand, by which texels that
-nothing tells of are smooth. So all factors are positive, whatever the table is, and p serves twice; what is
-fitted is the ratio to the table, so dark places are as right as highlights.
+The logarithm turns the product into a sum, log f_r = p'(l) + q'(h) + p'(v), which is linear in the texels of
+p' and q'. Least squares solve it. A second, weak demand keeps the differences between neighbouring texels
+small, so texels without data are smooth. So all factors are positive, whatever the table is, and p serves
+twice. The fit is to the ratio with the table, so dark places are as accurate as highlights.
 
-Light and view are at the texels of a map; their halfway vector lies between four texels of the other. Light
-and view may change places, so each pair is taken once, with the geometric mean of both orders. A pair counts
-by its solid angles and its cosines. The equations are solved by conjugate gradients, each component for
-itself.
+Light and view lie at the texels of one map; their halfway vector lies between four texels of the other. Light
+and view may change places, so each pair counts once, with the geometric mean of both orders. A pair's weight
+is its solid angles and its cosines. Conjugate gradients solve the equations, each component by itself.
 
 Source: McCool, Ang, Ahmad 2001 (the logarithm, p used twice, smoothness); Heidrich 2001, section 1.1.2.
 Chosen: the weights, the least value, conjugate gradients.

@@ -1,9 +1,9 @@
 """H16, illuminated lines: Banks's table on the machine's own line primitives.
 
-A line has a tangent and no normal: all directions across it are normals of a thin thread, and H15's table
-takes the one that the light likes best. So the table is the whole of the light, without n.l: the tangent is
-the texture coordinate, the texture matrix makes l.t and v.t of it, and the table modulates the line's colour.
-One texture unit and one pass.
+A line has a tangent and no normal: all directions across it are normals of a thin thread. H15's table uses
+the normal nearest to the light. So the table holds all of the light, without n.l. The tangent is the texture
+coordinate, the texture matrix makes l.t and v.t of it, and the table modulates the line's colour. This takes
+one texture unit and one pass.
 
 Source: Heidrich 2001, section 1.1.1 (pass sequence A-H16 of the catalogue); Zöckler, Stalling, Hege 1996;
 OpenGL 1.2.1, section 3.4.2 (wide lines).

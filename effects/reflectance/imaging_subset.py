@@ -1,33 +1,33 @@
 """K08, Eq. 1 by the imaging subset, and K10 by the same means: dot products while a texture is loaded.
 
 Eq. 1: L_o = k_s (1 - (h.t/alpha_x)^2 - (h.b/alpha_y)^2)+. A colour matrix is constant while an image goes
-through it, so one halfway vector serves a whole polygon: polygons are flat, lights directional, the viewer
-orthographic or at least taken as such over a polygon. For every polygon and every frame the host loads the
-part of the material images that the polygon reads; nothing is left to compute per fragment but sums.
+through it, so one halfway vector serves a whole polygon. Polygons are flat and lights directional; the viewer
+is orthographic, or taken as such over a polygon. In every frame the host loads, for every polygon, the part
+of the material images that the polygon reads. Only sums remain to compute per fragment.
 
-What is the paper's, for every polygon that faces the viewer:
+The paper's passes, for every polygon that faces the viewer:
 
 1. The image of t/alpha_x is loaded through a colour matrix that undoes the image's scale and bias and gives
    h.t/alpha_x, and a colour table that squares. The polygon is drawn with it, REPLACE.
 2. The same with b/alpha_y, added: blending ONE, ONE. The framebuffer's clamp at one does no harm.
 3. A white polygon, FUNC_SUBTRACT with ONE, ONE: one minus the framebuffer.
 
-What is chosen here:
+The project's choices:
 
-- A colour matrix keeps no signed results (the paper's section 5), so (1 + d)/2 leaves it and the table holds
-  (2 i - 1)^2 (erratum E004.9). |d| > 1 clamps to a square of one, where Eq. 1 is zero anyway.
-- The host keeps its images as floats; the texture that comes out has eight bits (erratum E004.10). So alpha
-  has no smallest value here, but for the one at which floats end.
+- A colour matrix keeps no signed results (the paper's section 5), so its output is (1 + d)/2 and the table
+  holds (2 i - 1)^2 (erratum E004.9). |d| > 1 clamps to a square of one, where Eq. 1 is zero anyway.
+- The host keeps its images as floats; the resulting texture has eight bits (erratum E004.10). So alpha has no
+  smallest value here, except the one at which floats end.
 - The halfway vector is the one at the polygon's centre, in the frame of the flat polygon.
-- Passes that load nothing for a polygon are drawn once for all polygons: the white one; the maximum with
-  black, which says (.)+ and changes nothing in a framebuffer that cannot hold less (as in K12); k_s times the
-  specular colour, a texture of its own, with DST_COLOR, ZERO.
-- K10 comes last. Its colour table gives diffuse colour times (n.l)+ plus ambient in RGB and the gate
-  min(1, 4 (n.l)+) in alpha; with ONE, SRC_ALPHA the pass adds the one and multiplies what the specular passes
-  left by the other. No pass needs a number above one or below zero, and none a second destination.
-  Where a colour map multiplies the diffuse light, (n.l)+ waits in destination alpha for it.
+- Passes that load nothing for a polygon are drawn once for all polygons. They are the white one; the maximum
+  with black, which computes (.)+ and changes nothing in a framebuffer without negative numbers (as in K12);
+  and k_s times the specular colour, a texture of its own, with DST_COLOR, ZERO.
+- K10 comes last. Its colour table gives diffuse colour times (n.l)+ plus ambient in RGB and the gate min(1, 4
+  (n.l)+) in alpha. With ONE, SRC_ALPHA the pass adds the RGB, and multiplies the specular passes' result by
+  the gate. No pass needs a number above one or below zero, or a second destination. If a colour map
+  multiplies the diffuse light, (n.l)+ waits in destination alpha for it.
 
-Squares are made of texels before any filter, where register combiners filter vectors and then square.
+Here texels are squared before any filter; register combiners filter vectors and then square.
 
 Source: Kautz, Seidel 2000, sections 4.2 and 5 (K08, K10 of the catalogue; pass sequence A-K08, and A-H45
 for diffuse light); OpenGL 1.2.1 section 3.6.

@@ -1,8 +1,10 @@
-"""K01, the framework of the paper's figure 1, run as an effect: material textures, a parameter stage,
-dependent lookups of sampled functions, and their combination.
+"""K01, the framework of the paper's figure 1, run as an effect.
 
-The figure's functions are F(s, t) = exp(s/t) and G(u, v) = sqrt(u^v); s, t and u are dot products and v is
-read from a material texture. Here their product is drawn. What the figure leaves open:
+Material textures feed a parameter stage; dependent lookups of sampled functions follow; their results are
+combined.
+
+The figure's functions are F(s, t) = exp(s/t) and G(u, v) = sqrt(u^v). s, t and u are dot products, and v is
+read from a material texture. This module draws their product. The figure leaves open, and the project chose:
 
 - s = -(a.l)+ with a direction a per texel, t = (n.e)+, u = (n.l)+ with the normal n, the light l and the eye
   e; v in [0, 8]. The quotient is negative, as in Ward's E(m, d) = exp(-2m / (1 + d)), so exp(s/t) <= 1 and

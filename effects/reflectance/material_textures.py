@@ -1,8 +1,8 @@
-"""K21, material textures: what a surface does to light, per texel, and how it is stored for the combiners.
+"""K21, material textures: a surface's reflection per texel, as it is stored for the combiners.
 
-A material is authored as a local frame and the parameters of the anisotropic Blinn-Phong model per texel.
-Stored are the tangent divided by alpha_x and the binormal divided by alpha_y, both scaled by 0.25 so that
-components stay in [-1, 1] for alpha >= 0.25, and encoded for EXPAND_NORMAL; their alphas hold k_s and N/128.
+An author gives a local frame and the parameters of the anisotropic Blinn-Phong model per texel. The textures
+hold the tangent divided by alpha_x and the binormal divided by alpha_y. Both are scaled by 0.25, so that
+components stay in [-1, 1] for alpha >= 0.25, and encoded for EXPAND_NORMAL. Their alphas hold k_s and N/128.
 
 Source: Kautz, Seidel 2000, sections 3.2, 4 and 4.1: N and k_s go into the textures' alpha channels (K21 of
 the catalogue; limits: its artefact P10; which alpha holds which: its section on material textures).

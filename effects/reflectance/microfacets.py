@@ -1,16 +1,17 @@
-"""Torrance-Sparrow's model of surfaces made of facets: distributions of facets, shadowing and masking, and
-the model in float64.
+"""Torrance-Sparrow's model of surfaces made of facets, in float64.
+
+The module has distributions of facets, shadowing and masking, and the whole model.
 
     f_r = F(cos theta) G(cos alpha, cos beta) D(cos delta) / (pi cos alpha cos beta)
 
-Angles as in the catalogue: alpha (n, l), beta (n, v), theta (l, h), delta (n, h). D is at most one, so that F
-D can be kept in a table: with pi below it is no density (erratum E000.1).
+Angles are those of the catalogue: alpha (n, l), beta (n, v), theta (l, h), delta (n, h). D is at most one, so
+a table can hold F D. With pi below, D is not a density (erratum E000.1).
 
-Distributions take the cosine of delta and a roughness m: the smaller, the narrower. At the angle m, or where
-the slope is m, they fall to 1/e.
+Distributions take the cosine of delta and a roughness m; a smaller m is narrower. At the angle m, or at the
+slope m, they fall to 1/e.
 
-These functions use exponentials, arc cosines and error functions, whose last bit differs between computers:
-what a figure stores of them in a texture is rounded to the texture's format at once.
+These functions use exponentials, arc cosines and error functions, whose last bit differs between computers.
+So a figure that stores their results in a texture rounds them to the texture's format at once.
 
 Source: Heidrich 2001, section 1.1, Eq. 1; Torrance, Sparrow 1967; Smith 1967, whose form the
 catalogue has as remembered.

@@ -1,7 +1,8 @@
 """K24, other reflectance models that fit the scheme: Phong with N per pixel, Schlick, one lobe of Lafortune.
 
-A model fits if it falls into functions of at most two parameters each, and if the parameters are dot products
-or what dot products were looked up to. The factors here, for a directional light and an infinite viewer:
+A model fits if it consists of functions of at most two parameters each, and if the parameters are dot
+products or results of lookups at dot products. These are the factors, for a directional light and an infinite
+viewer:
 
 Phong       c = r.v = 2 (n.l)(n.v) - l.v is a function C of (n.l, n.v), for l.v is constant; F(N, c) = c^N is
             a second one, with N per pixel. The first result waits in the framebuffer beside N.
@@ -14,9 +15,9 @@ Lafortune   The diagonal matrix C, turned from the pixel's frame into the surfac
             on. D and O are material textures, the products are the vertices': (a + b)^N is a function of two
             dot products.
 
-By texture shaders (GeForce 3): stages that multiply a material texture's vector by texture coordinates and
-look two of the products up; what waits in the framebuffer is copied into a texture. By pixel textures
-(Octane), with vectors that change over the surface left out: ``phong_schlick_lafortune_copies``.
+With texture shaders (GeForce 3), stages multiply a material texture's vector by texture coordinates and look
+two of the products up. Factors that wait in the framebuffer are copied into a texture. With pixel textures
+(Octane), vectors must not change over the surface: ``phong_schlick_lafortune_copies``.
 
 Source: Kautz, Seidel 2000, section 3.4 (K24 of the catalogue); NV_texture_shader; SGIX_pixel_texture.
 """

@@ -1,5 +1,7 @@
-"""K24 by pixel textures, on the Octane: Phong with N per pixel, Schlick and one lobe of Lafortune, each a few
-copies of the panel. ``phong_schlick_lafortune`` has the functions, and the same by texture shaders.
+"""K24 by pixel textures, on the Octane: Phong with N per pixel, Schlick and one lobe of Lafortune.
+
+Each is a few copies of the panel. ``phong_schlick_lafortune`` has the functions, and the same by texture
+shaders.
 
 Source: Kautz, Seidel 2000, section 3.4; SGIX_pixel_texture.
 """

@@ -1,25 +1,27 @@
-"""H11, Phong's, Blinn's and the cosine lobe's model as one table, in one pass, with ambient and diffuse
-light; and H12, what it lies between.
+"""H11, Phong's, Blinn's and the cosine lobe's model as one table; and H12, the bounds below and above it.
+
+A pass has ambient and diffuse light too.
 
 A table has n.l along its columns and another cosine t along its rows:
 
     k_a + k_d (n.l)+ + k_s (t)+^N where n.l > 0
 
-Its coordinates are interpolated from vertex to vertex, and then looked up: "fast Phong". The cosine t is
+Its coordinates are interpolated from vertex to vertex, and then looked up: "fast Phong". The cosine t is one
+of
 
-    n.h      Blinn-Phong, by the host at the vertices, or by a texture matrix with the rows l and h, whose
-             texture coordinate is the normal: light and viewer are far away then
+    n.h      Blinn-Phong, by the host at the vertices. Or a texture matrix with the rows l and h makes the
+             coordinates from the normal; then light and viewer are far away
     r_v.l    Phong, r_v the viewer's direction mirrored in the normal, at the vertices
-    C_x (l_x v_x + l_y v_y) + C_z l_z v_z    one lobe of Lafortune's, in the vertex's frame; the last term has
-             the factor n.l too, which a reflectance is multiplied by
+    C_x (l_x v_x + l_y v_y) + C_z l_z v_z    one lobe of Lafortune's, in the vertex's frame; the last term
+             also has the factor n.l, by which a reflectance is multiplied
 
 The centres of the first and the last texel are zero and one, so a cosine is scaled by (W - 1)/W and moved by
-half a texel: a highlight lies at the table's end, where half a texel is much. Cosines keep their sign: what
-is below zero reads the table's edge, its value at zero, and what is interpolated between a lit and an unlit
-vertex crosses zero where it should.
+half a texel. A highlight lies at the table's end, where half a texel matters. Cosines keep their sign. A
+negative one reads the table's edge, its value at zero. Between a lit and an unlit vertex, the interpolated
+cosine crosses zero in the right place.
 
-The lower bound is Gouraud shading, OpenGL's lighting at the vertices (``lighting_pass``): the same model, its
-colours interpolated. The upper bound is the model at every pixel, which the host computes (``shade``).
+The lower bound is Gouraud shading, OpenGL's lighting at the vertices (``lighting_pass``): the same model with
+interpolated colours. The upper bound is the model at every pixel, which the host computes (``shade``).
 
 Powers are products, so that texels have the same bits on every processor.
 

@@ -1,22 +1,24 @@
-"""K15, dependent lookups by pixel textures on the Octane: the Banks model (K03), the anisotropic Blinn-Phong
-model (K05, K06) and Ward's model (K09), every copy a command.
+"""K15, dependent lookups by pixel textures on the Octane; every copy is a command.
 
-The parameter stage loads a material texture through the color matrix, which holds a light, viewing or
-halfway vector, and draws the polygon; color masks put each parameter into a channel of the framebuffer, and
-blending multiplies and adds parameters. A lookup copies the framebuffer onto itself (CopyPixels): its pixel
-transfer moves the channels that hold the parameters to red and green, which become s and t, and sets alpha,
-which becomes q, to one; the texel replaces a channel or is multiplied with it by blending. So every channel,
-alpha too, can hold a parameter.
+It has the Banks model (K03), the anisotropic Blinn-Phong model (K05, K06) and Ward's model (K09).
 
-The paper has pixels read to host memory and drawn again (section 5), which is what DrawPixels needs; the
-extension lets copies do the same, and then nothing leaves the board. ``through_host`` makes the paper's
-commands of these: bit for bit the same picture, four bytes a pixel each way.
+The parameter stage loads a material texture through the color matrix, which holds a light, viewing or halfway
+vector, and draws the polygon. Color masks put each parameter into a channel of the framebuffer; blending
+multiplies and adds parameters. A lookup copies the framebuffer onto itself (CopyPixels). Its pixel transfer
+moves the parameters' channels to red and green, which become s and t. It sets alpha, which becomes q, to one.
+The texel replaces a channel, or blending multiplies the channel by it. So every channel, even alpha, can hold
+a parameter.
 
-The color matrix holds one vector: a directional light, an infinite viewer and a flat surface are needed, as
-the paper says. The stencil buffer marks the polygon's pixels, so that copies of the panel leave others alone.
-The result replaces what the polygon covers; a diffuse pass is added afterwards.
+The paper reads pixels to host memory and draws them again (section 5), which is what DrawPixels needs. The
+extension lets copies do the same, and then nothing leaves the board. ``through_host`` turns the copies into
+the paper's commands: the same picture bit for bit, for four bytes a pixel each way.
 
-``bits``: 8, or on the Octane 12, of the textures; the framebuffer's width is ``execute``'s ``color_bits``.
+The color matrix holds one vector. So the light is directional, the viewer infinite and the surface flat, as
+the paper says. The stencil buffer marks the polygon's pixels, so copies of the panel leave the others alone.
+The result replaces the polygon's pixels; a diffuse pass is added afterwards.
+
+``bits``: the textures' width, 8, or 12 on the Octane. The framebuffer's width is ``execute``'s
+``color_bits``.
 
 Source: Kautz, Seidel 2000, sections 3.1 to 3.3, 4.2 and 5; SGIX_pixel_texture; pass sequences A-K03, A-K05,
 A-K06, A-K08 and A-K09 of the catalogue (K15: its cost).

@@ -1,27 +1,27 @@
-"""K22, plain multitexturing: how far Eq. 1 comes by unsigned texture environments, and what a sign costs.
+"""K22, plain multitexturing: how close unsigned texture environments come to Eq. 1, and what a sign costs.
 
 With the symmetric matrix M = t t^T / ax^2 + b b^T / ay^2 of each texel,
 
     Eq. 1 = k_s (1 - h^T M h)+ = k_s (1 - sum of m_ii h_i^2 - sum of 2 m_ij h_i h_j)+.
 
-Three of the six products are squares and have no sign: textures hold m_ii / 4, vertex colours h_i^2, and an
-unsigned board multiplies and adds them as they are. The other three have one, which neither a texel nor a
-vertex colour can carry. ``unsigned_passes`` leaves them out. That is the best that needs no sign: with t and
-b themselves every one of the six products needs one, and is to be squared besides, where M makes Eq. 1 linear
-in what the textures hold. Lost are the terms by which the lobe turns: strokes along the texture's axes are
-right, strokes along either diagonal give one and the same round highlight.
+Three of the six products are squares and have no sign. Textures hold m_ii / 4, vertex colours h_i^2, and an
+unsigned board multiplies and adds them. The other three have a sign, which neither a texel nor a vertex
+colour can carry. ``unsigned_passes`` leaves them out. No unsigned method is better: with t and b themselves,
+each of the six products needs a sign and must then be squared, while Eq. 1 is linear in M. The missing terms
+turn the lobe. So strokes along the texture's axes are right, and strokes along either diagonal give the same
+round highlight.
 
-``signed_passes`` has the sign after all, as two unsigned halves of either factor and a framebuffer that is
-inverted in between: four draws for a product, and what is subtracted has to be scaled down to leave room for
-what is added again. So the paper's judgement, that unsigned environments and two textures are too little, is
-about a pass; a board whose passes are free could have Eq. 1. ``bumped_diffuse_passes`` makes K10's dot
-product of such halves.
+``signed_passes`` has the sign nevertheless, with two unsigned halves of each factor and a framebuffer that is
+inverted in between. A product takes four draws. A subtracted term must be scaled down, to leave room for what
+is added again. So the paper's judgement, that unsigned environments and two textures are too little, is about
+one pass. A board with any number of passes could have Eq. 1. ``bumped_diffuse_passes`` computes K10's dot
+product from such halves.
 
-What is linear in the textures may be interpolated first: M has none of the rings of figure 2, but for those
-of (.)+. Eight bits are few for it where alpha is small: at 0.25 Eq. 1 has a sixteenth of M's range.
+M is linear in the textures, so it may be interpolated first. It has none of the rings of figure 2, except
+those of (.)+. Eight bits are few for M if alpha is small: at 0.25 Eq. 1 has a sixteenth of M's range.
 
-No environment sums the channels of a colour, and only INTERPOLATE adds a product to what an earlier unit
-gives, which it weighs down: here each product is a draw, and of two units one is idle.
+No environment sums the channels of a colour. Only INTERPOLATE adds a product to an earlier unit's result, and
+it reduces that result's weight. So each product is a draw here, and one of two units is idle.
 
 Source: Kautz, Seidel 2000, section 5 (K22 of the catalogue; its line in section 2.6);
 ARB_texture_env_combine. The quadratic form: Inferred, from Eq. 1.

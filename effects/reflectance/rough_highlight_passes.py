@@ -3,10 +3,10 @@
 One roughness for all, any machine with textures:
 
     d = (h.e_1, h.e_2) is a texture coordinate of the vertices, and the highlight a table over it. The table
-    holds the whole formula, its divide and its power, for that one K.
+    holds the whole formula, with its divide and its power, for that one K.
 
 Source: Schilling 1997, appendix A; pass sequences A-S21 to A-S23 of the catalogue, which proposes a lookup of
-two parameters in the place of the divide. Assumed: how the table is laid out.
+two parameters in place of the divide. Assumed: the table's layout.
 """
 
 import numpy as np

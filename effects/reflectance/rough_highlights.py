@@ -1,20 +1,22 @@
 """S21 to S23: Blinn and Phong's highlight on a rough surface, in floats.
 
-The angle a between normal n and halfway vector h is changed by the roughness D, D D^T = K, before the power:
+Before the power, the roughness D, D D^T = K, changes the angle a between normal n and halfway vector h:
 
     cos^2 a' = cos^2 a / (q + cos^2 a),    cos^2 a = 1 - |d|^2,    d = (h.e_1, h.e_2)
 
-and q is, ``Form`` by ``Form``:
+and q is, for each ``Form``:
 
-    printed    |d|^4 / |D d|^2      what the paper has: right where K is diagonal only (erratum E001.6)
+    printed    |d|^4 / |D d|^2      the paper's form: right only for a diagonal K (erratum E001.6)
     corrected  |d|^4 / |D^T d|^2    |D^T d| is the deviation along d
     inverse    |D^-1 d|^2           the contours are the ellipses of K themselves
 
 All three agree on a diagonal K's axes. With I_1 alone, S22, all are tan a' = tan a / I_1. A deviation is in
-units of slope, so that a' is below a where it exceeds one (erratum E001.11); with fewer the power m bounds
-the sharpness from below, and m = 4 of ``inverse`` is Trowbridge and Reitz's distribution of slopes.
+units of slope, so a' is below a if the deviation exceeds one (erratum E001.11). For smaller deviations the
+power m bounds the sharpness from below. ``inverse`` with m = 4 is Trowbridge and Reitz's distribution of
+slopes.
 
-All is float64 addition, multiplication, division and square root in one order: the same bits everywhere.
+The module uses float64 addition, multiplication, division and square root in one order, so its bits are the
+same everywhere.
 
 Source: Schilling 1997, appendix A; errata E001.6, E001.11, E001.12; pass sequences A-S21 to A-S23 of the
 catalogue.

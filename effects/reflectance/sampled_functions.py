@@ -1,8 +1,8 @@
-"""Functions that no hardware of the time computes, sampled into textures: what a dependent lookup reads.
+"""Functions that no hardware of the time computes, sampled into textures for dependent lookups.
 
-A table of n texels over [0, 1] holds its function at the texels' centres, (i + 1/2)/n, but for its ends:
-with CLAMP_TO_EDGE a coordinate within half a texel of 0 or 1 gives the first or last texel alone, so these
-hold the function at 0 and at 1. Otherwise R(s) = sqrt(1 - s) of 256 texels would end at 0.044 (erratum
+A table of n texels over [0, 1] holds its function at the texels' centres, (i + 1/2)/n, except at its ends.
+With CLAMP_TO_EDGE, a coordinate within half a texel of 0 or 1 reads the first or last texel alone. So these
+hold the function at 0 and at 1. Otherwise R(s) = sqrt(1 - s) with 256 texels would end at 0.044 (erratum
 E004.16).
 
 Source: Kautz, Seidel 2000, section 3 (complex functions, sampled and put into texture maps).

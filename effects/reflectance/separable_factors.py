@@ -2,18 +2,18 @@
 
     f_r(l, v) = sum over k of u_k(a) v_k(b)
 
-with (a, b) the halfway and the difference vector, or light and view. The table of all texels of a against
-all texels of b is a matrix, and the terms are those of its singular value decomposition, found one after the
-other: each is fitted to what its predecessors left, u for given v and v for given u, in turn. Each pair of
-texels counts by its solid angles and by the squares of the cosines with which light comes and is seen; pairs
-for which light or view is below the horizon do not count, so that nothing has to be invented for them. Where
-every pair counts by a product of two weights that is the decomposition itself, to the fit's tolerance.
+(a, b) are the halfway and the difference vector, or light and view. The table of all texels of a against all
+texels of b is a matrix. The terms are those of its singular value decomposition, found one after the other.
+Each is fitted to the remainder of its predecessors: u for given v and v for given u, in turn. A pair of
+texels has as weight its solid angles, times the squares of the light's and the view's cosines. Pairs with
+light or view below the horizon have no weight, so no value has to be invented for them. If every weight is a
+product of two, the result is the decomposition itself, to the fit's tolerance.
 
-The first term of a table that is nowhere negative is nowhere negative; later ones have signs. ``NORMS`` is
-the cheap way: one term, u the norm of each row, v the mean of the rows over their norms.
+If a table is nowhere negative, neither is its first term; later ones have signs. ``NORMS`` is the cheap way:
+one term, u the norm of each row, v the mean of the rows over their norms.
 
 Source: Kautz, McCool 1999 (both decompositions, the parameters); Heidrich 2001, section 1.1.2. Chosen: the
-weights, and alternating fits in the place of a singular value decomposition.
+weights, and alternating fits in place of a singular value decomposition.
 """
 
 from dataclasses import dataclass

@@ -1,22 +1,22 @@
-"""H02 to H06, H09 and H10: Torrance-Sparrow's model as two tables, multiplied by units or by
-blending.
+"""H02 to H06, H09 and H10: Torrance-Sparrow's model as two tables, multiplied by units or by blending.
 
     F(cos theta) D(cos delta)                    over l.h and n.h
     G(cos alpha, cos beta) / (c pi cos beta)     over n.l and n.v
 
-The vertices' colour is light times k_s. With two units the product takes one pass (H02); with one it takes
-two, the second multiplied by blending (H03). Diffuse light is a pass more, or a third unit's (H04). The
-tables' coordinates are computed at the vertices, by the host or a vertex program (H05), or made by two
-texture matrices of the normal, where light and viewer are far away (H06). Schlick's approximations may stand
-for all three functions (H09).
+The vertices' colour is light times k_s. With two units the product takes one pass (H02). With one it takes
+two, and blending multiplies the second (H03). Diffuse light takes another pass, or a third unit (H04). The
+host or a vertex program computes the tables' coordinates at the vertices (H05). If light and viewer are far
+away, two texture matrices can make them from the normal (H06). Schlick's approximations may replace all three
+functions (H09).
 
-G / (pi cos beta) exceeds one where the view grazes, the more the smoother the surface, and a table of bytes
-clamps it (artefact P1). Divided by c it does not, and the picture is multiplied back (H10): by a combiner's
-scale, by drawing white with DST_COLOR, ONE, which doubles what the framebuffer holds, or by the accumulation
-buffer.
+At grazing views G / (pi cos beta) exceeds one, the more the smoother the surface is, and a table of bytes
+clamps it (artefact P1). Divided by c it does not exceed one, and the picture is multiplied back (H10). A
+combiner's scale does that, or the accumulation buffer, or drawing white with DST_COLOR, ONE, which doubles
+the framebuffer.
 
-A table's first and last texels' centres are cosines of zero and one (``placed``), and zero is zero: what is
-turned away from the light or the viewer reads the first column or row, which is black (erratum E000.2).
+The centres of a table's first and last texels are the cosines zero and one (``placed``), and zero gives zero.
+A surface that faces away from the light or the viewer reads the first column or row, which is black (erratum
+E000.2).
 
 Source: Heidrich 2001, section 1.1, Eq. 1 to 3; Schlick 1994 (pass sequences A-H02 to A-H06, A-H10 of the
 catalogue; errata E000.1, E000.2).
