@@ -1,3 +1,4 @@
-"""Light that is scattered between the bumps of a height field: visibility that is computed once, and what is
-made of it. Source: Heidrich, Daubert, Kautz, Seidel 2000.
+"""Scattered light between the bumps of a height field, from visibility that is computed once.
+
+Source: Heidrich, Daubert, Kautz, Seidel 2000.
 """

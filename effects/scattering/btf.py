@@ -1,8 +1,9 @@
-"""G27 and G29: the goniometer's pictures kept, a bidirectional texture function, and BRDFs of its windows.
+"""G27 and G29: a bidirectional texture function, which is the goniometer's stored pictures, and its windows'
+BRDFs.
 
-A picture shows one period of the field from v with light from l, registered to the field's mean plane, so
-that a pixel is the same place of the material in all. Of a diffuse field each picture is the light of the
-texels (``goniometer.lights``) at those that are seen (``goniometer.picture``), which do not depend on l.
+A picture shows one period of the field from v, with light from l. It is registered to the field's mean plane,
+so a pixel is the same place of the material in all pictures. For a diffuse field, a picture is the light of
+the texels (``goniometer.lights``) at the visible ones (``goniometer.picture``), which do not depend on l.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 6 and 7; pass sequences A-G27 and A-G29. Assumed:
 float16 or bytes; the paper does not say how a BTF would be kept.

@@ -1,10 +1,10 @@
 """G33: bumps and Phong in one pass of register combiners: albedo (n.l)+ + k_s ((n.h)+)^8.
 
 The primary colour holds l, the secondary h, whose length is the eighth root of k_s. The first general
-combiner makes both dot products, the second multiplies the one by the albedo and squares the other, and the
-final combiner squares twice more and adds. Where (n.l) is not positive, or the texel is in shadow, alpha is 0
-and the alpha test leaves the black that the panel was cleared to, so that no highlight is there. Without
-highlights neither is needed.
+combiner computes both dot products. The second multiplies the one by the albedo and squares the other. The
+final combiner squares twice more and adds. If n.l is not positive, or the texel is in shadow, alpha is 0, and
+the alpha test leaves the panel's black. So there is no highlight there. Without highlights, alpha and its
+test are not needed.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6; part of pass sequence A-G09. Assumed: the exponent 8
 and the alpha test; the paper prints no program.

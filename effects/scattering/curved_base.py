@@ -1,30 +1,29 @@
-"""G18, G19 and G21: a height field on a base that is bent or stretched. What is seen stays, where it is seen
-moves.
+"""G18, G19 and G21: a height field on a bent or stretched base. Texels see the same points, in new
+directions.
 
-The base has the principal curvatures kappa_u and kappa_v, along s and t, in 1 / edge of the field's square:
-positive where it is convex and valleys widen. A point (x, y, h) relative to a texel p, h above the base,
-comes to lie
+The base has the principal curvatures kappa_u and kappa_v, along s and t, in 1 / edge of the field's square.
+They are positive where the base is convex and valleys widen. A point (x, y, h), relative to a texel p and h
+above the base, moves to
 
     X = sin(kappa_u x) (1 / kappa_u + h),   Z = cos(kappa_u x) (1 / kappa_u + h) - 1 / kappa_u
     Y = sin(kappa_v y) (1 / kappa_v + Z),   z = cos(kappa_v y) (1 / kappa_v + Z) - 1 / kappa_v
 
-in the frame of the base at p: a cylinder where one curvature is zero, a sphere where both are equal, a torus
-else. Sines and cosines are series, and the bent position is computed as the flat one and what is added to it,
-so that the flat base is met to the last bit and a small curvature loses no digits.
+in the frame of the base at p. The base is a cylinder if one curvature is zero, a sphere if both are equal,
+and a torus otherwise. Sines and cosines are series. The bent position is the flat one plus a difference. So
+the flat base is exact to the last bit, and a small curvature loses no digits.
 
-A direction d_i turns to where the point is now that it saw. Directions along which nothing is seen stay
-(erratum E002.12: they end at infinity). Each counts by how much more of the sphere it stands for than before,
-w_i = A_i / A_i(0) (E002.13). Normals go by the map's Jacobian, in the frame at their own texel: n_x / (s_x (1
-+ kappa_u h)), n_y / (s_y (1 + kappa_v h)), n_z. A stretch of the base by (s_x, s_y) comes first; it is
-linear, so that straight lines stay straight and all directions move by it, those too along which nothing is
-seen.
+A direction d_i turns to the new place of the point that it saw. Directions that see nothing stay (erratum
+E002.12: they end at infinity). A direction's weight is the growth of its part of the sphere, w_i = A_i /
+A_i(0) (E002.13). Normals transform by the map's Jacobian, in the frame at their own texel: n_x / (s_x (1 +
+kappa_u h)), n_y / (s_y (1 + kappa_v h)), n_z. A stretch of the base by (s_x, s_y) comes first. It is linear,
+so straight lines stay straight and it moves all directions, even those that see nothing.
 
-What A_i is decides how much of a bend is seen. The triangles round the moved directions (``fan_weights``, the
-paper's) part the gap between a direction that moves and one that stays in halves, though the whole of it is
-sky: of the change of a groove's indirect light they find half (Measured: tests/effects/scattering/
-test_curved_base.py), and where directions move past others that stay the triangles fold over. So the borders
-of A_i move too (``border_weights``): what lies between directions moves with the nearer of the points that
-they see, whose edge it is that hides the other.
+The choice of A_i decides how much of a bend shows. The paper's triangles round the moved directions
+(``fan_weights``) halve the gap between a direction that moves and one that stays, although all of the gap is
+sky. They find half of the change of a groove's indirect light. Measured:
+tests/effects/scattering/test_curved_base.py. Where directions move past others that stay, the triangles fold
+over. So the borders of A_i move too (``border_weights``). The gap between two directions moves with the
+nearer of the points that they see, because its edge hides the other.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 5; pass sequences A-G18, A-G19 and A-G21.
 """

@@ -1,13 +1,15 @@
-"""G20: five ellipses for every texel, for no curvature and a little of either sign along either axis; others
-between them, for their packed numbers are linear in the curvature.
+"""G20: five ellipses for every texel: one without curvature, and two for a little of either sign along each
+axis.
 
-An ellipse on a bent base is fitted to directions that have moved (``curved_base``). Of those along which
-nothing is seen the ones beside a point that is seen move with it, for what they border on does: so the fit
-follows the rim. Were they to stay, as they do where light is gathered (erratum E002.12), most of the change
-would be lost.
+Ellipses in between are interpolated, because the packed numbers are linear in the curvature.
 
-Differences are taken of the pair of forms that is symmetric (``ellipses.rooted``), which has no signs and no
-order of axes that could change between two fits (erratum E002.7).
+An ellipse on a bent base is fitted to directions that have moved (``curved_base``). A direction that sees
+nothing moves too, if it is next to one that sees a point, because that point borders it. So the fit follows
+the rim. Where light is gathered, such directions stay (erratum E002.12); here that would lose most of the
+change.
+
+Differences are taken of the symmetric pair of forms (``ellipses.rooted``). It has no signs and no order of
+axes that could change between two fits (erratum E002.7).
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 5; pass sequence A-G20.
 """

@@ -1,9 +1,10 @@
-"""G25: a BRDF as a dense grid of samples, and what lies between them.
+"""G25: a BRDF as a dense grid of samples, with interpolation between them.
 
-The grid has ``count`` steps of z and ``count`` of the angle around it for the light and for the view, each in
-its middle: count^4 samples, 16^4 in the paper. As lights and views are apart (``goniometer``), it costs
-count^2 of either and a sum for each pair. Measured: 16^4 of 32 x 32 texels, three reflections, in about a
-second on one core of an AMD EPYC; the paper, which draws each sample, has 7 to 8 hours.
+For the light and for the view, the grid has ``count`` steps of z and ``count`` of the angle around it; a
+sample lies in the middle of each. That makes count^4 samples, 16^4 in the paper. Lights and views are
+computed separately (``goniometer``), so the cost is count^2 of each and a sum for each pair. Measured: 16^4
+samples of 32 x 32 texels, three reflections, in about a second on one core of an AMD EPYC. The paper draws
+each sample and takes 7 to 8 hours.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6; pass sequence A-G23, 65,536 times.
 """

@@ -1,10 +1,10 @@
 """Directions spread evenly over the sphere, and the triangles between them.
 
-Visibility is computed along these directions (``visibility``); the triangles say between which three of them
-another direction lies, and how much of the sphere each direction stands for.
+Visibility is computed along these directions (``visibility``). The triangles tell which three of them
+surround another direction, and each direction's share of the sphere.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3 (the set D), 4 and 5 (its triangulation). Assumed:
-points of a spiral; the paper says that they are uniform and no more. The whole sphere and not its upper half:
+points of a spiral; the paper says only that they are uniform. The whole sphere and not its upper half:
 erratum E002.2 of the catalogue.
 """
 

@@ -1,5 +1,6 @@
-"""G22: a height field as geometry: the mesh whose triangles are the field's own (``height_field``), so that
-what hides what, and what lies in shadow, is the same for the depth buffer, for rays and for S_i.
+"""G22: a height field as geometry: the mesh of the field's own triangles (``height_field``).
+
+So visibility and shadows are the same for the depth buffer, for rays and for S_i.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 2 and 6 (displacement mapping); sequence A-G22.
 """

@@ -1,27 +1,27 @@
-"""G15 and G16: shadows of bumps on a board, by the ellipses of ``ellipses``.
+"""G15 and G16: shadows of bumps on a board, by the ellipses of the module ``ellipses``.
 
 The test is Eq. 4, 1 - (E1.l)^2 - (E2.l)^2 with l = (l_x, l_y, 1) in the frame of the surface without its
-bumps (erratum E002.9). Its result is a mark in the stencil buffer, and light is added where there is one:
+bumps (erratum E002.9). Its result is a mark in the stencil buffer; light is added to marked pixels:
 
 1. Ambient light everywhere; the depths.
 2. The mark.
 3. Bump mapping where the mark is.
 
-The ambient light comes first and not last, as a slope in shadow leaves neither a mark nor, where the alpha
-test refuses its fragments, a depth: a lit slope behind it would shine through it.
+The ambient light comes first, not last. A slope in shadow leaves no mark, and no depth where the alpha test
+refuses its fragments. A lit slope behind it would shine through.
 
-Register combiners (G15): E1 in unit 0, E2 in unit 1, both stored as quarters, or as halves where no number is
-above two; l at the vertices in the primary colour. The first general combiner makes both products times four,
-or two, the second adds their squares, the final one takes the sum from one. The alpha test is GREATER 0. What
-saturates at one is outside anyway.
+Register combiners (G15): E1 in unit 0, E2 in unit 1, both stored as quarters, or as halves if no number is
+above two; l at the vertices in the primary colour. The first general combiner computes both products times
+four, or two. The second adds their squares, and the final one subtracts the sum from one. The alpha test is
+GREATER 0. Numbers that saturate at one are outside the ellipse anyway.
 
-The imaging subset (G16), one l for the surface: a colour matrix makes the products and a table squares them
-while the image is loaded; two draws add the squares; a white draw takes them from one; the framebuffer is
-copied onto itself with red as its alpha, so that the alpha test leaves fragments, and marks, where it is
-above zero.
+The imaging subset (G16) has one l for the surface. While the image is loaded, a colour matrix computes the
+products and a table squares them. Two draws add the squares, and a white draw subtracts them from one. Then
+the framebuffer is copied onto itself with red as alpha. The alpha test passes fragments with alpha above
+zero, and they leave marks.
 
-What is filtered is the pair of forms on combiners, and their squares by the imaging subset. For the first the
-signs of neighbours have to agree (``ellipses.rooted``; erratum E002.15).
+Combiners filter the pair of forms; the imaging subset filters their squares. For combiners, the signs of
+neighbours must agree (``ellipses.rooted``; erratum E002.15).
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 4; Heidrich 2001, section 3.1; pass sequences A-G15,
 A-G16, A-G35.

@@ -1,5 +1,6 @@
-"""G14: for every texel an ellipse in the tangent plane that holds the unblocked directions. G20: five
-ellipses for slightly curved surfaces.
+"""G14 and G20: for every texel an ellipse in the tangent plane that holds the unblocked directions.
+
+Slightly curved surfaces take five ellipses (G20).
 
 A direction is seen from above as the point (x, y) of the unit disc. U are the free directions of the upper
 hemisphere. The ellipse's centre is the mean of U, and its axis is the larger eigenvector of the covariance.

@@ -1,12 +1,12 @@
-"""G30 and G34: what a height field in a scene sends back of a sun and of a sky, where its base is turned.
+"""G30 and G34: the light that a height field in a scene reflects from a sun and a sky.
 
-Wherever nothing is seen from a texel along d_i the environment's light comes from there, turned into the
-world by the frame of the base. On a flat part of a scene one frame serves all texels (``sun_and_sky``); on a
-surface that turns, as a sphere, every place has its own, and light from l that is scattered comes from tiles:
-the field's indirect light is linear in the light, so it is made once for each direction of the upper
-hemisphere and interpolated between the three around l (``on_turning_base``).
+If a texel sees nothing along d_i, the environment's light comes from there; the base's frame turns the
+direction into the world. On a flat part of a scene, one frame serves all texels (``sun_and_sky``). On a
+curved surface, such as a sphere, every place has its own frame. There, scattered light comes from tiles. The
+field's indirect light is linear in the light. So it is computed once for each direction of the upper
+hemisphere, and interpolated between the three around l (``on_turning_base``).
 
-Radiances are in units of what a white surface that faces the sun sends back, where the sun's colour is one.
+Radiances are in units of the light that a white surface facing the sun sends back; the sun's colour is one.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6 and figures 10 and 12; pass sequences A-G30 and
 A-G34.

@@ -1,23 +1,23 @@
 """G23 and G24: the BRDF of a height field, measured by a virtual goniometer.
 
-A sample f_r(l, v) is the mean radiance that is seen from v where light comes from l, over the irradiance of
-the mean plane. It is made of two arrays that do not know of each other:
+A sample f_r(l, v) is the mean radiance seen from v with light from l, over the irradiance of the mean plane.
+It combines two independent arrays:
 
-    lights   what every texel sends back, one array for each l, with shadows and scattering
-    shares   what part of the picture from v every texel is, one array for each v
+    lights   the light that every texel sends back, one array for each l, with shadows and scattering
+    shares   every texel's part of the picture from v, one array for each v
 
-so that a grid of n lights and m views costs n + m computations and a sum over texels for each pair. That
-holds where the field is diffuse; highlights depend on both directions and are added pair by pair.
+So a grid of n lights and m views costs n + m computations, and a sum over texels for each pair. That holds
+for a diffuse field. Highlights depend on both directions, and are added pair by pair.
 
-The shares are counted in pictures, one period of the field cast by rays from v (G23), or are asked in texture
-space (G24): a texel has V(p, v) (n_p.v)+ / n_p.z, the area that it turns towards v, where V says whether it
-is masked, by rays or by any other test that shadows have: the test is the same.
+Pictures give the shares by counting: rays from v cast one period of the field (G23). Or texture space gives
+them (G24): a texel has V(p, v) (n_p.v)+ / n_p.z, the area that it turns towards v. V says whether the texel
+is masked, by rays or by any other shadow test; masking is the same test.
 
-Radiances are in units of what a white surface that faces the light sends back, so f_r is the mean over pi and
-the irradiance, per steradian; a flat field has albedo / pi.
+Radiances are in units of the light that a white surface facing the lamp sends back. So f_r is the mean over
+pi and the irradiance, per steradian; a flat field has albedo / pi.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6; pass sequences A-G23 and A-G24. Inferred: highlights
-are scattered once; what is scattered further is diffuse.
+are scattered once; further scattering is diffuse.
 """
 
 import math

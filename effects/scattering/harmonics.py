@@ -1,13 +1,13 @@
-"""G26: a BRDF by some hundred random samples, projected into products of spherical harmonics.
+"""G26: a BRDF from some hundred random samples, projected into products of spherical harmonics.
 
 f(l, v) is approximated by the sum of c_jk Y_j(l) Y_k(v) over the real spherical harmonics of four bands, 16
-by 16 coefficients. Harmonics are a basis of the sphere, and of a hemisphere more than one: so c is found by
-least squares over the samples, and what is not determined by them is kept small (Tikhonov): the sum of the
-squares of c, times a small weight, is added to what is made least. Higher bands weigh more, as they are what
-noise makes.
+by 16 coefficients. Harmonics are a basis of the sphere, and overcomplete on a hemisphere. So least squares
+over the samples find c, and keep small what the samples do not determine (Tikhonov): they also minimize the
+sum of the squares of c, times a small weight. Higher bands have a larger weight, because noise appears in
+them.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6; pass sequence A-G26. Assumed: least squares and its
-weights; the paper names the basis as an example and says no more.
+weights; the paper only names the basis, as an example.
 """
 
 import math

@@ -1,11 +1,11 @@
 """Height fields that scatter light: heights, the normals of their bumps, and how they reflect.
 
-Heights are float64 [rows, columns], bottom row first, at texel centres, in units of the edge of the square
-that the field covers. The field is periodic. Between the texel centres it is made of triangles: each square
-of four centres has two, parted by the diagonal from its lower left to its upper right, as ``surfaces.plane``
-has them, so that the same field drawn as a mesh is the same surface.
+Heights are float64 [rows, columns], bottom row first, at texel centres, in units of the edge of the field's
+square. The field is periodic. Between texel centres it consists of triangles. Each square of four centres has
+two, divided by the diagonal from lower left to upper right, as in ``surfaces.plane``. So the same field drawn
+as a mesh is the same surface.
 
-Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3. Assumed: triangles; the paper does not say what lies
+Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3. Assumed: triangles; the paper does not say what is
 between grid points.
 """
 

@@ -1,5 +1,7 @@
-"""G17, the earlier method: horizon maps. Every texel stores the height of its horizon at eight azimuths.
-Light arrives if it stands higher, interpolated between two azimuths.
+"""G17, the earlier method: horizon maps.
+
+Every texel stores the height of its horizon at eight azimuths. A light that stands higher arrives; the height
+is interpolated between two azimuths.
 
 The horizon is exact on the field's triangles (``height_field``). Along an azimuth the field is linear between
 the lines where triangles meet. So the tangent of the elevation has its maximum on one of these lines. The

@@ -1,10 +1,10 @@
 """G09 on a GeForce 256: bumps and Phong in one pass of combiners, lookups by the host.
 
 1. L_d by ``combiner_bumps`` (G33), read back by ReadPixels.
-2. The host makes of each texel p the texel L_d[S_i[p]], as a pixel texture would, and loads the result.
+2. The host replaces each texel p by L_d[S_i[p]], as a pixel texture would, and loads the result.
 3. The second reflection by the same combiners with a light along d_i, times that texture by blending.
-4. Into the accumulation buffer, to the host as a term of a sum of floats, or added on the screen through a
-   texture, whose weight is its quad's colour.
+4. The result goes into the accumulation buffer, or to the host as a term of a sum of floats. Or a texture
+   adds it on the screen, with the quad's colour as its weight.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.3 and 6; pass sequence A-G09.
 """

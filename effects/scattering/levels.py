@@ -1,10 +1,11 @@
-"""G31: levels of detail that agree: geometry, a bump map, a BRDF, of one height field and its visibility.
+"""G31: levels of detail that agree: geometry, a bump map and a BRDF of one height field and its visibility.
 
-By texels of the field a pixel: geometry where a texel covers some pixels, a bump map where they are of one
-size, the BRDF where many fall into a pixel. Around either limit two levels are faded into each other.
+The size of the field's texels in pixels selects the level. Geometry is for texels of several pixels, a bump
+map for texels of a pixel's size, and the BRDF for many texels in a pixel. Around each limit, two levels fade
+into each other.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 1 and 6; pass sequence A-G31. Assumed: the limits and
-the fading; the paper says that the levels go together and no numbers.
+the fading; the paper says that the levels agree, but gives no numbers.
 """
 
 from fixedpipe.effects.technique import Technique

@@ -1,11 +1,11 @@
 """G28: a light field of a height field with scattered light: pictures from eyes on a plane.
 
-Two planes: eyes in a square above the field, and the field's mean plane, on which all pictures lie, so that a
-pixel of each is the same place. A picture from any eye between is linear in four of them, which is exact
-where the surface lies on the mean plane and blurs what stands out of it.
+There are two planes: eyes lie in a square above the field, and all pictures lie on the field's mean plane. So
+a pixel is the same place in each picture. A picture from an eye in between is linear in four of them. That is
+exact where the surface lies on the mean plane, and blurs the parts that stand out of it.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6 (32 x 32 pictures); pass sequence A-G28. Assumed: the
-parameterization; Levoy, Hanrahan 1996 and Gortler and others 1996 have it.
+parameterization, which is that of Levoy, Hanrahan 1996 and Gortler and others 1996.
 """
 
 import math

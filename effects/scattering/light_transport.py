@@ -1,15 +1,17 @@
-"""G06 and G11: scattered light by the method of dependent tests, in float64. The truth that machines' passes
-are compared with, on the same paths.
+"""G06 and G11: scattered light by the method of dependent tests, in float64.
 
-Every texel takes the same directions, so each step is one operation over the whole texture: bump mapping,
-with a light along l or along d_i, and a lookup of the light that the texel seen along d_i sends back:
+It is the truth for machines' passes, on the same paths.
+
+Every texel takes the same directions, so each step is one operation over the whole texture. A step is bump
+mapping, with a light along l or along d_i, and a lookup of the light that the texel seen along d_i sends
+back:
 
     L := bump(l -> -d_K)
     for k = K to 1:   L := bump(l -> v_k) + W bump(d_k -> v_k) L[S_k],   v_1 = v, v_k = -d_(k-1)
 
-Radiances are in units of what a white surface that faces the light sends back: a diffuse texel's is albedo
-(n.l)+. In these units W is 4: the density of one direction of the sphere, 4 pi (erratum E002.1: the paper's
-program has none), over the pi of a diffuse BRDF, albedo / pi.
+Radiances are in units of the light that a white surface facing the lamp sends back, so a diffuse texel's is
+albedo (n.l)+. In these units W is 4. One direction of the sphere has the density 4 pi (erratum E002.1: the
+paper's program has none); a diffuse BRDF, albedo / pi, divides by pi.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.1 and 3.2; pass sequences A-G06 and A-G11.
 """

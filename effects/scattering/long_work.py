@@ -1,10 +1,10 @@
-"""Work of hours in pieces that stay: a folder, its manifest, and a file for each piece that is done.
+"""Work that takes hours, in pieces that are kept: a folder, its manifest, and a file for each finished piece.
 
-The manifest says by which parameters the work is done, in how many pieces, and which are there, each with the
-digest of its bytes. A piece's file, and the manifest after it, are written under another name and then
-renamed, so that at no moment there is half of one. What was stopped, by an error, a signal or a power cut,
-goes on after the last piece that the manifest names; what is there in the end are the same bytes, however
-often it was stopped and on however many processors it ran.
+The manifest holds the work's parameters, the number of pieces, and the finished ones, each with the digest of
+its bytes. A piece's file is written under another name and then renamed, and then the manifest likewise. So
+half of a file never appears. After an error, a signal or a power cut, the work continues after the last piece
+in the manifest. In the end the bytes are the same, however often the work was stopped and however many
+processors it ran on.
 
 One run at a time may work in a folder.
 """

@@ -1,8 +1,7 @@
 """Height fields of things: a wall of bricks, boards of a fence, gravel. All are periodic, over a unit square.
 
-Their random parts come from an integer hash, so that they have the same bits everywhere. Assumed: sizes,
-depths and colours; they are what the paper's brick wall and figure 12 show, and no measurement of theirs is
-given.
+Their random parts come from an integer hash, so they have the same bits everywhere. Assumed: sizes, depths
+and colours. They look like the paper's brick wall and figure 12, for which no measurements exist.
 """
 
 import numpy as np

@@ -1,13 +1,16 @@
-"""G36: what hides bumps from the eye where they are a bump map: a coarse displacement and a bump map of what
-is left, or the bump map's texels redistributed by the angle at which they are seen.
+"""G36: bumps hide each other from the eye, although they are a bump map.
 
-A bump map on a flat surface shows every texel, however low the eye is; bumps hide their far sides. The paper
-displaces a coarse mesh, which hides what large bumps hide, and leaves the rest to the bump map. Becker and
-Max change the distribution of normals with the angle. Here texels move along lines of sight and keep their
-order: each takes as much of the line as is seen of it from above the mean plane, V (n.v)+ / n_z.
+Either a coarse displacement hides them, and a bump map holds the rest. Or the bump map's texels are
+redistributed by the viewing angle.
+
+A bump map on a flat surface shows every texel, however low the eye is; real bumps hide their far sides. The
+paper displaces a coarse mesh, which hides what large bumps hide, and leaves the rest to the bump map. Becker
+and Max change the distribution of normals with the angle. Here texels move along lines of sight and keep
+their order. Each takes a part of the line in proportion to its visible area over the mean plane, V (n.v)+ /
+n_z.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 2; Becker, Max 1993 (the idea of the redistribution;
-how it is done here is inferred). Assumed: 16 x 16 cells.
+its form here is inferred). Assumed: 16 x 16 cells.
 """
 
 import numpy as np

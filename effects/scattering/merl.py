@@ -1,9 +1,10 @@
 """A BRDF in the binary form of the MERL database, which renderers read: isotropic, by half angles.
 
-Three int32, 90, 90 and 180, then for red, green and blue each 90 x 90 x 180 float64, little-endian: over the
-half vector's angle from the normal, in steps that are finer at the highlight, the difference's angle, and the
-difference's azimuth from 0 to 180 degrees. A number times 1/1500, 1.15/1500 or 1.66/1500 is f_r of red, green
-or blue per steradian; it is -1 where light or view would lie below the horizon.
+A file has three int32, 90, 90 and 180. For each of red, green and blue, 90 x 90 x 180 float64 follow,
+little-endian. The axes are the half vector's angle from the normal, in steps that are finer at the highlight,
+the difference's angle, and the difference's azimuth from 0 to 180 degrees. A number times 1/1500, 1.15/1500
+or 1.66/1500 is f_r of red, green or blue per steradian. It is -1 if light or view would lie below the
+horizon.
 
 Source: Matusik, Pfister, Brand, McMillan 2003; the database's reader (sizes, scales, the square root of the
 half vector's angle). Inferred: each number is f_r in the middle of its cell.

@@ -3,14 +3,17 @@
     unit 0  S'_i, signed bytes: q - p in texels, in blue and green
     unit 1  L_d at p + (q - p): OFFSET_TEXTURE_2D, whose 2x2 matrix makes texture coordinates of texels
 
-Offsets are s / 128 of a signed byte s, and the matrix has 128 / size: whole texels, exactly. The board has no
-dot product at a fragment, so bumps are lit at vertices: a square for each texel, of a pixel, with the bumps'
-normal, lit by OpenGL's equations and coloured by the albedo. Unit 1 multiplies the square's colour, one pass
-a direction.
+An offset is s / 128 for a signed byte s, and the matrix has 128 / size. So offsets are whole texels, exactly.
+The board has no dot product per fragment, so bumps are lit at vertices. Each texel is a square of one pixel
+with the bumps' normal, lit by OpenGL's equations and coloured by the albedo. Unit 1 multiplies the square's
+colour, in one pass for each direction.
 
-What it loses beside a lookup at coordinates: S'_i is a texel's own, so no two texels share it; offsets of a
-signed byte reach 127 texels, so that a field has at most 127 along an edge; 127 is also what leads beyond the
-field, "none is seen"; and the squares take four vertices for each texel, where a quad would do.
+This has disadvantages against a lookup at coordinates:
+
+- S'_i is relative to a texel, so no two texels share it.
+- Signed bytes reach 127 texels, so a field has at most 127 along an edge.
+- 127 also leads beyond the field, which means "none is seen".
+- The squares take four vertices for each texel, where one quad would be enough.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3.3 (the restricted kind is named); pass sequence
 A-G10; ATI_envmap_bumpmap. Assumed: how bumps are lit; the paper does not use the board.

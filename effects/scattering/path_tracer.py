@@ -1,18 +1,18 @@
-"""G03, G04 and G05: paths over the precomputed visibility, each with random directions of its own, in
-float64.
+"""G03, G04 and G05: paths over the precomputed visibility, with random directions for each, in float64.
 
     L(p, v) = L_direct(p, v) + W f_r(p; d_i, v) (n_p.d_i)+ L(S_i[p], -d_i),   i at random
 
-in the units of ``light_transport``, where W is 4: the paper's program has no W (erratum E002.1), and gives
-its direct light no view (E002.3). A path ends where nothing is seen, and takes the sky's light there (G30),
-or after a number of lookups. Distribution ray tracing (G05) follows several directions from every place.
+The units are those of ``light_transport``, where W is 4. The paper's program has no W (erratum E002.1), and
+computes its direct light without a view (E002.3). A path ends where nothing is seen, and takes the sky's
+light there (G30). It also ends after a number of lookups. Distribution ray tracing (G05) follows several
+directions from every place.
 
-G04. A point between texels has direct light of its own, with the normal that is interpolated there; its
-indirect light is that of the nearest texel (NEAREST), whose squares are seen, or interpolated between the
-four texels around (BILINEAR), which the paper does for what the eye sees. What is seen from there on are
-texels.
+G04. A point between texels has its own direct light, with the interpolated normal. Its indirect light is the
+nearest texel's (NEAREST), which shows squares. Or it is interpolated between the four texels around
+(BILINEAR), as the paper does at the first hit. Further hits are texels.
 
-Unlike the method of dependent tests every point chooses for itself: neighbours differ by noise.
+Unlike in the method of dependent tests, every point chooses its own directions, so neighbours differ by
+noise.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3; pass sequences A-G03 to A-G05 and A-G30.
 """

@@ -1,13 +1,15 @@
 """G08 and G32 on the Octane: bump mapping by the color matrix, lookups by pixel textures.
 
-1. The normals' image is drawn through a color matrix with l, which undoes 2x - 1 too; the maximum with black
+1. The normals' image is drawn through a color matrix with l, which also undoes 2x - 1; the maximum with black
    is (n.l)+. The albedo's image multiplies it. A highlight is the same image drawn through a color matrix
-   with h and a table that raises to Phong's power, added where the matrix's fourth row, (n.l), is positive.
-2. S_i is drawn with a pixel texture, and multiplies what is there by L_d[S_i[p]].
-3. The product goes into the accumulation buffer with the weight, or is added to a sum on the screen by
-   CopyPixels, whose pixel transfer has the weight in full: no byte rounds it.
+   with h and a table that raises to Phong's power. It is added where the matrix's fourth row, n.l, is
+   positive.
+2. S_i is drawn with a pixel texture, and multiplies the framebuffer by L_d[S_i[p]].
+3. The product goes into the accumulation buffer with the weight. Or CopyPixels adds it to a sum on the
+   screen; its pixel transfer has the weight in full precision, so no byte rounds it.
 
-S_i's coordinates have 8 bits, or the 12 of the Octane's pixel groups; with these textures have 12 as well.
+S_i's coordinates have 8 bits, or the 12 of the Octane's pixel groups; in the latter case textures also have
+12.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.3 and 6; pass sequence A-G08; Heidrich, Seidel 1999
 (Phong by normal maps); SGIX_pixel_texture. Assumed: the maximum, the alpha test; the paper does not say how

@@ -1,12 +1,12 @@
-"""G10 by texture shaders: a direction's gathering is one pass.
+"""G10 by texture shaders: one pass gathers the light of a direction.
 
-    unit 0  S_i, NEAREST: alpha and red are the coordinates of the texel that is seen
+    unit 0  S_i, NEAREST: alpha and red are the coordinates of the visible texel
     unit 1  DEPENDENT_AR_TEXTURE_2D: L_d there, NEAREST
     unit 2  the normal map
     unit 3  the albedo
 
-The combiners make (n.d_i)+, times the albedo, plus a highlight, times unit 1, times the weight, and blending
-adds the pass to the sum. S_i is luminance and alpha, two bytes a texel as the paper counts them.
+The combiners compute (n.d_i)+, times the albedo, plus a highlight, times unit 1, times the weight. Blending
+adds the pass to the sum. S_i is luminance and alpha, two bytes a texel, as the paper counts them.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3.3 and figure 5; pass sequence A-G10;
 NV_texture_shader, section 3.8.13.1.16.

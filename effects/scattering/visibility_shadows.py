@@ -1,15 +1,16 @@
-"""G12 and G13: shadows of bumps from S_i, by the direction nearest to the light, or between the three around
-it.
+"""G12 and G13: shadows of bumps from S_i.
 
-A texel is lit where nothing is seen from it along the nearest direction (G12); or by the share that the three
-directions have, among which nothing is seen, of the weights by which the light lies between them (G13), from
-0 to 1, as if the light had the size of a triangle of directions.
+The direction nearest to the light decides, or the three directions around it.
 
-A direction from which the texel is turned away (BACK) tells nothing of what is in the way. It may count as
-shadowed, or take no part: then the nearest one lets the light be, whose cosine says the rest, and the other
-two of three share its weight (erratum E002.9).
+G12: a texel is lit if it sees nothing along the nearest direction. G13: the light lies between three
+directions with three weights. A texel's share of light, from 0 to 1, is the sum of the weights of those that
+see nothing, as if the light had the size of a triangle of directions.
 
-The light is one for the field, or one for each texel: a lamp nearby, or a base that is curved.
+A direction from which the texel faces away (BACK) says nothing of what blocks it. It may count as shadowed,
+or take no part. In the latter case, a nearest direction leaves the light to its cosine, and the other two of
+three share its weight (erratum E002.9).
+
+The field has one light, or each texel has its own: for a lamp nearby, or on a curved base.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 4; pass sequences A-G12 and A-G13.
 """

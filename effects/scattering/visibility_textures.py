@@ -1,12 +1,12 @@
-"""S_i as textures: for every texel the texture coordinates of the texel that is seen, in few bits.
+"""S_i as textures: for every texel the texture coordinates of the texel that it sees, in few bits.
 
-A coordinate of b bits is c / (2^b - 1); a texel i of T is stored as the code nearest to its centre and read
-back, NEAREST, as floor(c T / (2^b - 1)), which is i for every i where T <= 2^(b-1). Where T = 2^b the last
+A coordinate of b bits is c / (2^b - 1). A texel i of T is stored as the code nearest to its centre, and read
+back, NEAREST, as floor(c T / (2^b - 1)). The result is i for every i if T <= 2^(b-1). If T = 2^b the last
 texel has no code of its own: 2^b - 1 is the coordinate 1, which REPEAT takes to texel 0 and CLAMP_TO_EDGE to
 the last (P12).
 
-"None is seen" is the coordinate 1, beyond the field: the texture that is looked up (L_d) is at least one
-texel wider and higher than the field, and what is beyond it holds black, or the environment's radiance along
+"None is seen" is the coordinate 1, beyond the field. The texture that is looked up (L_d) is at least one
+texel wider and higher than the field. Beyond the field it holds black, or the environment's radiance along
 d_i (G30). So all codes are read back without error, and a field has at most 2^b - 1 texels along an edge.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3 (two components a texel). Assumed: the code for
