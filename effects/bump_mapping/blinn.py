@@ -1,15 +1,15 @@
-"""H41 and H42: Blinn's bump mapping in float64, and the map of normals that is made of it once.
+"""H41 and H42: Blinn's bump mapping in float64, and the map of normals that it gives.
 
-H41. Heights are a function of the surface's parameters. At every point asked, their derivatives d_u and d_v
-are differences of the heights a texel to either side, interpolated between texels, and the normal is that of
-the surface which the heights displace (``tangent_space.displaced_normals``). No table of normals takes part,
-and a vector is never interpolated: it is what the machines' passes are measured by.
+H41. Heights are a function of the surface's parameters. At every given point, their derivatives d_u and d_v
+are differences of the heights a texel to either side, interpolated between texels. The normal is that of the
+surface that the heights displace (``tangent_space.displaced_normals``). There is no table of normals, and no
+vector is interpolated. This is the reference for the machines' passes.
 
-H42. The same normals at the texels' centres are a texture, made once; a pass that reads it interpolates
-normals where H41 interpolates heights.
+H42. A texture holds the same normals at the texels' centres. A pass that reads it interpolates normals, where
+H41 interpolates heights.
 
-Source: Blinn 1978; Heidrich 2001, section 3; pass sequence A-H41. Assumed: a texel for the differences' step,
-with which both agree at the texels' centres.
+Source: Blinn 1978; Heidrich 2001, section 3; pass sequence A-H41. Assumed: the differences' step is a texel,
+so both agree at the texels' centres.
 """
 
 import numpy as np

@@ -1,12 +1,14 @@
 """K10, the diffuse bump-mapping pass, and K14, dot-product bump mapping with a Blinn-Phong highlight.
 
-K10: (n.l)+ per fragment from a normal map and a light vector per vertex, times a colour. It is the first of
-the paper's two passes; destination alpha keeps the gate min(1, 4 (n.l)+), by which a later specular pass can
-be multiplied so that it stays on the lit side (Eq. 1 itself is even in h and has no such term: erratum
-E004.1).
-With a colour map the surface's colour is a texture in unit 1 instead: the second general combiner, whose RGB
-portion was free, multiplies it by the light's colour, and E times F by the ambient light.
-K14: K10, then k (n.h)^8 by squaring three times. Two combiners have no multiplication left for k, so its
+K10 is (n.l)+ per fragment from a normal map and a light vector per vertex, times a colour. It is the first of
+the paper's two passes. Destination alpha keeps the gate min(1, 4 (n.l)+). A later specular pass can be
+multiplied by the gate, so that it stays on the lit side. Eq. 1 itself is even in h and has no such term
+(erratum E004.1).
+
+With a colour map, the surface's colour is a texture in unit 1 instead. The second general combiner, whose RGB
+portion was free, multiplies it by the light's colour, and E times F multiplies it by the ambient light.
+
+K14 is K10, then k (n.h)^8 by squaring three times. Two combiners have no multiplication left for k, so its
 eighth root is the halfway vector's length.
 
 Source: Kautz, Seidel 2000, sections 2, 3 and 6 (K10, K14 of the catalogue; pass sequences A-K07 and A-H43);

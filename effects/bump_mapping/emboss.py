@@ -1,22 +1,23 @@
 """K13, embossing: bumps by the difference of two readings of one height map.
 
-The second reading lies a little away from the light. Where the surface faces the light the height grows that
-way, so the second reading minus the first is, to first order, the directional derivative -dh/dl that makes
-(n.l)+ differ from the smooth surface's. No vector is stored and no dot product formed per fragment; what a
-height map cannot tell from level ground, a light right above it, it does not shade.
+The second reading lies a little farther from the light. Where the surface faces the light, the height grows
+that way. So the second reading minus the first is, to first order, the directional derivative -dh/dl, which
+makes (n.l)+ differ from the smooth surface's. No vector is stored, and no dot product is computed per
+fragment. A light right above the surface shades nothing, because a height map cannot tell this case from
+level ground.
 
-The coordinates of the second reading are NV_texgen_emboss's, computed at the vertices as that extension's
-hardware would. There a texture unit's own coordinates give the direction in which t grows, so that its B is
--tangent, its T the binormal, and both coordinates move away from the light.
+The coordinates of the second reading are those of NV_texgen_emboss, computed at the vertices as that
+extension's hardware would. The extension takes the direction in which t grows from a unit's own coordinates.
+So its B is -tangent, its T the binormal, and both coordinates move away from the light.
 
 Three boards, with H0 and H1 the two readings, D the lit colour and S the highlight of the smooth surface at
 the vertices:
 
     one unit              D (1 - H0); plus D H1
     two units, unsigned   H1 + (1 - H0) - 1/2; times 2 D
-    register combiners    (n.l + 4 (H1 - H0))+ times a colour: what is added needs signs
+    register combiners    (n.l + 4 (H1 - H0))+ times a colour: the added term needs signs
 
-A highlight is embossed alike, with the halfway vector in the light's place.
+A highlight is embossed in the same way, with the halfway vector in place of the light.
 
 Source: Kautz, Seidel 2000, section 2 (K13 of the catalogue; pass sequence A-K13); NV_texgen_emboss; for the
 passes, McReynolds and others 1998, from the catalogue's memory of it.

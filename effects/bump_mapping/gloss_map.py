@@ -1,7 +1,7 @@
 """K02, the gloss map: k_s varies per texel, the exponent stays constant.
 
-What hardware bump mapping could vary before the paper: the alpha of the normal map is k_s, and the blender
-multiplies the highlight by it.
+This is what hardware bump mapping could vary before the paper. The alpha of the normal map is k_s, and the
+blender multiplies the highlight by it.
 
 Source: Kautz, Seidel 2000, section 1 (K02 of the catalogue).
 """

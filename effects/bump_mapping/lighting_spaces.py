@@ -1,7 +1,7 @@
 """Z05, Z06 and Z07: one bump-mapped lighting in camera, in object and in tangent space.
 
-All three give the ambient colour + colour (n.l)+ + min(1, 4 (n.l)+) k (n.h)^8, and differ in where l, h and
-the map's normal meet:
+All three give the ambient colour + colour (n.l)+ + min(1, 4 (n.l)+) k (n.h)^8. They differ in the space in
+which l, h and the map's normal meet:
 
 Z05, camera space. n_camera = modelview [t b n] bm at every pixel, made of length one there. The document's
     fragment program is a texture shader's three dot products: unit 0 reads the map, units 1 to 3 multiply it

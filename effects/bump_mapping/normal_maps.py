@@ -5,14 +5,14 @@ Z01. The document differentiates the surface [d(u, v), u, v], the height first:
     n = [d(u+du, v) - d(u-du, v), 2 du, 0]/(2 du) x [d(u, v+dv) - d(u, v-dv), 0, 2 dv]/(2 dv)
       = (1, -d_u, -d_v)
 
-and makes its length one. What lies along the surface's normal is therefore the *first* component, while the
-rendering's [t b n] takes it last: ``tangent_space_order`` is the step between, (-d_u, -d_v, 1), which the
-document does not print (erratum E003.1). Without it every normal lies in the surface.
+and makes its length one. So the component along the surface's normal comes *first*, while the rendering's [t
+b n] expects it last. ``tangent_space_order`` is the step between, (-d_u, -d_v, 1), which the document does
+not print (erratum E003.1). Without it every normal lies in the surface.
 
 Z02. A component x in [-1, 1] is the byte round((x + 1)/2 * 255), and is read back as 2 byte/255 - 1. Zero is
-half way between two bytes and becomes 128, so that a flat texel is (128, 128, 255) and is read as
-(1/255, 1/255, 1): it leans .318 degrees (P30). The combiners' EXPAND_NORMAL takes 128 for zero and has no
-such lean; for them ``fixedpipe.effects.passes.encoding`` stores.
+half way between two bytes and becomes 128. So a flat texel is (128, 128, 255) and is read as (1/255, 1/255,
+1): it leans .318 degrees (P30). The combiners' EXPAND_NORMAL reads 128 as zero, without such a lean;
+``fixedpipe.effects.passes.encoding`` stores vectors for them.
 
 Source: Zwicker 2016, "Generating bump maps" and "Storing bump maps"; pass sequence A-Z01/Z02 of the
 catalogue.

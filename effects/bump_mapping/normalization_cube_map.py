@@ -1,8 +1,8 @@
 """K12, the normalization cube map: unit vectors from interpolated ones.
 
-Vectors at vertices lose length when they are interpolated. A cube map that stores, for every direction, the
-unit vector in that direction gives the length back. It takes a texture unit, so with two units a pass of K07
-keeps only one material texture: the two squares are then added in the framebuffer.
+Interpolation shortens the vectors of vertices. A cube map that stores, for every direction, the unit vector
+in that direction restores the length. It takes a texture unit, so with two units a pass of K07 has only one
+material texture. The framebuffer then adds the two squares.
 
 Source: Kautz, Seidel 2000, section 5; Kilgard 2000, section 4 (K12 of the catalogue; pass sequence A-K12);
 the faces' orientation: EXT_texture_cube_map, table 3.8.

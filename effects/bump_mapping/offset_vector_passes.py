@@ -1,7 +1,7 @@
-"""S13 to S15 on machines: offset vectors added to the normal at every fragment, and what light makes of it.
+"""S13 to S15 on machines: offset vectors added to the normal at every fragment, and the lighting from it.
 
-Light and viewer are far away, so that light is a function of the normal's direction alone: a cube map of it,
-looked up at n', needs no normalization, of the frame or of n' (``load_light``).
+Light and viewer are far away, so light is a function of the normal's direction alone. A cube map of this
+function, looked up at n', needs no normalization of the frame or of n' (``load_light``).
 
     dot products, GeForce 3   f_u, f_v and one as signed bytes (SIGNED_IDENTITY), times three rows [s_u s_v n]
                               of the frame that the vertices have: n', looked up in the cube map. Rows go
@@ -18,7 +18,7 @@ looked up at n', needs no normalization, of the frame or of n' (``load_light``).
     offsets, G400 and TEXRAM  a map of light by normals in two numbers, displaced by (g_1, g_2) through a
                               matrix for each part of the surface.
 
-Combiners divide n' by a factor where offsets exceed one: its direction is asked for alone.
+If offsets exceed one, combiners divide n' by a factor, because only its direction matters.
 
 Source: Schilling 1997, sections 7.1 to 7.3; pass sequences A-S13 to A-S15 of the catalogue. Assumed: the
 division into stages; light by a map of directions.

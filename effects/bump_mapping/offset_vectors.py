@@ -1,30 +1,32 @@
 """S12 to S15: bump maps of two numbers a texel, offset vectors that are added to the normal, in three frames.
 
-S12. A map keeps f_u and f_v, derivatives that were computed beforehand. Repeated more often on a surface it
-is the same map: p_u and p_v are derivatives by the *map's* coordinates, and shrink.
+S12. A map keeps f_u and f_v, derivatives that were computed beforehand. A surface may repeat the map more
+often without changing it: p_u and p_v are derivatives by the *map's* coordinates, and shrink.
 
 S13. The "natural" frame of a point, of any lengths and angle:
 
     n = p_u x p_v,  s_u = n^ x p_v,  s_v = p_u x n^,   n' = n + f_u s_u + f_v s_v
 
-which is Blinn's normal of the surface that is displaced by f along n^: heights stay as they are where the map
-is scaled, and slopes grow. Between vertices lengths go straight, and directions apart from them: a vector
-between two of different length turns faster near the shorter (``straight``, ``apart``; artefact P28).
+n' is Blinn's normal of the surface displaced by f along n^. If the map is scaled, heights stay the same and
+slopes grow. Between vertices, vectors are interpolated with their lengths, or directions apart from lengths.
+In the first case a vector between two of different length turns faster near the shorter one (``straight``,
+``apart``; artefact P28).
 
-S14. s_u and s_v of length one, beside n^: slopes stay as they are, so that heights scale with the map.
+S14. s_u and s_v have length one, with n^. Slopes stay the same, so heights scale with the map.
 
-S15. From the normal alone, which is interpolated, and a main direction m of the whole object:
+S15. The frame comes from the interpolated normal alone, and a main direction m of the whole object:
 
     n = n_I / |n_I|,  e_1 = (m x n) / |m x n|,  e_2 = n x e_1,   n' = n + g_1 e_1 + g_2 e_2
 
-e_1 is at right angles to m, e_2 lies in the plane of n and m (erratum E001.4, where words say the reverse).
-All of it times |n_I| has the same direction, and needs not that division (E001.15).
+e_1 is at right angles to m, and e_2 lies in the plane of n and m (erratum E001.4; the paper's words say the
+reverse). All of it times |n_I| has the same direction, and does not need that division (E001.15).
 
-s_u points against the direction in which u grows on the surface, s_v against v's. In (e_1, e_2), where e_1
-lies along u and e_2 along v, bumps of slopes f_1, f_2 are therefore offsets (-f_1, -f_2) (E001.9): with the
-other sign they are dents.
+s_u points against the direction in which u grows on the surface, and s_v against v's. In (e_1, e_2), e_1 lies
+along u and e_2 along v. So bumps of slopes f_1, f_2 are offsets (-f_1, -f_2) (E001.9); with the other sign
+they are dents.
 
-All is float64 addition, multiplication, division and square root in one order: the same bits everywhere.
+The module uses float64 addition, multiplication, division and square root in one order, so its bits are the
+same everywhere.
 
 Source: Schilling 1997, sections 7.1 to 7.3; Blinn 1978; errata E001.4, E001.9, E001.15; pass sequences A-S12
 to A-S15 of the catalogue.

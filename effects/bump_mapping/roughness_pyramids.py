@@ -1,15 +1,17 @@
-"""S16 to S19: the pyramid of a bump map and of the roughness that its levels have lost.
+"""S16 to S19: a bump map's pyramid, and the pyramid of the roughness that its levels have lost.
 
-A bump map of offset vectors f (slopes, of either sign) is a mip-map. Beside it each texel keeps a covariance
-matrix K = [a b; b c] of the offsets that it stands for:
+A bump map of offset vectors f (slopes, of either sign) is a mip-map. Each texel also keeps a covariance
+matrix K = [a b; b c] of the offsets that it covers:
 
     f_l = mean of four f_(l-1)
     K_l = mean of four K_(l-1) + mean of (f_(l-1) - f_l)(f_(l-1) - f_l)^T
 
-which is the covariance of all offsets of level 0 in the texel (erratum E001.5). Stored is D, upper
-triangular, with D D^T = K, whose numbers go as deviations; or I_1 alone, the root of K's larger eigenvalue.
+K is the covariance of all offsets of level 0 in the texel (erratum E001.5). The textures store D, upper
+triangular, with D D^T = K; its numbers have the size of deviations. Or they store I_1 alone, the root of K's
+larger eigenvalue.
 
-All is float64 addition, multiplication, division and square root in one order: the same bits everywhere.
+The module uses float64 addition, multiplication, division and square root in one order, so its bits are the
+same everywhere.
 
 Source: Schilling 1997, section 8; errata E001.5, E001.8, E001.14; pass sequences A-S16 to A-S19 of the
 catalogue.

@@ -7,26 +7,28 @@ three corners, so
 
 and t = dx/du and b = dx/dv are M's first two columns; n = t x b.
 
-Z04. At a vertex t and b are averaged over the triangles that share it. Stored are t, the normal and one sign;
-b is computed on the fly, sign * n x t: along b where the coordinates turn as the triangle does, against it
-where they are mirrored. (``triangle_meshes.from_triangles``, which makes tangents for OBJ files, weights the
-mean by the triangles' areas instead.)
+Z04. At a vertex, t and b are averaged over the triangles that share it. A mesh stores t, the normal and one
+sign, and b is computed when needed, as sign * n x t. It points along b if the coordinates turn as the
+triangle does, and against it if they are mirrored. (``triangle_meshes.from_triangles``, which makes tangents
+for OBJ files, weights the mean by the triangles' areas instead.)
 
-"No normalization necessary" (E003.2). With t and b as they are and n = t x b, the normal (-d_u, -d_v, 1) of a
-map becomes -d_u t - d_v b + t x b. A surface that is really displaced by d along its normal n^ has the normal
+"No normalization necessary" (E003.2). With t and b unnormalized and n = t x b, the normal (-d_u, -d_v, 1) of
+a map becomes -d_u t - d_v b + t x b. A surface that is really displaced by d along its normal n^ has the
+normal
 
     (t + d_u n^) x (b + d_v n^) = t x b + d_u n^ x b + d_v t x n^
 
-Both are one where t and b are as long and at right angles. Elsewhere the document's form divides d_u by the
-length of b instead of t's: ``printed_normals`` and ``displaced_normals`` are the two. Stretched 2 to 1,
-slopes of .3 and -.2 come out as (-.3, .1) instead of (-.15, .2), 9.9 degrees off; sheared by a half, 9.1
-degrees.
-Frames of length one, which ``with_tangents`` makes, take slopes in the surface's own units: right wherever u
-and v meet at right angles and the map was made for that stretch.
+Both are equal if t and b have the same length and are at right angles. Otherwise the document's form divides
+d_u by the length of b instead of t's. ``printed_normals`` and ``displaced_normals`` are the two forms. On a
+surface stretched 2 to 1, slopes of .3 and -.2 come out as (-.3, .1) instead of (-.15, .2), 9.9 degrees off;
+on one sheared by a half, the error is 9.1 degrees.
 
-Z27. No tangent space exists where a triangle has no area in texture space; a mirrored one has the binormal
-turned round; a stretch that differs along u and v makes bumps steeper along one of them. ``examine`` finds
-all three, with how much, and ``with_tangents`` refuses, drops, keeps or turns round what it finds, as asked.
+Frames of length one, which ``with_tangents`` makes, take slopes in the surface's own units. They are right
+where u and v meet at right angles and the map was made for that stretch.
+
+Z27. No tangent space exists where a triangle has no area in texture space. A mirrored triangle has its
+binormal reversed. A stretch that differs along u and v makes bumps steeper along one of them. ``examine``
+finds all three, with their amount; ``with_tangents`` refuses, drops, keeps or reverses them, as requested.
 
 Source: Zwicker 2016, "Tangent space", "Storing tangent vectors" and "Caveats"; Blinn 1978 (the displaced
 surface's normal); pass sequence A-Z03/Z04 of the catalogue; artefact Z27.

@@ -1,15 +1,16 @@
 """H43: Kilgard's bump mapping whole: two lighting passes, a normaliser, a highlight by successive squaring.
 
-l and h come to tangent space at the vertices, by the host (``vertex_vectors``) or by a vertex program (H44),
-and are interpolated. As vertex colours they lose length between the vertices; as texture coordinates of the
+The host (``vertex_vectors``) or a vertex program (H44) takes l and h to tangent space at the vertices, and
+they are interpolated. As vertex colours they lose length between the vertices. As texture coordinates of the
 normalization cube map (K12), which takes the second of two units, they get it back.
 
-1. (n.l)+ times the light's colour, min(1, 8 (l_z)+) and plus ambient light; the self-shadow in alpha.
-2. Times the surface's colours, where it has some: colours alone are written.
-3. k_s (n.h)^E, added by destination alpha: neither lights what the surface itself hides.
+1. (n.l)+ times the light's colour and min(1, 8 (l_z)+), plus ambient light; the self-shadow in alpha.
+2. Times the surface's colours, if it has some; only colours are written.
+3. k_s (n.h)^E, added by destination alpha. Neither light reaches what the surface itself hides.
 
 A general combiner squares, and the final one squares twice more: E = 2, 4 or 8 with two general combiners, 16
-with three. None is left for k_s, so that h is as long as k_s^(1/E): the cube map of h holds such vectors.
+with three. No multiplication is left for k_s, so h has the length k_s^(1/E): the cube map of h holds such
+vectors.
 
 Source: Kilgard 2000, section 4; Heidrich 2001, section 3; pass sequence A-H43. Assumed: the highlight's
 self-shadow by blending.

@@ -1,7 +1,7 @@
-"""H44: l and h in tangent space as a vertex program leaves them, beside ``vertex_vectors``, the host's.
+"""H44: l and h in tangent space from a vertex program; ``vertex_vectors`` is the host's way.
 
-The program, of registers of four single-precision numbers, with the position in v[OPOS], the normal in
-v[NRML], the tangent and the binormal's sign in v[TEX1], the light in c[4], and the eye in c[5]; c[4].w and
+The program has registers of four single-precision numbers. Its inputs are the position in v[OPOS], the normal
+in v[NRML], the tangent and the binormal's sign in v[TEX1], the light in c[4], and the eye in c[5]. c[4].w and
 c[5].w are 1 for a place and 0 for a direction:
 
     MUL R0, v[NRML].zxyw, v[TEX1].yzxw;                 the binormal, sign times n x t
@@ -16,9 +16,9 @@ c[5].w are 1 for a place and 0 for a direction:
     DP3 R3.x, v[TEX1], R1;  DP3 R3.y, R0, R1;  DP3 R3.z, v[NRML], R1;
     DP3 R4.x, v[TEX1], R2;  DP3 R4.y, R0, R2;  DP3 R4.z, v[NRML], R2;
 
-after which one instruction each writes R3 and R4 to o[TEX1], or, times and plus one half, to o[COL0]. The
-position is what the fixed function makes of it (the option NV_position_invariant of version 1.1), so that the
-passes' depths are equal.
+Then one instruction each writes R3 and R4 to o[TEX1]; for o[COL0], they are multiplied by one half and one
+half is added. The fixed function computes the position (the option NV_position_invariant of version 1.1), so
+the passes' depths are equal.
 
 Source: Lindholm, Kilgard, Moreton 2001; NV_vertex_program, section 2.14.1; pass sequence A-H44. Assumed: each
 instruction's result is the nearest single-precision number, which chips approach (docs/numbers.md, section

@@ -1,7 +1,8 @@
-"""What a camera sees of a scene: the convex body where its frustum and the scene's box meet, on the CPU.
+"""The part of a scene that a camera sees: the convex body where its frustum and the scene's box meet, on the
+CPU.
 
-A body is eight corners, float64 [8, 3]: corner 4 i + 2 j + k is at end i, j, k (0 or 1) of the three axes, as
-``Scene.corners`` orders them. Boxes, frusta and slices of frusta are such bodies.
+A body is eight corners, float64 [8, 3]: corner 4 i + 2 j + k is at end i, j, k (0 or 1) of the three axes, in
+the order of ``Scene.corners``. Boxes, frusta and slices of frusta are such bodies.
 
 Source: document 003, "first pass": the view frustum of the light encloses the scene; artefact A-Z14/Z15 of
 the catalogue. All arithmetic is elementwise, so that the matrices made from it have the same bits everywhere.

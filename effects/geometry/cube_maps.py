@@ -1,8 +1,8 @@
-"""Functions of direction as cube maps of floats: where texels lie, how much of the sphere they cover, and
-what a direction meets.
+"""Functions of direction as cube maps of floats: texels' places, their solid angles, and lookups by
+direction.
 
-Faces are in the order +x, -x, +y, -y, +z, -z, each with its row of the smallest t first. All is float64
-addition, multiplication, division and square root, so that texels have the same bits on every processor.
+Faces are in the order +x, -x, +y, -y, +z, -z, each with its row of the smallest t first. The module uses
+float64 addition, multiplication, division and square root, so texels have the same bits on every processor.
 
 Source: EXT_texture_cube_map, table 3.8 (faces and their axes).
 """

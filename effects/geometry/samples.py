@@ -1,4 +1,4 @@
-"""Rays through a view's pixels, and where samples lie in them: what supersampled pictures share."""
+"""Rays through a view's pixels, and the places of samples in a pixel, for supersampled pictures."""
 
 import numpy as np
 

@@ -1,8 +1,8 @@
 """Surfaces with local frames: plane, disc, sphere, torus, box, turned shapes, and several joined.
 
-A surface is what an effect needs to compute vectors per vertex; ``Surface.mesh`` makes the pipeline's vertex
-arrays of it. Texture coordinates grow along the tangent (s) and, on right-handed surfaces, along the binormal
-(t).
+A surface has the data from which an effect computes vectors per vertex; ``Surface.mesh`` turns it into the
+pipeline's vertex arrays. Texture coordinates grow along the tangent (s) and, on right-handed surfaces, along
+the binormal (t).
 """
 
 import math

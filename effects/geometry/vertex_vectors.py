@@ -1,8 +1,10 @@
-"""Per-vertex work that the papers do in software: vectors in the vertices' local frames, reflected and
-refracted vectors, dot products as texture coordinates.
+"""Per-vertex work that the papers do in software.
 
-What comes out goes into a mesh as vertex colours or texture coordinates; the machine iterates it. Arithmetic
-is ``fixedpipe.effects.geometry.vectors``', so the bits are the same everywhere.
+It has vectors in the vertices' local frames, reflected and refracted vectors, and dot products as texture
+coordinates.
+
+The results go into a mesh as vertex colours or texture coordinates; the machine iterates them. The arithmetic
+is that of ``fixedpipe.effects.geometry.vectors``, so the bits are the same everywhere.
 
 Source: Heidrich 2001, sections 1.1 (coordinates computed in software, Eq. 2 and 3), 1.3 and 1.6; Kautz,
 Seidel 2000, sections 4.1 and 5.1; Kilgard 2000 (H05, H13, H30, K10, K11 of the catalogue).

@@ -1,4 +1,4 @@
-"""Where a pass is drawn and seen from: camera, viewport and scissor, in world coordinates."""
+"""The view of a pass: camera, viewport and scissor, in world coordinates."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

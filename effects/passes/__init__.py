@@ -1,3 +1,5 @@
-"""The words in which techniques write their passes: draws and blending, combiners, texture shaders, what is
-stored in textures and vertex colours, and copies through pixel textures.
+"""The vocabulary in which techniques write their passes.
+
+It has draws and blending, combiners, texture shaders, the encoding of textures and vertex colours, and copies
+through pixel textures.
 """

@@ -1,4 +1,5 @@
-"""The words in which techniques write register combiners, so that a program reads as the paper's equation.
+"""The vocabulary in which techniques write register combiners, so that a program reads as the paper's
+equation.
 
 Eq. 1 of Kautz and Seidel, k_s (1 - (h.t/ax)^2 - (h.b/ay)^2)+, is
 
@@ -10,18 +11,18 @@ Eq. 1 of Kautz and Seidel, k_s (1 - (h.t/ax)^2 - (h.b/ay)^2)+, is
         constant0=specular,
     )
 
-Inputs are registers, or what ``expand``, ``signed``, ``negated``, ``one_minus``, ``alpha_of`` and ``blue_of``
-make of them; a register by itself is read as (.)+, UNSIGNED_IDENTITY, where ``!!RC1.0`` reads its sign too.
+Inputs are registers, or results of ``expand``, ``signed``, ``negated``, ``one_minus``, ``alpha_of`` and
+``blue_of``. A register by itself is read as (.)+, UNSIGNED_IDENTITY; in ``!!RC1.0`` it would keep its sign.
 ``ZERO`` and ``ONE`` are inputs.
 
-One product is ``product``, ``dot`` or ``square``. Two are a portion, the RGB or the alpha half of a general
-combiner: ``both`` keeps them apart, ``total`` adds them. ``scaled`` and ``less_half`` are said of a portion.
-The same words make either half: where a stage's alpha reads a register, it reads the register's alpha.
-``square_root``, ``exponential`` and ``quotient`` are the future board's (docs/numbers.md, section 20).
+One product is ``product``, ``dot`` or ``square``. Two products are a portion, the RGB or the alpha half of a
+general combiner: ``both`` keeps them apart, ``total`` adds them. ``scaled`` and ``less_half`` apply to a
+portion. The same functions make either half. In a stage's alpha half, a register means its alpha.
+``square_root``, ``exponential`` and ``quotient`` belong to the future board (docs/numbers.md, section 20).
 
 A ``stage`` is a general combiner, ``final`` and ``shown`` are final ones, and a ``program`` is made of both.
 
-The words raise ValueError for what they cannot take; what a machine does not have, validation refuses.
+The functions raise ValueError for inputs that they cannot take. Validation refuses what a machine lacks.
 
 Source: NV_register_combiners, section 3.8.12.
 """

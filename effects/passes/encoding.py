@@ -1,25 +1,26 @@
-"""How vectors and factors are stored in textures and vertex colours so that the combiners read them back.
+"""How textures and vertex colours store vectors and factors, so that the combiners read them back.
 
-What ends in ``_texels`` is for ``texture_2d`` and ``PixelImage``: bytes, uint8, on a machine; float64, 1.0
-is one and nothing rounded, where ``profile.arithmetic.exact``. What ends in ``_colors`` is for vertex colours
-and constant colours: float64, 1.0 is one, on every profile; ``colors_of`` makes it of texels.
+Functions that end in ``_texels`` are for ``texture_2d`` and ``PixelImage``. They give bytes, uint8, on a
+machine. If ``profile.arithmetic.exact``, they give float64, 1.0 is one, and nothing is rounded. Functions
+that end in ``_colors`` are for vertex colours and constant colours: float64, 1.0 is one, on every profile.
+``colors_of`` makes them from texels.
 
-Every scene is also built for an exact profile, IDEAL, whose evaluator has no formats: there nothing may be
-rounded, clamped or biased for a format's sake, or the difference of machine and ideal would hide it. What a
-scene computes is the same for both; only what it *stores* asks ``exact``, and mostly these functions do.
+Every scene is also built for an exact profile, IDEAL, whose evaluator has no formats. There a scene must not
+round, clamp or bias for a format, because that would hide the difference of machine and ideal. A scene's
+computation is the same for both. Only its *storage* depends on ``exact``, mostly through these functions.
 
-A table needs a guard where its coordinate may leave [0, 1] by rounding: n.v of two vectors stored in bytes
-comes out above one, and with REPEAT the table begins again there: dark specks in a highlight that the ideal
-does not have. CLAMP_TO_EDGE (``draws.EDGE``) guards a table that ends at one. A table that is to repeat, of
-arguments of either sign, reaches some texels beyond what is asked (``dot_product_lookups.banks_period``).
-Where the ends have to be met, the first and the last texel hold the function at 0 and at 1
-(``sampled_functions.positions``).
+A table needs a guard if rounding may move its coordinate out of [0, 1]. For example, n.v of two vectors
+stored in bytes may exceed one. With REPEAT the table begins again there: dark specks in a highlight, which
+the ideal does not have. CLAMP_TO_EDGE (``draws.EDGE``) guards a table that ends at one. A table that repeats,
+for arguments of either sign, extends some texels beyond the range of its argument
+(``dot_product_lookups.banks_period``). If the ends must be exact, the first and the last texel hold the
+function at 0 and at 1 (``sampled_functions.positions``).
 
-EXPAND_NORMAL maps a stored byte x to 2x - 256 on a machine whose half is 128, so zero is stored as 128 and
-the vector component v as ``128 + 127.5 v``. With the half at 127.5 (the extension's real-number reading, 2x -
-255) it is ``127.5 + 127.5 v``. Wider combiners of c bits read a texel's byte as a fraction of 2**c - 1 and
-take 2**(c - 1) as the half: zero is then 127.502 for 16 bits, and their vertex colours have c bits as well.
-The exact machine stores ``v/2 + 1/2`` unrounded.
+EXPAND_NORMAL maps a stored byte x to 2x - 256 on a machine whose half is 128. There zero is stored as 128,
+and the vector component v as ``128 + 127.5 v``. With the half at 127.5 (the extension's real-number reading,
+2x - 255) it is ``127.5 + 127.5 v``. Wider combiners of c bits read a texel's byte as a fraction of 2**c - 1
+and take 2**(c - 1) as the half. For 16 bits, zero is then 127.502, and vertex colours also have c bits. The
+exact machine stores ``v/2 + 1/2`` unrounded.
 
 Source: NV_register_combiners, table 4 (EXPAND_NORMAL); normal maps of the time put zero at 128.
 """

@@ -1,5 +1,6 @@
-"""Images of vectors as the host keeps them, and the pixel transfer that makes dot products of them: a colour
-matrix, then a colour table.
+"""Images of vectors in the host's memory, and the pixel transfer that turns them into dot products.
+
+The transfer is a colour matrix, then a colour table.
 """
 
 from dataclasses import dataclass

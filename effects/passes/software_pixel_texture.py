@@ -1,13 +1,13 @@
 """A pixel texture on a machine that has none: pixels are read back, looked up by the host, and drawn again.
 
-Kautz and Seidel (2000), section 5, on the GeForce 256, which has no dependent lookups: the intermediate
-picture goes to the host, which does what SGIX_pixel_texture does on the Octane. What is looked up depends on
-what was read, so a HostStep stands between reading and drawing:
+Kautz and Seidel (2000), section 5, do this on the GeForce 256, which has no dependent lookups. The
+intermediate picture goes to the host, which does what SGIX_pixel_texture does on the Octane. The lookups
+depend on the pixels, so a HostStep stands between reading and drawing:
 
     commands = (*passes_before, *pixel_texture("look up F", texture), *passes_after)
 
-The host's arithmetic is the machine's filter (docs/numbers.md, sections 6, 7 and 18), so that at eight bits
-the picture is the Octane's to the bit; of floats, which the ideal reads, the filter is exact.
+The host's arithmetic is the machine's filter (docs/numbers.md, sections 6, 7 and 18). So at eight bits the
+picture equals the Octane's bit for bit. On floats, which the ideal reads, the filter is exact.
 """
 
 from dataclasses import replace

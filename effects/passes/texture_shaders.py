@@ -1,4 +1,4 @@
-"""The words in which techniques write texture shaders: plain stages, dependent lookups, dot products."""
+"""The vocabulary in which techniques write texture shaders: plain stages, dependent lookups, dot products."""
 
 from fixedpipe.pipeline.enums import DotProductMapping
 from fixedpipe.pipeline.enums import TextureShaderOperation as Operation

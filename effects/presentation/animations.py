@@ -1,4 +1,4 @@
-"""What moves in a figure where nobody says it: animations that are declared, by the figure's id."""
+"""The default animation of each figure: which parameter moves. It is declared by the figure's id."""
 
 import math
 from collections.abc import Mapping

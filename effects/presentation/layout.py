@@ -1,6 +1,6 @@
-"""Where a sheet's panels stand: pictures, each a row of equal panels, on a page of a given width and height.
+"""The places of a sheet's panels: pictures, each a row of equal panels, on a page of a given size.
 
-All lengths are millimetres; x grows to the right, y downwards, from the left top corner of their area.
+All lengths are millimetres; x grows to the right, y downwards, from the top left corner of their area.
 """
 
 import math

@@ -1,9 +1,8 @@
-"""Animations as files, each frame written as it comes: lossless APNG and WebP, and MP4 for those who cannot
-show them.
+"""Animations as files, written frame by frame: lossless APNG and WebP, and MP4 for programs without them.
 
-The frames of APNG and WebP are pictures of those formats, each by itself, in a container that is put together
-here: no more than one is held at a time, equal frames stay frames, and a frame lasts its exact time in APNG,
-and in WebP to a millisecond, the whole too.
+The frames of APNG and WebP are single pictures of those formats, in a container that this module writes. It
+holds no more than one frame at a time, and equal frames stay separate. A frame's time is exact in APNG, and
+in WebP exact to a millisecond; so is the total.
 """
 
 import io

@@ -1,4 +1,4 @@
-"""Which pictures of a figure a sheet shows, each cut into its panels, and what is written at them."""
+"""The pictures of a figure on a sheet, each cut into its panels, and their labels."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""A sheet as the bytes of a PNG, PDF or SVG file: the same sheet, the same bytes."""
+"""A sheet as the bytes of a PNG, PDF or SVG file. The same sheet gives the same bytes."""
 
 import io
 

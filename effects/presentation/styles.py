@@ -1,4 +1,6 @@
-"""How sheets look: for a page of print, white with small serifs, and for slides, 16:9 with large letters."""
+"""The styles of sheets: for a printed page, white with small serifs, and for slides, 16:9 with
+large letters.
+"""
 
 from dataclasses import dataclass
 

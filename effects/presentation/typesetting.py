@@ -1,4 +1,4 @@
-"""How wide a line of text is, and where a text is broken: by matplotlib's own fonts, everywhere the same."""
+"""The width of a line of text, and line breaks, by matplotlib's own fonts: the same on every computer."""
 
 from dataclasses import dataclass
 from functools import cache

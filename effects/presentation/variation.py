@@ -1,4 +1,4 @@
-"""What changes from frame to frame of an animation: values between values, of kinds that numbers make up."""
+"""How a parameter changes from frame to frame of an animation. Its values consist of numbers."""
 
 import math
 from collections.abc import Mapping

@@ -1,1 +1,1 @@
-"""Diffuse light that surfaces send each other, solved on the host and shown as light maps."""
+"""Diffuse light between surfaces, solved on the host and shown as light maps."""

@@ -1,7 +1,7 @@
-"""A radiosity solution as textures: a light map for each rectangle, drawn in one pass, and asked by rays.
+"""A radiosity solution as textures: a light map for each rectangle, drawn in one pass, and read by rays.
 
-A light map's texel is an element, its centre the element's. Elements that a thing stands on know no light;
-they take what lies beside them, so that a filter does not draw dark seams along its foot.
+A light map's texel is an element; their centres coincide. Elements below a thing receive no light. They take
+their neighbours' values, so that a filter draws no dark seams along the thing's foot.
 
 Source: Heidrich 2001, section 1.4.
 """

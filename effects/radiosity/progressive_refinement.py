@@ -1,12 +1,12 @@
 """H24: diffuse light among surfaces by progressive refinement, as light maps.
 
-Each rectangle of a room is parted into elements, which receive light, and into coarser patches, which send
+Each rectangle of a room is divided into elements, which receive light, and into coarser patches, which send
 it. In each step the patch with the most unsent power sends it to all elements,
 
     B_j += rho_j F_ji dB_i    for each element j,  F_ji from ``form_factors``
 
-and what an element sends on counts to its own patch. In a closed room all of a patch's power arrives
-somewhere: the factors of a step are divided by what they add up to, so energy is conserved to rounding.
+and an element's light counts as unsent power of its patch. In a closed room all of a patch's power arrives
+somewhere. So a step's factors are divided by their sum, and energy is conserved to rounding.
 
 Source: Heidrich 2001, section 1.4 (a radiosity solution as a texture); Cohen, Chen, Wallace, Greenberg 1988,
 A Progressive Refinement Approach to Fast Radiosity Image Generation (elements, patches, order of sending).

@@ -1,1 +1,1 @@
-"""Reports of what was drawn: records, galleries and pages, pictures. No command line."""
+"""Reports on drawn figures and studies: records, galleries and pages, pictures. No command line."""

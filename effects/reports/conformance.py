@@ -1,5 +1,6 @@
-"""The report on compared captures: the objects of the JSON list, and a page, one file without scripts or
-anything from elsewhere.
+"""The report on compared captures: the objects of the JSON list, and a page.
+
+The page is one file, without scripts and without links to other files.
 """
 
 from base64 import b64encode

@@ -1,4 +1,4 @@
-"""What of a figure could not be drawn, and why, as its record, its card and the command line say it."""
+"""The failures of a figure and their reasons, in the words of its record, its card and the command line."""
 
 import errno
 import traceback

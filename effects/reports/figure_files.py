@@ -1,4 +1,5 @@
-"""The files of drawn figures in a folder: records, pictures, the page; what nothing names any more goes.
+"""The files of drawn figures in a folder: records, pictures, the page. Files that no record names are
+removed.
 
 index.html              the gallery
 ID.json                 a figure's record

@@ -1,4 +1,4 @@
-"""What a figure's files are made from, as a digest: where none of it changed, they need not be made again."""
+"""A digest of all inputs of a figure's files. If it is unchanged, they need not be made again."""
 
 import ast
 import hashlib

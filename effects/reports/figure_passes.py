@@ -1,4 +1,6 @@
-"""The passes of a figure, as pictures: what some of its commands left, seen in the run that draws it."""
+"""The passes of a figure as pictures: the framebuffer after some of its commands, from the run
+that draws it.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,5 +1,6 @@
-"""Figures drawn in processes of their own, each of them whole in one: the longest begin early, and what they
-write is what one process alone writes.
+"""Figures drawn in several processes, each figure whole in one. The longest begin early.
+
+The files are those that one process alone would write.
 """
 
 import multiprocessing

@@ -1,4 +1,4 @@
-"""One figure on its machines: its record, which is what its JSON file says, and its pictures."""
+"""One figure on its machines: its pictures, and its record, which is the content of its JSON file."""
 
 import hashlib
 import re

@@ -1,5 +1,6 @@
-"""Files are written whole, or not at all, into folders that are made where they are missing. Who computes
-long asks first whether a file can be written: ``writable_file``.
+"""Files are written whole, or not at all. Missing folders are made.
+
+``writable_file`` tells before a long computation whether a file can be written.
 """
 
 import os

@@ -1,8 +1,8 @@
 """Pictures as the gallery keeps them: named by a digest, lossless as scripts, and reduced for a first look.
 
-A page that was opened from a file may read no image file into a canvas, because every file is an origin of
-its own there. A script it may load: so a picture to be measured is a script that hands over the bytes of a
-WebP file (docs/decisions/0018-pictures-and-the-gallery.md).
+A page opened from a file may not read an image file into a canvas, because there every file has its own
+origin. But it may load a script. So a picture to be measured is a script with the bytes of a WebP file
+(docs/decisions/0018-pictures-and-the-gallery.md).
 """
 
 import hashlib

@@ -1,6 +1,6 @@
-"""What a command prints as numbers, as rows: dicts with equal keys, for pandas and for JSON and CSV files.
+"""A command's printed numbers as rows: dicts with equal keys, for pandas and for JSON and CSV files.
 
-Numbers are those that are printed, not rounded. Shares are from 0 to 1; a cell that a row has not is None.
+Numbers are not rounded. Shares are from 0 to 1. A cell that a row lacks is None.
 """
 
 import csv

@@ -1,4 +1,4 @@
-"""Two renderers beside a chip, as text, as a part of a page, as objects of JSON."""
+"""Two renderers beside a chip: as text, as a part of a page, and as JSON objects."""
 
 from dataclasses import asdict
 from html import escape

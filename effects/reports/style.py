@@ -1,4 +1,4 @@
-"""How the pages look that reports write: light and dark, nothing from elsewhere."""
+"""The style of the reports' pages, light and dark, without files from elsewhere."""
 
 _LIGHT = (
     "color-scheme: light; --ink: #1c1e21; --paper: #fbfaf8; --quiet: #62676e; --line: #dddad4; "

@@ -1,4 +1,4 @@
-"""What every command of a frame left in the framebuffer, as pictures and a page that shows them."""
+"""The framebuffer after every command of a frame, as pictures and a page that shows them."""
 
 import hashlib
 from collections.abc import Callable

@@ -1,9 +1,9 @@
 """H36 to H38: shadow maps without a shadow extension; the depth from the light is a colour's alpha.
 
 Texture coordinate generation gives every fragment its linear depth z from the light, 0 at the light's near
-plane and 1 at its far one, and a one-dimensional ramp texture makes it alpha. H36, the map: a picture from
-the light, whose alpha holds the depths of what the light sees; its red, green and blue do not matter. A
-fragment that the camera sees is in shadow where its own depth, by the same ramp, is greater than the map's.
+plane and 1 at its far one. A one-dimensional ramp texture turns z into alpha. H36, the map, is a picture from
+the light, whose alpha holds the depths; its red, green and blue do not matter. A fragment that the camera
+sees is in shadow if its own depth, by the same ramp, is greater than the map's.
 
     P0  from the light, ramp: alpha = z + bias                  CopyTexImage         store_map
     P1  from the camera: scene without the light                                     all below
@@ -13,29 +13,29 @@ fragment that the camera sees is in shadow where its own depth, by the same ramp
         window onto itself, alpha times 2^n
     P3  H38: the light times (1 - destination alpha)
 
-H37's frame has three passes while light and objects stand still and four when they move, as the paper says;
-with the extension it would have as many (erratum E000.8: "one pass more" holds where the comparison is made
-in the lit pass itself). H38's has four and a copy of the window, and one pass more when something moves.
+H37's frame has three passes while light and objects stand still and four when they move, as the paper says.
+With the extension it would have as many (erratum E000.8: "one pass more" holds if the lit pass itself makes
+the comparison). H38's frame has four passes and a copy of the window, and one pass more when something moves.
 
-What is chosen here:
+The project's choices:
 
-- Two rasterizations never give the same depth, so that "alpha is 0 where it is lit" holds for nothing without
-  a bias (erratum E000.9): the map stores depths ``bias`` steps farther from the light.
+- Two rasterizations never give the same depth, so "alpha is 0 where it is lit" never holds without a bias
+  (erratum E000.9). The map stores depths ``bias`` steps farther from the light.
 - The ramp's texels are i / (W - 1). With LINEAR it is exact for s' = s (W - 1) / W + 1 / (2 W), which goes
-  into the plane of the generation; uncorrected it is off by half a texel at its ends (study P7).
-- Combiners subtract by SIGNED_NEGATE; the final combiner's clamp leaves max(0, difference) and the alpha test
-  is EQUAL 0. A product with -1, EXPAND_NORMAL of zero, is one with -256/255 where one half is
-  128: from a map's 128 on it is a step too low. Environments of the time have no SUBTRACT: ADD_SIGNED of
-  one and the other's complement gives 1/2 + difference, and the test is LEQUAL 128/255. Where a machine takes
-  one half as 128, equal alphas give 127, so that a difference of one step passes too: a bias of b - 1 there
-  gives the masks that b gives with combiners.
+  into the plane of the generation. Uncorrected, it is off by half a texel at its ends (study P7).
+- Combiners subtract by SIGNED_NEGATE. The final combiner's clamp leaves max(0, difference), and the alpha
+  test is EQUAL 0. A product with -1 as EXPAND_NORMAL of zero is one with -256/255 on a machine whose half is
+  128; from a map's 128 on it is a step too low. Environments of the time have no SUBTRACT. ADD_SIGNED of one
+  and the other's complement gives 1/2 + difference, and the test is LEQUAL 128/255. On a machine whose half
+  is 128, equal alphas give 127, so a difference of one step passes too. There a bias of b - 1 gives the masks
+  that b gives with combiners.
 - H38 needs destination alpha and FUNC_REVERSE_SUBTRACT (EXT_blend_subtract, the imaging subset). Without the
-  latter, ``subtract=False``: the map is copied as 1 - z and added. The sum clamps at one where the fragment
-  is in shadow, and the copy onto itself has a bias of 1 - 2^n beside the scale of 2^n: one stays one and all
-  below becomes zero. Equal alphas are then in shadow, so that this map's bias is one step more. Pixel
-  transfer's scale and bias are in OpenGL 1.0.
+  latter, ``subtract=False``: the map is copied as 1 - z and added. The sum clamps at one if the fragment is
+  in shadow. The copy onto itself has a bias of 1 - 2^n and a scale of 2^n, so one stays one and all lower
+  numbers become zero. Equal alphas are then in shadow, so this map's bias is one step more. Pixel transfer's
+  scale and bias are in OpenGL 1.0.
 - The smallest alpha above zero is 1/(2^n - 1), not 1/2^n (erratum E000.10); times 2^n it is above one too.
-- The map needs destination alpha as well. In a window that has none the ramp goes through red: an INTENSITY
+- The map also needs destination alpha. In a window without alpha the ramp goes through red: an INTENSITY
   ramp, and a map copied as INTENSITY, whose alpha is the window's red. H37 then still runs; H38 does not.
 
 Source: Heidrich 2001, section 2.1 (H36, H37, H38 of the catalogue; pass sequences A-H36/H37 and

@@ -1,12 +1,12 @@
 """Area lights as many point lights: soft shadows in the accumulation buffer (Z26).
 
-    1  the scene without the light; the accumulation buffer takes it whole
-    2  for each of n points of the light: the volumes that it throws, counted in the stencil buffer (Z23), and
-       its light where the count is zero; the accumulation buffer adds 1/n of it
+    1  the scene without the light; the accumulation buffer loads it
+    2  for each of n points of the light: its shadow volumes, counted in the stencil buffer (Z23), and its
+       light where the count is zero; the accumulation buffer adds 1/n of it
     3  the sum is returned
 
-An edge between umbra and light is the penumbra, s d2 / d1 wide where light of width s is d1 from an edge that
-throws its shadow d2 farther on.
+The penumbra lies between umbra and light. It is s d2 / d1 wide for a light of width s at the distance d1 from
+an edge, whose shadow falls d2 farther on.
 
 Source: document 003, "Terminology", "Hard and soft shadows"; the accumulation of shadows: Haeberli, Akeley,
 "The Accumulation Buffer", SIGGRAPH 1990.

@@ -1,13 +1,12 @@
-"""Z11: six shadow maps round a point light, for what one map's field of view leaves out.
+"""Z11: six shadow maps round a point light, because one map's field of view is too small.
 
 Source: document 003, "limited field of view"; A-Z11 of the catalogue. Each map looks along one axis, 90
-degrees wide. A receiver's point belongs to the map of its largest component, seen from the light: to a
-pyramid between four planes, which clip the receiver's two passes, the one without the light and the one with
-it, so that both have the same vertices and depths. Neighbours share a plane, their coefficients negated, and
-cut a triangle at the same points: each pixel belongs to one map.
+degrees wide. A receiver's point belongs to the map of its largest component, seen from the light. So it lies
+in a pyramid between four planes, which clip both passes of the receiver, without the light and with it. Both
+passes then have the same vertices and depths. Neighbours share a plane with negated coefficients, and cut a
+triangle at the same points, so each pixel belongs to one map.
 
-The maps are a border wider than 90 degrees, so that a filter at a pyramid's side finds texels on both of its
-sides.
+The maps are wider than 90 degrees by a border, so a filter at a pyramid's side finds texels on both sides.
 """
 
 import math

@@ -1,13 +1,13 @@
 """Z14, Z16: the viewer's frustum split into slices, with a shadow map for each.
 
-Source: document 003, "sampling problems"; A-Z14/Z15/Z16 of the catalogue. Between near n and far f slice i of
-m ends at lambda n (f/n)^(i/m) + (1 - lambda) (n + (f - n) i/m): the first term keeps what a texel covers on
-the screen, the second the lengths of the slices. Assumed: lambda = 1/2 (the catalogue's; the document gives
-none).
+Source: document 003, "sampling problems"; A-Z14/Z15/Z16 of the catalogue. Between near n and far f, slice i
+of m ends at lambda n (f/n)^(i/m) + (1 - lambda) (n + (f - n) i/m). The first term keeps a texel's size on the
+screen constant, the second the lengths of the slices. Assumed: lambda = 1/2 (the catalogue's; the document
+gives none).
 
-A slice is drawn between two clip planes, one pass without the light and one with it, so that both have the
-same vertices and depths. A triangle that two slices share is cut at the same points, and each pixel belongs
-to one of its parts.
+Two clip planes bound a slice in both of its passes, without the light and with it, so both have the same
+vertices and depths. A triangle that two slices share is cut at the same points, and each pixel belongs to one
+of its parts.
 """
 
 import math

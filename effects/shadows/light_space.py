@@ -1,27 +1,26 @@
-"""Cameras of a light far away, fitted to what the viewer sees: uniform ones, and light-space perspective.
+"""Cameras of a distant light, fitted to the viewer's frustum: uniform ones, and light-space perspective.
 
 Source: document 003, "first pass" (Z30) and "sampling problems" (Z15); Wimmer, Scherzer, Purgathofer 2004 for
-the parameter n. Passes A-Z14/Z15/Z16: a shadow map drawn and read with one of these matrices is a shadow map
-like any other; nothing but the matrices changes.
+the parameter n. Passes A-Z14/Z15/Z16: only the matrices differ from those of other shadow maps.
 
 **The light's axes.** Z points to the light. Y is the part of the viewing direction that is perpendicular to
-it, so that the viewer looks up the map. X = Y x Z. A ray of light is a line of constant X and Y, depth falls
-along Z.
+Z, so the viewer looks up the map. X = Y x Z. A ray of light is a line of constant X and Y, and depth
+decreases along Z.
 
-**Light-space perspective.** A second perspective, whose centre lies a distance n before the nearest point of
-the body along Y and which looks along Y, takes (X, Y, Z) to (X / w, -1 / w, -Z / w), w = Y - Y_centre. Lines
-of constant X and Y remain lines of constant (X / w, -1 / w): rays of light stay parallel, order along them
-stays depth's, and what is near the viewer, w small, takes more of the map. A texel's length along Y is
+**Light-space perspective.** A second perspective looks along Y. Its centre lies a distance n before the
+body's nearest point along Y. It takes (X, Y, Z) to (X / w, -1 / w, -Z / w), w = Y - Y_centre. Lines of
+constant X and Y remain lines of constant (X / w, -1 / w). So rays of light stay parallel, and depth keeps its
+order along them. Near the viewer w is small, and the scene takes more of the map. A texel's length along Y is
 w^2 (f - n) / (n f) over half the map's edge, where f = n + d, and d is the body's length along Y.
 
-**n.** Along a line perpendicular to the light that starts at the near distance z_n, the viewer's depth is
-z = z_n + (w - n) sin(gamma), gamma between light and view, and a texel of length w^2 is seen w^2 / z large.
-That is largest at the ends; it is the same at both where n / sqrt(z_n) = f / sqrt(z_f), which with
-d = (z_f - z_n) / sin(gamma) is
+**n.** Consider a line perpendicular to the light that starts at the near distance z_n. The viewer's depth
+along it is z = z_n + (w - n) sin(gamma), gamma between light and view, and a texel of length w^2 has the
+visible size w^2 / z. That is largest at the ends. It is the same at both ends if n / sqrt(z_n) = f /
+sqrt(z_f), which with d = (z_f - z_n) / sin(gamma) is
 
     n = (z_n + sqrt(z_n z_f)) / sin(gamma).
 
-When light and view are parallel n is infinite, and the uniform camera is what remains.
+If light and view are parallel, n is infinite, and the camera is uniform.
 """
 
 import math

@@ -1,5 +1,4 @@
-"""The passes that every shadow algorithm shares: a scene without the light, its light, and its depths seen
-from the light.
+"""The passes of every shadow algorithm: a scene without the light, its light, and its depths from the light.
 
 Lighting is OpenGL's, per vertex; one Draw for each object.
 """

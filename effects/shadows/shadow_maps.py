@@ -11,10 +11,10 @@ Z10     P1 the scene without the light, P2 the light, multiplied by the comparis
         (Z17); k x k of them, with the map moved from texel to texel, one or four in a pass, in the
         accumulation buffer (Z18, ``accumulated_passes``)
 
-A camera is whatever has ``view(panel)`` and ``texture_matrix``: a ``Lamp`` or a part of one.
+A camera is an object with ``view(panel)`` and ``texture_matrix``: a ``Lamp`` or a part of one.
 
-SGIX_shadow names its operators by the texel: TEXTURE_LEQUAL_R is 1 where texel <= r, in shadow. ARB_shadow
-puts r first, and LEQUAL here is 1 where r <= texel, in the light: SGIX_shadow's TEXTURE_GEQUAL_R.
+SGIX_shadow names its operators by the texel: TEXTURE_LEQUAL_R is 1 if texel <= r, in shadow. ARB_shadow names
+r first. So LEQUAL here is 1 if r <= texel, in the light: SGIX_shadow's TEXTURE_GEQUAL_R.
 
 Source: Heidrich 2001, section 2 (after Segal and others 1992); Zwicker 2016; SGIX_shadow, SGIX_depth_texture,
 SGIX_shadow_ambient, ARB_shadow, ARB_depth_texture.

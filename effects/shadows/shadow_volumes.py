@@ -1,10 +1,10 @@
-"""Shadow volumes (Z21 to Z25, H40): what an object hides from the light is bounded by polygons, and the
-stencil buffer counts how often a ray from the eye enters and leaves it.
+"""Shadow volumes (Z21 to Z25, H40): polygons bound the region that an object hides from the light.
 
-Z22, on the application's processor: an edge belongs to the silhouette where one of its triangles faces the
-light and the other does not. Silhouette edges are extruded away from the light, to infinity (w = 0) or by
-a length; the triangles that face the light close the volume in front, the same triangles projected close it
-behind.
+The stencil buffer counts how often a ray from the eye enters and leaves it.
+
+Z22, on the application's processor: an edge belongs to the silhouette if one of its triangles faces the light
+and the other does not. Silhouette edges are extruded away from the light, to infinity (w = 0) or by a length.
+The triangles that face the light close the volume in front; the same triangles, projected, close it behind.
 
 Z23, z-pass:
     1  the scene without the light: colours and depths
@@ -14,9 +14,9 @@ Z23, z-pass:
 It counts what lies between the near plane and the surface, so it fails where the eye is in shadow, or where
 the near plane cuts a volume (Z25).
 
-Z24, z-fail: 2 increments for back faces, 3 decrements for front faces, both where the depth test *fails*. It
-counts what lies behind the surface; so the volumes must be closed, and no far plane may cut them: the far
-plane is moved to infinity.
+Z24, z-fail: pass 2 increments for back faces, pass 3 decrements for front faces, both where the depth test
+*fails*. It counts volumes behind the surface. So the volumes must be closed, and no far plane may cut them:
+the far plane moves to infinity.
 
 Z21 is the definition: ``ray_counter``, in software.
 

@@ -1,15 +1,16 @@
-"""S02, footprint assembly: a pixel's footprint in a texture covered by square probes, which a unit that does
-mip-mapping adds up.
+"""S02, footprint assembly: square probes cover a pixel's footprint in a texture.
+
+A unit that does mip-mapping adds the probes up.
 
 A pixel's two edges in the texture are r_1 = (du/dx, dv/dx) and r_2 = (du/dy, dv/dy), in texels. Probes lie
-along the longer of them, d, their edge is about the footprint's short side w, and their number is |d| / w:
-the exact quotient rounded up, or a power of two, so that the sum is divided by a shift.
+along the longer of them, d. Their edge is about the footprint's short side w. Their number is |d| / w: the
+exact quotient rounded up, or a power of two, so that a shift divides the sum.
 
-Additions, products, quotients and square roots alone, and powers of two found by comparison: the same bits on
-every computer.
+The module uses additions, products, quotients and square roots alone, and finds powers of two by comparison.
+So its bits are the same on every computer.
 
 Source: Schilling 1997, section 2; Schilling, Knittel, Strasser 1996; pass sequence A-S02 of the catalogue
-(remembered there: the sides by diagonals, the rule where probes are too many).
+(from memory there: the sides by diagonals, the rule for too many probes).
 """
 
 from dataclasses import dataclass

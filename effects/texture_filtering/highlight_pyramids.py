@@ -1,18 +1,19 @@
 """S21 and S22 on machines: mip-maps of bumps and roughness, by dot products and a table, or by a divide.
 
-GeForce 3, NV2A. No combiner and no texture shader of theirs divides. D^-1 and f are two mip-maps of rows,
-each level its own; two dot products with h / h_3 are D^-1 (slopes of h - f) = x, and a table over two numbers
-is
+GeForce 3, NV2A. None of their combiners and texture shaders divides. D^-1 and f are two mip-maps of rows;
+each level is computed by itself. Two dot products with h / h_3 are D^-1 (slopes of h - f) = x, and a table
+over two numbers is
 
     (1 + |x|^2)^-2 = cos^4 a'
 
-Alpha has the energy. h / h_3 is the vertices' divide, 1 / D the map's, and the sum's and its power are the
-table's. What it costs: D^-1 is filtered in the place of K, and h / h_3 goes straight over a triangle.
+Alpha has the energy. The vertices divide by h_3, the map holds 1 / D, and the table has the sum's quotient
+and its power. The method has two errors: it filters D^-1 in place of K, and h / h_3 is linear over a
+triangle.
 
 Future board. Its combiners divide: f and K are mip-maps, and the formula is eight stages.
 
 Source: Schilling 1997, appendix A; pass sequences A-S21 and A-S22 of the catalogue, which proposes a lookup
-of two parameters in the place of the divide. Assumed: rows of D^-1.
+of two parameters in place of the divide. Assumed: rows of D^-1.
 """
 
 from dataclasses import dataclass, replace

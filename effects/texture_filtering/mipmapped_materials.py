@@ -1,27 +1,27 @@
-"""K18, mip-mapped material textures: a reflectance model fitted to what each texel of each level covers.
+"""K18, mip-mapped material textures: a reflectance model fitted to the area of each texel in each level.
 
-Averaging the vectors of Eq. 1 over a texel's area (``vectors``, what a mip-map generator would do) loses how
-far the frames in it differ: bumps vanish and leave a highlight as narrow as a single texel's. What has to be
-averaged is the reflection. Two ways to store that average as one tangent, binormal and k_s:
+A mip-map generator would average the vectors of Eq. 1 over a texel's area (``vectors``). That loses how far
+the frames in it differ: bumps vanish and leave a highlight as narrow as a single texel's. The reflection is
+what has to be averaged. There are two ways to store that average as one tangent, binormal and k_s:
 
 ``lobe_fit``        the paper's: Eq. 1 fitted by least squares to the mean lobe of the texels covered
 ``covariance_fit``  cheaper: Eq. 1 with the same volume, direction and covariance as those texels' lobes
 
-Both rest on what Eq. 1 is for a halfway vector of length one. With Q = k_s (I - T T' - B B'), T = t / alpha_x
+Both use the form of Eq. 1 for a halfway vector of length one. With Q = k_s (I - T T' - B B'), T = t / alpha_x
 and B = b / alpha_y,
 
     k_s (1 - (h.T)^2 - (h.B)^2)+  =  (h' Q h)+,
 
-so every symmetric Q is a lobe: its largest eigenvalue is k_s and the eigenvector n. Where no texel's lobe is
-cut off at zero the mean lobe is that of the mean Q, exactly (``mean_form``); the clamp makes it a fit, of six
-numbers that enter linearly as long as it is known for which h the lobe is positive.
+so every symmetric Q is a lobe; its largest eigenvalue is k_s, with the eigenvector n. If no texel's lobe is
+cut off at zero, the mean lobe is exactly that of the mean Q (``mean_form``). With the clamp, a fit is needed.
+It has six numbers, and is linear in them while the set of h with a positive lobe is known.
 
-Eq. 1 takes T and B only as T T' + B B', which is the same when both are turned in their plane. Filters blend
-neighbouring texels' vectors, so T and B are chosen as near as possible to the texels' mean tangent and
-binormal; they are then not always perpendicular.
+Eq. 1 depends on T and B only through T T' + B B', which stays the same when both turn in their plane. Filters
+blend neighbouring texels' vectors. So T and B are chosen as near as possible to the texels' mean tangent and
+binormal, and are not always perpendicular.
 
 Source: Kautz, Seidel 2000, section 7 (named, not done); the catalogue's K18 and, for the covariance, its S16
-(Schilling 1997); Eq. 1 as a quadratic form is derived here, and held by tests.
+(Schilling 1997). Eq. 1 as a quadratic form is derived here, and tests hold it.
 """
 
 from dataclasses import dataclass

@@ -1,5 +1,6 @@
-"""S22: a bumped plane that runs to the horizon under a distant lamp, and 256 highlights a pixel, which what
-roughness makes of it is measured by.
+"""S22: a bumped plane that runs to the horizon under a distant lamp, with 256 highlights a pixel.
+
+It is the reference for highlights by roughness.
 
 A sample's highlight is Trowbridge and Reitz's about the bumped normal of level 0:
 

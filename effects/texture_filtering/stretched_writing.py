@@ -1,8 +1,9 @@
-"""S01, S02: writing stretched so far that it reads only at a flat angle, where a pixel's footprint is a
-strip; drawn with one probe a pixel and with several along the strip.
+"""S01, S02: stretched writing that is readable only at a flat angle, where a pixel's footprint is a strip.
 
-The page is the square from -1 to 1 in x and z at y = 0, its texture's lower edge at z = 1. Along z letters
-are ``STRETCH`` times as high as they should be; a view from asin(1 / STRETCH) above makes them right again.
+It is drawn with one probe a pixel, and with several along the strip.
+
+The page is the square from -1 to 1 in x and z at y = 0, with its texture's lower edge at z = 1. Along z,
+letters are ``STRETCH`` times too high; a view from asin(1 / STRETCH) above makes them right again.
 
 Source: Schilling 1997, section 2, figures 1 and 2 (another text); pass sequence A-S02 of the catalogue.
 """

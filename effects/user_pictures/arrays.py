@@ -1,4 +1,4 @@
-"""NumPy's own files: an NPY file's header is looked at first, and so much is read as it names."""
+"""NumPy's own files: the header of an NPY file comes first, and decides how much is read."""
 
 import math
 from typing import NamedTuple

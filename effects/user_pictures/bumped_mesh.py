@@ -1,15 +1,15 @@
 """Bump mapping of a height field on a mesh with an anisotropic material, from arrays to commands.
 
-A photograph or an elevation model becomes a height field, the height field local frames, the frames and a
-material's parameters a material. Machines with register combiners draw the mesh in two passes (K10, then
-K07), machines with the imaging subset triangle by triangle (K08), and any other in some fifty passes, where
-the highlight is wide (K22).
+A photograph or an elevation model becomes a height field, and the height field local frames. The frames and a
+material's parameters become a material. Machines with register combiners draw the mesh in two passes (K10,
+then K07). Machines with the imaging subset draw it triangle by triangle (K08). Any other machine needs some
+fifty passes, for a wide highlight (K22).
 
-Machines with register combiners can antialias it: by mip-maps of the stored vectors, or by mip-maps whose
-highlight is as wide as the normals under a texel are rough (K18's ``covariance_fit``). There Eq. 1's two
-vectors are the inverse root of alpha^2 + 6 K, K being the covariance (S16) of the normals that filtering has
-taken, so that the highlight is a fixed function of |D^-1 d|^2 with D D^T = K + alpha^2 / 6, and a board
-without a quotient draws it (Schilling's appendix A, as erratum E001.6 corrects it).
+Machines with register combiners can antialias it. One way is mip-maps of the stored vectors. The other is
+mip-maps whose highlight is as wide as the normals under a texel are rough (K18's ``covariance_fit``). There
+Eq. 1's two vectors are the inverse root of alpha^2 + 6 K. K is the covariance (S16) of the normals that
+filtering has averaged. So the highlight is a fixed function of |D^-1 d|^2 with D D^T = K + alpha^2 / 6, and a
+board without a quotient can draw it (Schilling's appendix A, as erratum E001.6 corrects it).
 
 Source: Kautz, Seidel 2000, sections 4.1, 4.2, 5 and 6 (K07, K08, K10, K18, K21, K22 of the catalogue);
 Schilling 1997, section 8 and appendix A.

@@ -1,4 +1,4 @@
-"""A user's picture drawn: on a machine, bit for bit, or by the ideal, as bytes in the end."""
+"""A user's picture drawn as bytes: by a machine, bit for bit, or by the ideal."""
 
 from dataclasses import dataclass
 

@@ -1,10 +1,11 @@
 """A user's BRDF on a mesh by products of textures, on any machine: from a file or an object to commands.
 
-A BRDF is an object with ``at(lights, views)``, two float64 [n, 3] of unit vectors above the horizon in the
-surface's frame (tangent, binormal, normal), which gives f_r, float64 [n, 3], RGB per steradian; or a file: a
-table of the MERL database (.binary), or an NPZ file with ``samples`` (as ``simulated_brdf`` writes it).
+A BRDF is an object or a file. An object has ``at(lights, views)``. Its arguments are float64 [n, 3] each,
+unit vectors above the horizon in the surface's frame (tangent, binormal, normal); it gives f_r, float64 [n,
+3], RGB per steradian. A file is a table of the MERL database (.binary), or an NPZ file with ``samples`` (as
+``simulated_brdf`` writes it).
 
-``commands`` does all; ``factored`` and ``drawn`` are its halves, for who draws many pictures of one BRDF.
+``commands`` does all. ``factored`` and ``drawn`` are its halves, for many pictures of one BRDF.
 
 Source: Heidrich 2001, section 1.1.2 (H17 and H18 of the catalogue).
 """

@@ -1,7 +1,7 @@
-"""What users bring, read whole or refused: texts, photographs, elevation models and meshes, and the samples
-that need no file.
+"""Users' files, read whole or refused: texts, photographs, elevation models and meshes; and samples without
+files.
 
-What decoders say of arbitrary bytes is no sentence for a user; each refusal here is one.
+A decoder's message on arbitrary bytes is no sentence for a user; each refusal here is one.
 """
 
 import importlib.util

@@ -1,7 +1,7 @@
-"""A user's height fields, photographs and materials as scenes take them.
+"""A user's height fields, photographs and materials in the form that scenes take.
 
-Pictures may come from files, arrays or Pillow; all have their top row first, and that row is the top of what
-is drawn. Scenes have the bottom row first, as textures do.
+Pictures may come from files, arrays or Pillow. All have their top row first, and that row is at the top of
+the picture. Scenes have the bottom row first, as textures do.
 """
 
 from dataclasses import dataclass, field

@@ -1,7 +1,8 @@
-"""Pictures and grids of heights as files: the values as they stand in the file, in their own type, turned as
-the file says that it is to be seen.
+"""Pictures and grids of heights as files: their values unchanged, in their own type.
 
-A file's header is looked at first: how many pixels there are decides whether anything more is read.
+A picture is turned as its file says.
+
+A file's header is read first: the number of pixels decides whether more is read.
 
 Source: PNG specification, second edition; TIFF 6.0; Exif 2.3 (orientation); GDAL's GeoTIFF driver
 (GDAL_NODATA); Esri's ASCII raster format; the SRTM's .hgt files; Netpbm's PGM.

@@ -1,4 +1,4 @@
-"""PLY files, read whole or refused: what they say of vertices and faces, as corners of triangles."""
+"""PLY files, read whole or refused: their vertices and faces, as corners of triangles."""
 
 import io
 import math

@@ -1,5 +1,6 @@
-"""A user's environment, a panorama, a light probe or the faces of a cube, of bytes or of high dynamic range,
-as maps of directions.
+"""A user's environment as maps of directions: a panorama, a light probe or the faces of a cube.
+
+Its components are bytes, or of high dynamic range.
 
 Layouts, all with their top row first:
 
@@ -13,8 +14,8 @@ Layouts, all with their top row first:
     strip    a cube's faces +x, -x, +y, -y, +z, -z side by side (6:1) or one below the other (1:6), each with
              its row of the smallest t first, as textures are loaded
 
-Radiance (.hdr) files are read here, OpenEXR files by the extra ``probes``; all else is a picture whose
-components are taken as they stand, one is full.
+This module reads Radiance (.hdr) files, and the extra ``probes`` OpenEXR files. Any other file is a picture,
+whose components are taken unchanged; one is full.
 
 Source: Debevec 1998, Light Probe Image Gallery (the angular map); EXT_texture_cube_map, table 3.8 (faces).
 """

@@ -1,5 +1,5 @@
-"""What all readers of a user's files share: how much is read, the sentence for what cannot be, and the line
-that says what was understood.
+"""Parts of all readers of a user's files: how much is read, the sentence of a refusal, and the line of a
+result.
 """
 
 import errno

@@ -1,5 +1,4 @@
-"""A user's heights as the two pyramids of bumps and of roughness: arrays to keep, and a picture of the
-levels.
+"""A user's heights as two pyramids, of bumps and of roughness: arrays to keep, and a picture of the levels.
 
 Source: Schilling 1997, section 8 (S16 to S19 of the catalogue).
 """

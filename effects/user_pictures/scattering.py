@@ -1,4 +1,4 @@
-"""A user's heights as a height field that scatters light, drawn without and with it, side by side."""
+"""A user's heights as a height field that scatters light, drawn without and with scattering, side by side."""
 
 from dataclasses import dataclass
 

@@ -1,12 +1,11 @@
-"""A mesh of one material, of any reflectance, under lights or in an environment, on any machine: from names
-and files to commands.
+"""A mesh of one material, of any reflectance, under lights or in an environment, on any machine.
 
 The reflectance is a row of ``reflectance.brdfs.BRDFS`` or a file (``factored_brdf``). Its factors are drawn
-once for each light. Pictures of several lights add up by copies: all but the last are drawn over black, each
-with the sum of those before it added, and the window becomes a texture, which is the next one's sum. What
-lies behind the mesh comes before the last.
+once for each light. Copies add the pictures of several lights up. Each picture but the last is drawn over
+black, the sum of the earlier ones is added, and the window becomes a texture with the new sum. The background
+behind the mesh comes before the last.
 
-An environment is that many directional lights (``environment_lights``), and itself the backdrop.
+An environment becomes as many directional lights (``environment_lights``), and is also the backdrop.
 
 Source: Heidrich 2001, section 1.1.2 (H17 and H18 of the catalogue).
 """

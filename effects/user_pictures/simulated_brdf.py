@@ -1,4 +1,4 @@
-"""The BRDF of a user's height field: simulated, as files that others read, and on a ball.
+"""The BRDF of a user's height field: simulated, written as files for other programs, and shown on a ball.
 
 An NPZ file holds
 

@@ -1,9 +1,9 @@
-"""A user's volume and its picture: densities of a 3D texture, bytes with edges that are powers of two, and
-the lamp and the camera that show all of its surface.
+"""A user's volume and its picture: densities of a 3D texture, and the lamp and the camera for all of its
+surface.
 
-Values are spread over the bytes from the least to the greatest. An edge that is no power of two, or longer
-than the machine's textures, is resampled: means of what a voxel covers where there are fewer, linear between
-voxels' centres where there are more.
+Densities are bytes, and edges are powers of two. Values are spread over the bytes from the least to the
+greatest. An edge that is no power of two, or longer than the machine's textures, is resampled. If there are
+fewer voxels, each is a mean over its volume; if there are more, they are linear between voxels' centres.
 """
 
 import numpy as np

@@ -1,6 +1,6 @@
 """Volumes as files: raw values, and NRRD files with their headers.
 
-A header says how many values there are; so many are read, and no more. Source: the NRRD format's definition
+The header's number of values decides how much is read. Source: the NRRD format's definition
 (teem.sourceforge.net/nrrd/format.html).
 """
 

@@ -1,19 +1,18 @@
-"""An engine block as a density volume, of our own making: what H39 renders in the place of a scanned one.
+"""An engine block as a density volume of the project's own: H39 renders it in place of a scanned one.
 
-The paper's figure 7 shows a scanned engine block, but its data are not there. This one is made of solids: a
-block with four bored cylinders and pistons at different heights, a deck with bolt holes and coolant passages,
-ports with flanged pipes that meet in a manifold, an oil filter, bosses and ribs, a timing cover with
-crankshaft and bolt holes, a bell housing, and an oil pan on a bolted flange. No such engine was ever built,
-and nobody scanned it.
+The paper's figure 7 shows a scanned engine block, but its data are not available. This one consists of
+solids: a block with four bored cylinders and pistons at different heights, a deck with bolt holes and coolant
+passages, ports with flanged pipes that meet in a manifold, an oil filter, bosses and ribs, a timing cover
+with crankshaft and bolt holes, a bell housing, and an oil pan on a bolted flange. No such engine exists.
 
-Solids are signed distances d, or bounds of them; they are joined by the minimum, cast ones with a fillet (a
-polynomial minimum), and drilled by the maximum with a negative distance. Density is 1/2 at the surface and
-falls from one to zero within ``RAMP`` voxels on either side, 1/2 - d / (2 RAMP): several grey levels for each
-voxel, so that central differences of the bytes give smooth gradients. It is stored in bytes, as scanners'
-data are.
+Solids are signed distances d, or bounds of them. The minimum joins them, for cast ones with a fillet (a
+polynomial minimum). The maximum with a negative distance drills them. Density is 1/2 at the surface and falls
+from one to zero within ``RAMP`` voxels on either side, 1/2 - d / (2 RAMP). So each voxel there has one of
+several grey levels, and central differences of the bytes give smooth gradients. Densities are bytes, as in
+scanners' data.
 
-Every bit is the same everywhere: elementwise float64 sums, products, quotients, roots, minima and maxima, and
-angles' rounded cosines.
+The module uses elementwise float64 sums, products, quotients, roots, minima and maxima, and rounded cosines
+of angles. So its bits are the same everywhere.
 
 Source: Heidrich 2001, figure 7, for the subject.
 """

@@ -1,5 +1,6 @@
-"""A volume as a 3D texture of normals and densities, and the slices through it that are drawn, parallel to
-the image plane and only in bricks where its surface may be seen.
+"""A volume as a 3D texture of normals and densities, and the slices to draw through it.
+
+Slices are parallel to the image plane, and lie only in bricks where the surface may be visible.
 """
 
 import math

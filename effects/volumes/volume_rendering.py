@@ -1,36 +1,36 @@
 """H39: iso-surfaces of a volume by slices of a 3D texture, lit by Phong's model, with alpha-coded shadows.
 
 The 3D texture holds a unit normal n as n/2 + 1/2 in RGB and the density in alpha. n points to where the
-density falls: it is the gradient's negative, normalized at every voxel that has a gradient, by central
-differences of the bytes. Between voxels the filter shortens it; no machine here makes it longer again, and so
-creases are darker than they would be. The passes:
+density falls. It is the negative gradient by central differences of the bytes, normalized at every voxel that
+has a gradient. Between voxels the filter shortens it. No machine here restores its length, so creases are too
+dark. The passes:
 
 P0  Shadows only. From the light: slices with the alpha test GEQUAL iso and DF LESS, no colours; the slices
-    again with DF EQUAL and a 1D ramp of the light's depth instead of the volume, whose alpha becomes the map
+    again with DF EQUAL and a 1D ramp of the light's depth instead of the volume. Their alpha becomes the map
     TA (H36).
 P1  From the camera: slices through the volume, parallel to the image plane, in any order; alpha test GEQUAL
     iso, DF LESS, no blending. Of all slices beyond the iso-surface the nearest stays: RGB is n there.
 P2  Light: the picture is copied onto itself through a colour matrix whose row is l, which gives n.l, and a
-    table, (.)+ times the colour; once more for the highlight, the table being the exponent's power of n.h.
+    table, (.)+ times the colour. A second copy makes the highlight; its table is the power of n.h.
 
 ``imaging``, for machines with the imaging subset and one texture unit:
 
-- P1 draws into an auxiliary buffer: the second copy needs the normals that the first would overwrite, and
-  destination alpha has other work. Copies go from there to the window's buffer, only where P1 left its mark
-  in the stencil buffer. One copy gives what does not depend on the lamp: ambient light, and a weak light
-  from the eye so that shadows keep their shapes.
-- n.l below zero is lost when the colour matrix's results are clamped, on an Octane as they leave it, else by
-  the table. That is (.)+, so nothing is biased (P15 does no harm here).
-- Shadows (H38): slices with DF EQUAL write the ramp to destination alpha, the same with TA are subtracted,
-  a copy multiplies alpha by 2^n, and light is added with ONE_MINUS_DST_ALPHA.
+- P1 draws into an auxiliary buffer, because the second copy needs the normals that the first would overwrite,
+  and destination alpha has another use. Copies go from there to the window's buffer, only where P1 left its
+  mark in the stencil buffer. One copy gives the light that does not depend on the lamp: ambient light, and a
+  weak light from the eye, so that shadows keep their shapes.
+- n.l below zero is lost when the colour matrix's results are clamped. On an Octane that happens after the
+  matrix, elsewhere in the table. That is (.)+, so nothing is biased (P15 does no harm here).
+- Shadows (H38): slices with DF EQUAL write the ramp to destination alpha, and slices with TA are subtracted.
+  A copy multiplies alpha by 2^n, and light is added with ONE_MINUS_DST_ALPHA.
 
-``combiners``, for register combiners and two units, shades while it draws slices: P1 with what does not
-depend on the lamp; slices with ramp and TA (H37), whose difference the alpha test compares with 0 and the
-stencil buffer marks; slices with DF EQUAL where marked, which add n.l and (n.h)^N.
+``combiners``, for register combiners and two units, shades while it draws slices. P1 has the light that does
+not depend on the lamp. Slices with ramp and TA follow (H37); the alpha test compares their difference with 0,
+and the stencil buffer marks the fragments. Slices with DF EQUAL at the marks then add n.l and (n.h)^N.
 
-One light vector and one halfway vector serve the whole picture: the light is directional, and the viewer is
-taken as infinitely far, though slices may be seen in perspective. Slices are drawn only in bricks of the
-volume in which the surface may be seen.
+One light vector and one halfway vector serve the whole picture. The light is directional, and the viewer
+counts as infinitely far, though slices may be in perspective. Slices lie only in bricks of the volume where
+the surface may be visible.
 
 Source: Heidrich 2001, section 2.1 and figure 7, which names Westermann and Ertl 1998 for the light; pass
 sequences A-H36 to A-H39 of the catalogue.
