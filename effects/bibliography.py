@@ -1,6 +1,6 @@
-"""Papers from the bibliography: the entry as it stands there, and in plain words.
+"""Papers from the bibliography: an entry's own text, and plain words.
 
-bibliography.bib beside this module is a link to the one in docs/, which a wheel holds as a file.
+bibliography.bib beside this module is a link to the one in docs/. A wheel holds it as a file.
 """
 
 import re

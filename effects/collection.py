@@ -1,4 +1,4 @@
-"""Figures and studies by their ids: found by their modules' names, imported when one is asked for."""
+"""Figures and studies by their ids: found by their modules' names, and imported on first use."""
 
 import importlib
 import pkgutil

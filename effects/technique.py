@@ -1,4 +1,4 @@
-"""Ids of techniques, with what they mean. A technique's module declares its own under its imports, as
+"""Ids of techniques, and their meanings. A technique's module declares its own under its imports, as
 ``TECHNIQUES``, a tuple of ``Technique`` and ``Variant``.
 
 An id is a letter for the paper, or X for an effect of one's own, and a number. Figures and studies name the

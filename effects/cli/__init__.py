@@ -1,4 +1,4 @@
-"""``fixedpipe``: one subcommand per file, imported when it is asked for, so that ``--help`` is quick."""
+"""``fixedpipe``: one subcommand per file, imported on use, so that ``--help`` is quick."""
 
 import gc
 import importlib

@@ -1,4 +1,4 @@
-"""``fixedpipe compare``: where two frames, or two histories of a pixel, part: at which command and stage."""
+"""``fixedpipe compare``: the command and stage at which two frames, or two histories of a pixel, diverge."""
 
 import click
 

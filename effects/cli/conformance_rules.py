@@ -1,4 +1,4 @@
-"""Which captures tell an open rule of the arithmetic from its rival: ``--discriminates``."""
+"""Captures that decide between an open rule of the arithmetic and its rival: ``--discriminates``."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""A frame that a subcommand looks into: a figure's, or the one that a script makes."""
+"""The frame that a subcommand examines: a figure's, or the one that a script makes."""
 
 import click
 

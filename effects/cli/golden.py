@@ -1,4 +1,4 @@
-"""``fixedpipe golden``: pictures that a project's tests hold to, recorded, checked, looked at, accepted."""
+"""``fixedpipe golden``: the golden pictures of a project's tests, recorded, checked, reviewed, accepted."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Which of the pictures that wait ``fixedpipe golden accept`` takes."""
+"""The choice of ``fixedpipe golden accept`` among the pictures that wait."""
 
 import fnmatch
 import json

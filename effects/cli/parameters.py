@@ -1,4 +1,4 @@
-"""``fixedpipe parameters``: what may be changed of a figure."""
+"""``fixedpipe parameters``: the parameters of a figure that a user may change."""
 
 import json
 import shlex

@@ -1,4 +1,4 @@
-"""How far something is: a bar on a terminal, lines elsewhere, on the error stream."""
+"""The progress of long work: a bar on a terminal, lines elsewhere, on the error stream."""
 
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache

@@ -1,4 +1,4 @@
-"""How the command line says no: the sentence on the error stream, and exit status 2; 130 after Ctrl-C."""
+"""Refusals on the command line: the sentence on the error stream, and exit status 2; 130 after Ctrl-C."""
 
 import signal
 from contextlib import contextmanager

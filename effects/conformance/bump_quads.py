@@ -1,5 +1,6 @@
-"""What Bump_map and Bump_env_lum share: a bump texture of four texels' worth, enlarged on four quads, one for
-each choice of signed components, that offsets a checkerboard.
+"""The common part of Bump_map and Bump_env_lum: a bump texture that offsets a checkerboard on four quads.
+
+The texture has four different texels, enlarged; each quad has one choice of signed components.
 
 Source: src/tests/bump_map_tests.cpp and bump_env_lum_tests.cpp of nxdk_pgraph_tests.
 """

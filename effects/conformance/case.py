@@ -1,4 +1,4 @@
-"""A case: what a capture's program drew, and which pixels of it the chip alone decides."""
+"""A case: what a capture's program drew, and the pixels that the chip alone decides."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

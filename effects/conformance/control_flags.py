@@ -1,5 +1,4 @@
-"""The ControlFlags cases that Specular and Specular_back share: four rows of quads, one column for each light
-control.
+"""The ControlFlags cases of Specular and Specular_back: four rows of quads, a column for each light control.
 
 Source: TestControlFlags in src/tests/specular_tests.cpp and specular_back_tests.cpp of nxdk_pgraph_tests.
 """

@@ -1,5 +1,7 @@
-"""What the lighting suites share: models, the default view with eye coordinates, lights as their programs set
-them, and combiners that add both vertex colours.
+"""Common parts of the lighting suites.
+
+They are models, the default view with eye coordinates, lights as the programs set them, and combiners that
+add both vertex colours.
 
 Source: nxdk_pgraph_tests and pbkitplusplus: src/light.cpp, src/models/ (the .mesh files' layout),
 NV2AState::SetXDKDefaultViewportAndFixedFunctionMatrices. Eye coordinates have the viewer at the origin, z

@@ -1,4 +1,4 @@
-"""Compare many captures, several at a time, in order; what goes wrong in one case stays that case's."""
+"""Compare many captures, several at a time, in order. An error in one case does not stop the others."""
 
 import multiprocessing
 import warnings

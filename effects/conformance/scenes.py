@@ -1,4 +1,4 @@
-"""What the suites' programs share: their conventions, matrices, default state and backgrounds, as state.
+"""Common parts of the suites' programs: their conventions, matrices, default state and backgrounds, as state.
 
 Source: the public programs that drew the captures, nxdk_pgraph_tests with pbkitplusplus (test host, suite
 defaults). Vertices are in device pixels there, y down; depth in the buffer's units.

@@ -1,7 +1,7 @@
-"""Surfaces as the chip's memory has them: words row by row, and the same bytes as a picture of other words.
+"""Surfaces as words in the chip's memory, row by row, and the same bytes as a picture of other words.
 
 Programs of nxdk_pgraph_tests draw to memory under one format and read it as a texture, or show it, under
-another. Here ReadPixels gives a surface's stored bytes, and a HostStep makes of them what another reader
+another. Here ReadPixels gives a surface's stored bytes, and a HostStep turns them into what another reader
 finds.
 """
 

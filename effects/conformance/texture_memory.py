@@ -1,8 +1,9 @@
-"""Pictures that the suites' programs make, and the words that they leave in texture memory.
+"""Pictures that the suites' programs make, and the words that they write to texture memory.
 
-A program converts a picture of RGBA bytes to a format's words (SDL's conversion, which cuts bits, or its own
-formula), writes them row by row or swizzled, and tells the chip the format. Where it has no conversion for a
-format it writes other words than it tells; the chip then reads those bytes, and so do these functions.
+A program converts a picture of RGBA bytes to a format's words, by SDL's conversion, which cuts bits, or by
+its own formula. It writes them row by row or swizzled, and names the format to the chip. If it has no
+conversion for a format, it writes words of another format. The chip reads those bytes under the named format,
+and so do these functions.
 
 Source: TextureStage and the texture generators of pbkitplusplus; SDL's pixel formats.
 """

@@ -1,5 +1,6 @@
-"""Triangles whose corners lie further off than a machine's guard band, as polygons whose corners do not: what
-of them is near the screen. And lines through infinity, as lines that end outside of it.
+"""Triangles with corners beyond a machine's guard band, replaced by polygons of their part near the screen.
+
+Lines through infinity become lines that end outside the screen.
 
 Measured: the chip keeps the direction of a corner at 1e35 pixels, which has no weight near the screen
 (W_param rcc_w_zero_inf__z-3.08e-33, all pixels).

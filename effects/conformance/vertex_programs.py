@@ -1,7 +1,8 @@
-"""What the suites' vertex programs compute, as a mesh's positions for VertexStage.PROGRAM_RESULTS.
+"""Results of the suites' vertex programs, as a mesh's positions for VertexStage.PROGRAM_RESULTS.
 
-Measured: the chip's vertex arithmetic rounds toward zero (Shade_model Prog captures: with it all pixels, with
-exact arithmetic up to 20 differ: a vertex in the middle of the screen lands just beside it).
+Measured: the chip's vertex arithmetic rounds toward zero (Shade_model Prog captures). With it all pixels
+agree; with exact arithmetic up to 20 differ, because a vertex in the middle of the screen lands just beside
+it.
 """
 
 import numpy as np

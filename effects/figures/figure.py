@@ -1,8 +1,7 @@
-"""What a figure is: what it shows, where it comes from, how each machine draws it, and checks of it as code.
+"""A figure as data: its subject, its source, how each machine draws it, and its checks as code.
 
-A figure's scene is one tuple of commands that draws a row of equal panels, so that it can be printed,
-validated, rendered on any machine and compared. Machines that have to draw it in different ways have a
-``Method`` each.
+A figure's scene is one tuple of commands that draws a row of equal panels. So it can be printed, validated,
+rendered on any machine and compared. A ``Method`` is for machines that must draw it in another way.
 """
 
 from collections import deque

@@ -1,7 +1,7 @@
 """Parameters by which a figure shows a height field, a photograph, a material or a mesh of a user's own.
 
-None of them changes a figure that is drawn without. ``height_field``, ``photograph``, ``material`` and
-``mesh`` are None then; ``height_scale`` takes no part.
+Without them a figure is unchanged: ``height_field``, ``photograph``, ``material`` and ``mesh`` are then None,
+and ``height_scale`` has no effect.
 """
 
 from collections.abc import Callable, Mapping

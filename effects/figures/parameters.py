@@ -1,8 +1,8 @@
-"""What a user may change of a figure: each parameter with its default, unit, range, and what it does.
+"""The parameters of a figure that a user may change, each with its default, unit, range and effect.
 
-A figure's table has a line for each, ``"alpha_x": ALPHA_X(0.25)``: a word for what means the same in many
-figures, given the figure's own number, and a sentence where that is the figure's own. A word knows the
-``Kind`` of the value, which takes, refuses, reads and writes values.
+A figure's table has a line for each, such as ``"alpha_x": ALPHA_X(0.25)``. The word ALPHA_X stands for a
+meaning that many figures share, and takes the figure's own number. A meaning of the figure's own is a
+sentence. A word knows the ``Kind`` of the value, which takes, refuses, reads and writes values.
 """
 
 import math

@@ -1,7 +1,7 @@
-"""A long ground with columns, trees and a gate at its end: what one shadow map has too few texels for.
+"""A long ground with columns, trees and a gate at its end, for which one shadow map has too few texels.
 
-The scene of document 003's "sampling problems": what is near is seen large, what is far is many times as
-deep. World coordinates: y up, the ground at y = 0, the avenue along -z.
+It is the scene of document 003's "sampling problems": near things appear large, and the far part is many
+times as deep. World coordinates: y up, the ground at y = 0, the avenue along -z.
 """
 
 from dataclasses import replace

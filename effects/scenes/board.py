@@ -1,5 +1,6 @@
-"""A ring, a sphere and a thin board on the floor: the board's shadow begins at its foot, and shows a gap
-where a shadow map's bias is too large.
+"""A ring, a sphere and a thin board on the floor.
+
+The board's shadow begins at its foot, and shows a gap if a shadow map's bias is too large.
 """
 
 from fixedpipe.effects.geometry import surfaces

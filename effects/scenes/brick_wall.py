@@ -1,7 +1,8 @@
-"""A wall of bricks as a height field and as a colour map: what bump mapping is shown with.
+"""A wall of bricks as a height field and as a colour map, to show bump mapping.
 
-Bricks lie in courses; odd courses are moved by half a brick. Between them are joints, lower by ``depth``,
-with a slope ``bevel`` wide to them; noise roughens both. All is periodic, and of the same bits everywhere.
+Bricks lie in courses; odd courses are moved by half a brick. Joints between them are lower by ``depth``, with
+a slope of the width ``bevel``; noise roughens bricks and joints. The field is periodic, and its bits are the
+same everywhere.
 """
 
 import numpy as np

@@ -1,11 +1,11 @@
 """Patches for offset vectors: surfaces with the derivatives of their points by a bump map's coordinates.
 
-A patch may have its vectors at few corners alone, while its points and their triangles are many: what is seen
-is then how vectors are interpolated, and the outline stays round. Every cell of the coarse grid is cut into
-two triangles, and each vertex knows the three corners of its own and their weights.
+A patch may have its vectors at few corners, and many points and triangles. The picture then shows the
+interpolation of vectors, and the outline stays round. Every cell of the coarse grid is cut into two
+triangles; each vertex knows the three corners of its triangle and their weights.
 
-All is float64 + - * / and square roots but for sines, cosines, exponentials and logarithms, which are
-rounded to multiples of 2**-20 at once.
+The module uses float64 + - * / and square roots. Sines, cosines, exponentials and logarithms are rounded to
+multiples of 2**-20 at once.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Utah's teapot: bicubic Bézier patches, tessellated here.
 
 Rim, body, lid and bottom are turned: a cubic profile times a quarter of a circle, whose inner control points
-stand off by 0.56 of the radius. So their normals are those of profile and circle, and have a direction where
-the profile meets the axis and the patch has none. Handle and spout are halves that are mirrored.
+stand off by 0.56 of the radius. So their normals are those of profile and circle. They have a direction even
+where the profile meets the axis and the patch has none. Handle and spout are mirrored halves.
 
 Source: Newell 1975, the University of Utah's teapot (32 patches), as published by Crow 1987, The origins of
 the teapot. Where it departs: the quarters of the lid's knob stand off by 0.56 too, not by 0.5625.

@@ -1,4 +1,5 @@
-"""Studies: what the hardware's short numbers, clamps and missing parts do, measured on the emulated machines.
+"""Studies: the effect of the hardware's short numbers, clamps and missing parts, measured on emulated
+machines.
 
 One module per artefact, named by its id and words; ``STUDIES`` has them by id, in the catalogue's order.
 """

@@ -1,8 +1,8 @@
 """P1: the table of G / (pi cos beta), clamped at one.
 
-A plane is tilted from 0 to 90 degrees under a light from its front: the table's last column. It is kept in
-bytes as it is, in bytes divided by c and multiplied back (H10), and in floats. What a clamp takes is measured
-as part of the integral over the cosine of the view's angle.
+A plane tilts from 0 to 90 degrees under a light from its front, which is the table's last column. The table
+is kept in bytes, in bytes divided by c and multiplied back (H10), and in floats. The clamp's loss is measured
+as a part of the integral over the cosine of the view's angle.
 
 Source: Heidrich 2001, section 1.1 (artefact P1 of the catalogue).
 """

@@ -1,13 +1,14 @@
 """P2: cosines that are computed at the vertices and interpolated: "fast Phong".
 
-A cylinder of few or many slices under one light. The cosine of normal and halfway vector is the texture
-coordinate (H05); it is interpolated along the chord between two normals and is nowhere more than at a vertex.
+A cylinder of few or many slices stands under one light. The cosine of normal and halfway vector is the
+texture coordinate (H05). Interpolation runs along the chord between two normals, so the cosine is nowhere
+larger than at a vertex.
 
-Where f(c) is the light, and c a cosine round the cylinder, interpolation of c between vertices an angle D
-apart loses f'(c) c D^2 / 8 of it half way, and Gouraud's of f(c) loses (f'(c) c - f''(c) (1 - c^2)) D^2 / 8.
-For a narrow highlight exp(-x^2 / 2) these are exp(-x^2 / 2) and (1 - x^2) exp(-x^2 / 2), times the same:
-their squares' integrals are as 1 to 3/4, and only the first has a mean. Where f has an edge it is the other
-way.
+Let f(c) be the light, and c a cosine round the cylinder, with vertices an angle D apart. Half way between
+vertices, interpolation of c loses f'(c) c D^2 / 8 of the light. Gouraud's interpolation of f(c) loses (f'(c)
+c - f''(c) (1 - c^2)) D^2 / 8. For a narrow highlight exp(-x^2 / 2) these are exp(-x^2 / 2) and (1 - x^2)
+exp(-x^2 / 2), times the same factor. Their squares' integrals are as 1 to 3/4, and only the first has a mean.
+If f has an edge, the order is reversed.
 
 Source: Heidrich 2001, section 1.1 (artefact P2 of the catalogue). Inferred: the comparison with Gouraud.
 """

@@ -1,8 +1,8 @@
 """P6: alpha times 2^n, clamped, is zero or one.
 
-H38's copy of the window onto itself must make every alpha above zero one. The smallest is 1/(2^n - 1)
-(erratum E000.10; the paper says 1/2^n), so 2^n is more than enough and 2^(n-1) too little. Where the board
-cannot subtract, the copy must make every alpha below one zero: the largest of them is 1 - 1/(2^n - 1).
+H38's copy of the window onto itself must turn every alpha above zero into one. The smallest is 1/(2^n - 1)
+(erratum E000.10; the paper says 1/2^n), so 2^n is more than enough and 2^(n-1) too little. If the board
+cannot subtract, the copy must turn every alpha below one into zero; the largest of them is 1 - 1/(2^n - 1).
 
 Source: Heidrich 2001, section 2.1 (artefact P6 of the catalogue).
 """

@@ -1,8 +1,8 @@
 """P7: the ramp's half texel.
 
-A texel's value is that of its centre: W texels i / (W - 1), filtered, give (s W - 1/2) / (W - 1) between the
-centres of the first and the last and stay at zero and one beyond them. The largest error is 1 / (2 W), where
-the first and the last centre are. s' = s (W - 1) / W + 1 / (2 W) runs from the first centre to the last, and
+A texel's value is that of its centre. So W texels i / (W - 1), filtered, give (s W - 1/2) / (W - 1) between
+the centres of the first and the last, and stay at zero and one beyond them. The largest error is 1 / (2 W),
+at the first and the last centre. s' = s (W - 1) / W + 1 / (2 W) runs from the first centre to the last, and
 is exact.
 
 Source: Heidrich 2001, section 2.1 (artefact P7 of the catalogue).

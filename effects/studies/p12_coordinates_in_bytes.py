@@ -1,8 +1,8 @@
-"""P12: which texel a coordinate of few bits leads to.
+"""P12: which texel a coordinate of few bits reads.
 
-Each code of a texture of W texels is looked up by the machine itself, with NEAREST: on the Octane by a pixel
-texture, with 8 bits and with the 12 of its pixel groups; by a dependent lookup of texture shaders; elsewhere
-by the host, as dependent tests on the GeForce 256 have it.
+The machine itself looks up each code of a texture of W texels, with NEAREST. On the Octane a pixel texture
+does it, with 8 bits and with the 12 of its pixel groups. Texture shaders have a dependent lookup. Elsewhere
+the host looks up, as for dependent tests on the GeForce 256.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3 (artefact P12 of the catalogue).
 """

@@ -1,8 +1,8 @@
-"""P13: blocks where what the eye sees has the indirect light of its nearest texel.
+"""P13: blocks that appear if the first hit takes the indirect light of its nearest texel.
 
 Points along lines across a height field, several to a texel, get indirect light by random paths (G03), from
-the nearest texel or between four (G04). The spectrum along the lines tells blocks: steps at texels' borders
-repeat what is below half the texels' frequency around that frequency and its multiples.
+the nearest texel or between four (G04). The spectrum along the lines shows blocks. Steps at texels' borders
+repeat the spectrum below half the texels' frequency around that frequency and its multiples.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 3 (artefact P13 of the catalogue).
 """

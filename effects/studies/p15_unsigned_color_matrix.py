@@ -1,8 +1,8 @@
 """P15: a colour matrix whose results have no sign.
 
-Eq. 1 squares dot products of either sign; the colour matrix delivers none below zero. With (1 + d) / 2 and a
-table of (2 i - 1)^2 nothing is lost (erratum E004.9). Without, the squares of negative products are zero, and
-one minus them stays bright: half of either square is missing, and with it the highlight's edge.
+Eq. 1 squares dot products of either sign, but the colour matrix delivers no negative numbers. With (1 + d) /
+2 and a table of (2 i - 1)^2 nothing is lost (erratum E004.9). Without, the squares of negative products are
+zero, and one minus them stays bright. Half of each square is then missing, and the highlight's edge with it.
 
 Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P15 of the catalogue).
 """

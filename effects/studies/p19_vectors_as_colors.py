@@ -1,7 +1,8 @@
 """P19: vectors as vertex colours: bytes, interpolated linearly, not normalized; and one vector a polygon.
 
-A cylinder of few or many slices under one light: every slice's edges are vertices with halfway vectors of
-their own (K07), or every slice has one for all of it, as the imaging subset needs (section 4.2: the facets).
+A cylinder of few or many slices stands under one light. Either every slice's edges are vertices with halfway
+vectors of their own (K07), or every slice has one vector, as the imaging subset needs (section 4.2: the
+facets).
 
 Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P19 of the catalogue).
 """

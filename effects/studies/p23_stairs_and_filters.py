@@ -2,8 +2,8 @@
 
 Source: Zwicker 2016, "sampling problems" and "percentage closer filtering" (artefact P23 of the catalogue).
 
-A straight edge above a floor, a light far away, the viewer above: texels are rectangles of one size on the
-screen. Along the edge, row by row of pixels, the machine's edge is compared with the true one.
+A straight edge stands above a floor under a distant light, and the viewer is above. So texels are rectangles
+of one size on the screen. The machine's edge is compared with the true one, row by row of pixels.
 """
 
 import math

@@ -1,8 +1,8 @@
-"""P25: deviations filtered linearly, where it is their squares that add.
+"""P25: deviations filtered linearly, although only their squares add.
 
-A machine filters what is stored. Of D between two texels, or two levels, it makes the mean of D, whose
-square is less than the mean of K by w (1 - w) times the square of their difference. Where d_2 changes its
-sign the two cancel each other.
+A machine filters the stored numbers. Between two texels or levels of D it computes the mean of D. The square
+of this mean is less than the mean of K by w (1 - w) times the square of their difference. Where d_2 changes
+its sign, the two cancel each other.
 
 Source: Schilling 1997, section 8 (S18, artefact P25 of the catalogue).
 """

@@ -1,8 +1,8 @@
 """P26: roughness kept as squares in bytes, and as deviations.
 
-A byte of K over its largest has steps of 1/255 in sigma^2, so that the smallest sigma that is not zero is
-1/sqrt(255) of the largest, and steps are coarse around it. A byte of D has steps of 1/255 in sigma. The
-signed d_2 has steps of 1/127.
+A byte of K over its largest has steps of 1/255 in sigma^2. So the smallest sigma above zero is 1/sqrt(255) of
+the largest, and steps are coarse around it. A byte of D has steps of 1/255 in sigma. The signed d_2 has steps
+of 1/127.
 
 Source: Schilling 1997, section 8 (S16, S18, artefact P26 of the catalogue).
 """

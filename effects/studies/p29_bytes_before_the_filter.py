@@ -1,8 +1,8 @@
 """P29: bytes for an environment of high dynamic range, clamped before or after the filter.
 
-A sun of radius r and radiance L stands in a grey g. Phong's lobe of exponent e that looks at the sun's middle
-has the share 1 - cos^(e + 1) r of its weight in it, so the brightest that it gives is g + (L - g) share. Of a
-sun that was clamped at one it is g + (1 - g) share: (L - 1) share is lost.
+A sun of radius r and radiance L stands in a grey g. Phong's lobe of exponent e at the sun's middle has the
+share 1 - cos^(e + 1) r of its weight in the sun. So its brightest value is g + (L - g) share. With a sun
+clamped at one it is g + (1 - g) share, so (L - 1) share is lost.
 
 Source: Heidrich 2001, section 1.6 (H33; artefact P29 of the catalogue).
 """

@@ -1,9 +1,10 @@
-"""P33: what footprint assembly's direction and its power of two of probes cost, as a footprint turns.
+"""P33: the cost of footprint assembly's direction and of its power of two of probes, as a footprint turns.
 
-A footprint of sides a and one, in widths of its short side, turns under a pixel's square. Its true long axis
-is known, so the direction of probes can be compared with it. What probes do to a wave is known as well: each
-is a square of its edge, N of them lie along d, and a wave's contrast is the product of both transforms. A
-wave across the short side should stay; one along the long side, of the footprint's length, should go.
+A footprint turns under a pixel's square. In widths of its short side, its sides are a and one. Its true long
+axis is known, so the direction of probes can be compared with it. The effect of probes on a wave is known
+too. A probe is a square of its edge, N of them lie along d, and a wave's contrast is the product of both
+transforms. A wave across the short side should stay. A wave along the long side, of the footprint's length,
+should vanish.
 
 Source: Schilling 1997, section 2 (artefact P33 of the catalogue).
 """

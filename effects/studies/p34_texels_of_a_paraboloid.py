@@ -1,8 +1,8 @@
 """P34: how much of the sphere the texels of a parabolic map cover, from the middle of a disc to its edge.
 
-At the angle a from the axis a direction lies at the radius tan(a/2), so a step ds in the disc is an angle of
+At the angle a from the axis, a direction lies at the radius tan(a/2). So a step ds in the disc is an angle of
 2 ds/(1 + tan^2(a/2)): 2 ds in the middle and ds at the edge. Texels of the middle cover four times the solid
-angle, and stripes that the edge resolves are lost there.
+angle, and lose stripes that the edge resolves.
 
 Source: Heidrich 2001, section 1.3; Heidrich, Seidel 1998 (H21; artefact P34 of the catalogue).
 """

@@ -1,4 +1,4 @@
-"""P35: what is as far from the light as a shadow map's farthest depth, compared with or without equality.
+"""P35: points as far from the light as a shadow map's farthest depth, compared with or without equality.
 
 Source: artefact P35 of the catalogue, of document 003's two-pass algorithm (Z10).
 """

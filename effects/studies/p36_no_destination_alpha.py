@@ -1,12 +1,12 @@
 """P36: windows without destination alpha.
 
-H36 draws depths into the window's alpha and H38 compares them there. A surface whose colours have no alpha
-keeps none: what is read of it is whatever stands in its place. The same passes, drawn there all the same,
-show what refusing them is for; and H37 with its ramp in red instead (``Coding``'s component) needs no alpha.
+H36 draws depths into the window's alpha, and H38 compares them there. A surface without alpha keeps none: a
+read of it gives whatever stands in its place. The study draws the same passes there nevertheless, to show why
+they are refused. H37 with its ramp in red instead (``Coding``'s component) needs no alpha.
 
-Five bits stand at the top of a byte with zeros below (``framebuffers.framebuffer``): where nothing is drawn
-the map has ones, which are read as 248 of 255, and what lies farther from the lamp than that is behind all
-that the map can hold. So the table parts the pixels there.
+Five bits stand at the top of a byte with zeros below (``framebuffers.framebuffer``). Where nothing is drawn
+the map has ones, which are read as 248 of 255. Farther points lie behind everything that the map can hold. So
+the table separates the pixels at this depth.
 
 Source: Heidrich 2001, section 2.1 (artefact P36 of the catalogue).
 """

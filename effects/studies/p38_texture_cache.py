@@ -1,8 +1,9 @@
-"""P38: what a texture cache makes of dependent lookups.
+"""P38: the effect of a texture cache on dependent lookups.
 
-Ward's model by pixel textures (K09) on the Octane: the material textures are read in the order of the pixels,
-the table of E(m, d) wherever the bumps send them. And light that is looked up at S_i, the texels that are
-seen along some directions, on the same bumps (G10): S_i and the normal map are read in order, L_d is not.
+The first case is Ward's model by pixel textures (K09) on the Octane. The material textures are read in the
+order of the pixels, and the table of E(m, d) wherever the bumps point. The second case, on the same bumps
+(G10), is light looked up at S_i, the texels that are visible along some directions. S_i and the normal map
+are read in order, L_d is not.
 
 Source: Kautz, Seidel 2000, section 5.1 (memory stalls of dependent lookups; artefact P38 of the catalogue);
 Heidrich, Daubert, Kautz, Seidel 2000, section 3.3.

@@ -1,7 +1,7 @@
-"""P40: how many passes a model takes, by how many texture units and general combiners a board has.
+"""P40: how many passes a model takes, by the numbers of a board's texture units and general combiners.
 
-Every effect is built in each way there is, for the machine with its numbers of units and combiners changed,
-and ``fixedpipe.pipeline.validation`` says whether that machine holds it; the fewest passes count.
+Every effect is built in every way, for the machine with changed numbers of units and combiners.
+``fixedpipe.pipeline.validation`` tells whether that machine can run it; the fewest passes count.
 
 Source: Kautz, Seidel 2000, section 5 (artefact P40 of the catalogue).
 """

@@ -1,5 +1,6 @@
-"""G03, G04, G05: random paths, several directions at every place, dependent tests; and whose indirect light
-a point between texels has.
+"""G03, G04, G05: random paths, several directions at every place, and dependent tests.
+
+A point between texels takes the indirect light of the nearest texel, or of four.
 """
 
 from functools import lru_cache

@@ -1,8 +1,8 @@
 """F003-20: z-fighting on a slanted surface, and what a bias does, drawn.
 
 The surface and a plate above it are seen from the side; parallel light falls straight down. A texel of the
-shadow map has one depth for all of its width: that of what is nearest at its middle, moved away by the bias
-of PolygonOffset and rounded to the depth's bits. What is farther than that is in shadow.
+shadow map has one depth over its width. It is the nearest depth at the texel's middle, moved away by the bias
+of PolygonOffset and rounded to the depth's bits. Farther points are in shadow.
 """
 
 from dataclasses import dataclass

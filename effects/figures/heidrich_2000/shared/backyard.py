@@ -1,9 +1,9 @@
-"""A backyard: what stands in it, the light that its bumps send back, and what of the sky each place sees.
+"""A backyard: its things, the light that their bumps send back, and the sky that each place sees.
 
-World coordinates are metres, y up. Every flat part has a height field that repeats over it; its light is
-computed for the part's own frame, sun and sky apart, by ``light_transport``. Nothing of the scene enters a
-height field (section 3 of the paper: no other geometry inside its convex hull), so that shadows of things on
-each other, and the sky that things hide, are asked of rays.
+World coordinates are metres, y up. Every flat part has a height field that repeats over it.
+``light_transport`` computes its light in the part's own frame, sun and sky separately. Nothing of the scene
+enters a height field (section 3 of the paper: no other geometry inside its convex hull). So rays compute the
+shadows of things on each other, and the sky that things hide.
 
 Assumed: all sizes and colours; the paper shows the picture and gives no numbers of the scene.
 """

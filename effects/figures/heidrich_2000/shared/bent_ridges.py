@@ -1,5 +1,7 @@
-"""Ridges whose flanks have a colour each, as a strip on a bent or stretched base: their light by visibility
-that is kept and by rays among the bent triangles, their mesh, and what a picture of it says of each flank.
+"""Ridges with two flanks of different colour, as a strip on a bent or stretched base.
+
+The module has their light by stored visibility and by rays among the bent triangles, their mesh, and measures
+of each flank in a picture.
 """
 
 import math

@@ -1,8 +1,8 @@
 """A ball with ridges along its parallels, one flank red and one white: as geometry, as a bump map, as a BRDF.
 
-Each ridge takes the same share of a meridian, and its field (``height_field.ridges``) stands in the local
-frame of the ridge's middle: s to the north, t to the west, z outward. So one small field, its visibility and
-the light's direction in that frame say all.
+Each ridge takes the same share of a meridian. Its field (``height_field.ridges``) stands in the local frame
+of the ridge's middle: s to the north, t to the west, z outward. So one small field, its visibility and the
+light's direction in that frame are enough.
 """
 
 import math

@@ -1,5 +1,6 @@
-"""What the figures of alpha-coded shadow maps, H36 to H38, have in common: the still life under a lamp, the
-boards' ways to compare, and checks against rays.
+"""Parts of the figures of alpha-coded shadow maps, H36 to H38.
+
+They are the still life under a lamp, the boards' ways to compare, and checks against rays.
 """
 
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What figures of Fresnel's mirrors share: how each machine reflects and refracts, and a ball by rays."""
+"""Parts of the figures of Fresnel's mirrors: each machine's reflection and refraction, and a ball by rays."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

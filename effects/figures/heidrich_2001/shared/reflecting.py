@@ -1,5 +1,5 @@
-"""What figures of environment maps share: a ball in a ring, directions as colours, and reflections by
-rays.
+"""Parts of the figures of environment maps: a ball in a ring, directions as colours, and
+reflections by rays.
 """
 
 import numpy as np

@@ -1,6 +1,4 @@
-"""A torus as rays see it: what its triangles approximate, at every pixel, with the frames of
-``surfaces.torus``.
-"""
+"""A torus by rays, at every pixel, with the frames of ``surfaces.torus``: the reference for its triangles."""
 
 import numpy as np
 

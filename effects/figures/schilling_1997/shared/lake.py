@@ -1,11 +1,11 @@
-"""F001-10 and F001-11's lake: waves that tile to the horizon, a moon over them, and what is measured of it.
+"""F001-10 and F001-11's lake: waves that tile to the horizon, a moon over them, and measures of the picture.
 
-Two ways to draw it: computed in floats, as the paper did, and shown as a picture; and by texture shaders, in
-passes (``rough_mirror_passes``).
+There are two ways to draw it. One computes it in floats, as the paper did, and shows the picture. The other
+uses texture shaders, in passes (``rough_mirror_passes``).
 
-Assumed: 80 waves, the lower the shorter; a moon more than twice as bright as a pixel can be, as a photograph
-of a night has it, so that its light is still seen where waves spread it. It is one in a cube map of bytes;
-those that are filtered for a roughness are filtered before.
+Assumed: 80 waves, a lower one being shorter. Assumed: a moon more than twice as bright as a pixel can be, as
+in a photograph of a night, so that its light is still visible where waves spread it. In a cube map of bytes
+the moon is one. Maps that are filtered for a roughness are filtered before.
 """
 
 import math

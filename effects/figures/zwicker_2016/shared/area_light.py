@@ -1,5 +1,5 @@
-"""What F003-13 and F003-14 are drawn of: a light, an occluder and a floor in the plane, and where which part
-of the light is seen.
+"""The parts of F003-13 and F003-14: a light, an occluder and a floor in the plane, and how much of the light
+is visible at each point.
 
 All lengths are in a sheet's units, [-1, 1] each way.
 """

@@ -1,5 +1,6 @@
-"""What the figures of document 003's "sampling problems" share: the avenue, drawn with maps fitted in several
-ways, and how right each is.
+"""Parts of the figures of document 003's "sampling problems".
+
+They are the avenue, drawn with maps fitted in several ways, and how right each is.
 """
 
 from dataclasses import replace
