@@ -1,3 +1,5 @@
-"""One module per suite. A module has ``SUITE``, the captures' folder, and ``CASES``, every case that the
-suite's program draws: by its name, in order, the function that builds it, from nothing or from ``inputs``.
+"""One module per suite. A module has ``SUITE``, the captures' folder, and ``CASES``, the suite's cases in
+order.
+
+``CASES`` maps a case's name to the function that builds it, without arguments or from ``inputs``.
 """

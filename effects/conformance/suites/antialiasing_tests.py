@@ -1,10 +1,10 @@
-"""Antialiasing_tests: what a surface of several samples leaves of memory that the processor wrote, and in
-the window.
+"""Antialiasing_tests: memory that the processor wrote, after draws to a surface of several samples there.
 
-Source: src/tests/antialiasing_tests.cpp of nxdk_pgraph_tests. Draws of nothing to such surfaces change no
-memory. FBSurfaceWithCenterCorner2 draws to the window's memory with two samples a pixel, which lie side by
-side: a row of pixels fills two rows of the window, and half of the rows is seen. Not named:
-GPUAAWriteAfterCPUWrite, which draws with four samples; no capture here says where they are.
+Source: src/tests/antialiasing_tests.cpp of nxdk_pgraph_tests. The tests also show the window. Empty draws to
+such surfaces change no memory. FBSurfaceWithCenterCorner2 draws to the window's memory with two samples a
+pixel, which lie side by side. So a row of pixels fills two rows of the window, and half of the rows are
+visible. Not included: GPUAAWriteAfterCPUWrite, which draws with four samples; no capture here shows their
+places.
 """
 
 from dataclasses import replace

@@ -1,8 +1,7 @@
-"""Attrib_carryover: a shape with an attribute, then one whose vertices do not give it, in its colour.
+"""Attrib_carryover: a shape with an attribute, then one without it, which shows the attribute as its colour.
 
-Measured: an attribute that a draw does not give has the value of the last vertex drawn before, by whatever
-command (49 captures). Source: src/tests/attribute_carryover_tests.cpp and its vertex program, of
-nxdk_pgraph_tests.
+Measured: an attribute that a draw does not give has the value of the last vertex drawn before, by any command
+(49 captures). Source: src/tests/attribute_carryover_tests.cpp and its vertex program, of nxdk_pgraph_tests.
 """
 
 from functools import partial

@@ -1,8 +1,8 @@
-"""Clear: a clear whatever the write masks say, and what it leaves in surfaces of every colour format.
+"""Clear: clears under every write mask, and their results in surfaces of every colour format.
 
-Source: src/tests/clear_tests.cpp of nxdk_pgraph_tests. Measured: masks of colour, depth and stencil hold
-nothing of a CLEAR_SURFACE back, which writes the word of SET_COLOR_CLEAR_VALUE as it is. A surface is shown
-as words A8B8G8R8, whatever its own are: of 16 bits two lie in each.
+Source: src/tests/clear_tests.cpp of nxdk_pgraph_tests. Measured: CLEAR_SURFACE ignores the masks of colour,
+depth and stencil, and writes the word of SET_COLOR_CLEAR_VALUE unchanged. A surface is shown as words
+A8B8G8R8, whatever its own are; such a word holds two of 16 bits.
 """
 
 from dataclasses import replace

@@ -1,8 +1,7 @@
 """Color_key: texels that equal a stage's key lose their alpha, all their components, or their fragment.
 
-Source: src/tests/color_key_tests.cpp of nxdk_pgraph_tests. Measured: the key is compared with a texel's
-whole word, in X formats without their unused bits; a stage that samples kills, whether or not its texel is
-used.
+Source: src/tests/color_key_tests.cpp of nxdk_pgraph_tests. Measured: the key is compared with a texel's whole
+word, in X formats without their unused bits. A stage that samples kills, even if its texel is not used.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
 """Combiner: register combiners of constants and flat colours.
 
-Source: src/tests/combiner_tests.cpp of nxdk_pgraph_tests, in several versions: SpecularR0SumFlags took Flags'
-place. Not here yet, though the machine could draw them: SignedToUnsignedMapping and
+Source: src/tests/combiner_tests.cpp of nxdk_pgraph_tests, in several versions: SpecularR0SumFlags replaced
+Flags. Not included, though the machine could draw them: SignedToUnsignedMapping and
 SignedPassThroughPipeline, which read signed textures.
 """
 

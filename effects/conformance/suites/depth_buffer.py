@@ -1,7 +1,7 @@
 """Depth_buffer: slopes from the nearest to the farthest depth, in every depth format, below every cut-off.
 
-The cut-off is what the depth buffer is cleared to. Compression (C) is how the chip stores depth, and changes
-no value. Source: src/tests/depth_format_tests.cpp of nxdk_pgraph_tests.
+The cut-off is the depth buffer's clear value. Compression (C) is a way in which the chip stores depth, and
+changes no value. Source: src/tests/depth_format_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace

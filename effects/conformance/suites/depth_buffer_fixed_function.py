@@ -1,7 +1,7 @@
 """Depth_buffer_fixed_function: slopes through the default view, in every depth format, below a few cut-offs.
 
-The cut-off is what the depth buffer is cleared to. Compression (C) is how the chip stores depth, and changes
-no value. Source: src/tests/depth_format_fixed_function_tests.cpp of nxdk_pgraph_tests.
+The cut-off is the depth buffer's clear value. Compression (C) is a way in which the chip stores depth, and
+changes no value. Source: src/tests/depth_format_fixed_function_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace

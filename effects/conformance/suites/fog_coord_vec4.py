@@ -1,8 +1,8 @@
-"""Fog_coord_vec4: which component of o[FOGC] is the fog coordinate, by what instructions write it.
+"""Fog_coord_vec4: the component of o[FOGC] that is the fog coordinate, for several ways to write it.
 
-Measured: an instruction stores the first component that its write mask enables, in the order x, y, z, w; of
-several instructions the last one counts; what is not written keeps the previous value (40 captures).
-Source: src/tests/fog_tests.cpp of nxdk_pgraph_tests (FogVec4CoordTests).
+Measured: an instruction stores the first component that its write mask enables, in the order x, y, z, w. Of
+several instructions the last one counts. Without a write, the previous value stays (40 captures). Source:
+src/tests/fog_tests.cpp of nxdk_pgraph_tests (FogVec4CoordTests).
 """
 
 from dataclasses import replace

@@ -2,8 +2,9 @@
 quads.
 
 Source: src/tests/image_blit_tests.cpp of nxdk_pgraph_tests. Measured: BLEND_AND mixes as blending by a
-constant alpha does, with the byte beta >> 23, 0 where beta's sign bit is set; X8R8G8B8 leaves an alpha of
-255, Z8R8G8B8 of 0. Not named: BlitBeyondWidth, whose picture is the order of a tile's bytes in memory.
+constant alpha does. The alpha is the byte beta >> 23, or 0 if beta's sign bit is set. X8R8G8B8 writes an
+alpha of 255, Z8R8G8B8 of 0. Not included: BlitBeyondWidth, whose picture is the order of a tile's bytes in
+memory.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
 """Line_width: every primitive, filled and as outlines, under every line width.
 
-Source: src/tests/line_width_tests.cpp of nxdk_pgraph_tests. Widths are in 1/8 pixel; the register holds nine
-bits, and a wider value leaves the width of one pixel that was there before.
+Source: src/tests/line_width_tests.cpp of nxdk_pgraph_tests. Widths are in 1/8 pixel. The register holds nine
+bits; a wider value leaves the earlier width of one pixel.
 """
 
 from dataclasses import replace

@@ -1,8 +1,8 @@
 """2D_Lines: single lines of the chip's two-dimensional engine, which excludes a line's last pixel.
 
-Source: src/tests/two_d_line_tests.cpp of nxdk_pgraph_tests. The pipeline has no such engine; its lines in
-STEPS between pixel centres, which also begin with their first pixel and end before their last, stand for it.
-Measured: 200 and 1 pixels of the two captures; Assumed for lines that are neither level nor upright.
+Source: src/tests/two_d_line_tests.cpp of nxdk_pgraph_tests. The pipeline has no such engine. Its lines in
+STEPS between pixel centres replace it, because they also begin with their first pixel and end before their
+last. Measured: 200 and 1 pixels of the two captures; Assumed for lines that are neither level nor upright.
 """
 
 from dataclasses import replace

@@ -1,8 +1,8 @@
-"""Material_color: a quad, half of it turned away from the light, whose colours the program multiplies as a
+"""Material_color: a quad, half of it turned away from the light; the program multiplies its colours as a
 driver does.
 
-A name tells the colours: of the scene's, the material's and the light's ambient colour, of the material's
-diffuse, specular and emissive colour, of the light's diffuse and specular one. Source:
+A name lists colours in this order: the ambient colour of the scene, the material and the light; the
+material's diffuse, specular and emissive colour; the light's diffuse and specular colour. Source:
 src/tests/material_color_tests.cpp of nxdk_pgraph_tests.
 """
 

@@ -1,8 +1,8 @@
 """Null_surface: a quad, after draws whose surfaces lie elsewhere in memory.
 
-Source: src/tests/null_surface_tests.cpp of nxdk_pgraph_tests. Before the picture is cleared and drawn the
-program draws the same quad to the window's memory as 512 by 512 pixels, and to a texture's: nothing of
-both is left.
+Source: src/tests/null_surface_tests.cpp of nxdk_pgraph_tests. First the program draws the same quad to the
+window's memory as 512 by 512 pixels, and to a texture's memory. Then it clears and draws the picture, so
+nothing of the two remains.
 """
 
 from fixedpipe.effects.conformance import scenes

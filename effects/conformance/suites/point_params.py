@@ -1,9 +1,9 @@
 """Point_params: points whose size shrinks with distance, with and without sprites.
 
-Source: src/tests/point_params_tests.cpp of nxdk_pgraph_tests. FF: the fixed-function vertex stage, which
-attenuates; VS: a vertex program that passes window coordinates and the vertex's own size on, which the
-parameters' switch lets through. Sprites (Smooth) repeat a checkerboard over the point; without them all of a
-point shows the texel at (0, 0).
+Source: src/tests/point_params_tests.cpp of nxdk_pgraph_tests. FF is the fixed-function vertex stage, which
+attenuates. VS is a vertex program that passes window coordinates and the vertex's own size on; the
+parameters' switch lets the size through. Sprites (Smooth) repeat a checkerboard over the point. Without them
+the whole point shows the texel at (0, 0).
 """
 
 from dataclasses import replace

@@ -1,9 +1,9 @@
 """Point_size: points of every size, one after the other.
 
-Source: src/tests/point_size_tests.cpp of nxdk_pgraph_tests. Sizes are in 1/8 pixel; the register holds nine
-bits, and a wider value leaves the size that was there before. SmoothOn makes point sprites, which no texture
-changes here. FF: the fixed-function vertex stage, whose points come back where they were put (unprojected),
-but for the viewport's offset; VS: a vertex program that passes window coordinates on.
+Source: src/tests/point_size_tests.cpp of nxdk_pgraph_tests. Sizes are in 1/8 pixel. The register holds nine
+bits; a wider value leaves the earlier size. SmoothOn makes point sprites, which no texture changes here. FF
+is the fixed-function vertex stage. Its points were unprojected, so they come back to their places, except for
+the viewport's offset. VS is a vertex program that passes window coordinates on.
 """
 
 from dataclasses import replace

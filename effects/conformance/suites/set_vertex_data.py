@@ -1,7 +1,7 @@
 """SetVertexData: a vertex attribute as each of the chip's methods sets it, as a colour and as a normal.
 
-Source: src/tests/set_vertex_data_tests.cpp of nxdk_pgraph_tests. What a method does not set is 0, or 1 for
-the fourth component; whole numbers of 16 bits come as they are, bytes as parts of 255.
+Source: src/tests/set_vertex_data_tests.cpp of nxdk_pgraph_tests. A component that a method does not set is 0,
+or 1 for the fourth. Whole numbers of 16 bits stay unchanged; bytes become parts of 255.
 """
 
 from dataclasses import replace

@@ -1,9 +1,9 @@
 """Surface_clip: the surface's clip rectangle, on the window's memory under other formats and on a surface.
 
-Source: src/tests/surface_clip_tests.cpp of nxdk_pgraph_tests. Red quads around the rectangle, a dark green
-one over it and light ones along its edges. On the window a format of fewer bytes leaves the pitch as it is,
-so that its pixels lie in the left part of each row. The surface's clip holds clears and draws in, as a
-scissor box does.
+Source: src/tests/surface_clip_tests.cpp of nxdk_pgraph_tests. Red quads lie around the rectangle, a dark
+green one over it and light ones along its edges. On the window, a format of fewer bytes keeps the pitch, so
+its pixels lie in the left part of each row. The surface's clip limits clears and draws, as a scissor box
+does.
 """
 
 from dataclasses import replace

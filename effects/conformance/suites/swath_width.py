@@ -1,9 +1,9 @@
 """Swath_width: lines, polygons, points and a texture on a surface of two samples a pixel, then on the window.
 
-Source: src/tests/swath_width_tests.cpp of nxdk_pgraph_tests: the surface (CENTER_CORNER_2) is twice as wide
-as the window, with two samples for each pixel, and a linear filter between them takes their mean. Measured:
-the swath's width changes nothing (SwathWidth00 and 02 differ in their texts alone), and both samples have
-the colours and texels of the pixel's middle.
+Source: src/tests/swath_width_tests.cpp of nxdk_pgraph_tests. The surface (CENTER_CORNER_2) is twice as wide
+as the window, with two samples for each pixel; a linear filter between them takes their mean. Measured: the
+swath's width changes nothing (SwathWidth00 and 02 differ in their texts alone), and both samples have the
+colours and texels of the pixel's middle.
 """
 
 from dataclasses import replace

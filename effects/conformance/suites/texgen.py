@@ -1,7 +1,7 @@
 """Texgen: texture coordinates generated from positions and normals, on a rectangle that faces the eye.
 
 Source: src/tests/texgen_tests.cpp of nxdk_pgraph_tests. SphereMap and ReflectionMap for an infinite viewer
-are not here: in the machine, these maps have the eye at its place (SET_TEXGEN_VIEW_MODEL LOCAL_VIEWER).
+are not included. In the machine, these maps have a local viewer (SET_TEXGEN_VIEW_MODEL LOCAL_VIEWER).
 """
 
 from dataclasses import replace

@@ -1,5 +1,6 @@
-"""Texgen_with_texture_matrix: generated texture coordinates through the texture matrix, which a texture is
-read with, or which are passed through as colours.
+"""Texgen_with_texture_matrix: generated texture coordinates through the texture matrix.
+
+They read a texture, or become colours.
 
 Source: src/tests/texgen_matrix_tests.cpp of nxdk_pgraph_tests.
 """

@@ -1,10 +1,9 @@
 """Texture_border: a small texture under every wrap mode, on panels of three by three tiles; textures with
 borders.
 
-A texture with border texels (2D_BorderTex_SZ, 3D, cube maps) lies in memory as one that has twice the size,
-at least 16 texels along an edge, its first texel four from the corner. Here it has its texels and the four on
-either side, which is all that coordinates reach.
-Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
+A texture with border texels (2D_BorderTex_SZ, 3D, cube maps) lies in memory as a texture of twice the size,
+at least 16 texels along an edge. Its first texel is four from the corner. Here it has its texels and the four
+on either side; coordinates reach no others. Source: src/tests/texture_border_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace

@@ -1,8 +1,8 @@
 """Texture_BRDF: two cubes whose eye and light directions, from cube maps of angles, look up a 3D texture.
 
-Source: src/tests/texture_brdf_tests.cpp of nxdk_pgraph_tests. Inferred: no vertex program was loaded
-(that class of pbkitplusplus has none of its own), so the fixed-function matrix acts. The program puts the
-view before the model in it, and so all but a corner outside the window. Measured: 304820 of 304820 pixels.
+Source: src/tests/texture_brdf_tests.cpp of nxdk_pgraph_tests. Inferred: no vertex program was loaded (that
+class of pbkitplusplus has none of its own), so the fixed-function matrix acts. In this matrix the program
+puts the view before the model, so only a corner lies in the window. Measured: 304820 of 304820 pixels.
 """
 
 from dataclasses import replace

@@ -1,8 +1,8 @@
-"""Texture_format: a colour gradient in every texture format, on a square that a little more than fits it.
+"""Texture_format: a colour gradient in every texture format, on a square larger than the texture.
 
-XAlpha: textures of one word each, whose unused bits are not alpha: unblended and blended, and their alpha as
-grey. Not named: DepthFmt cases; they compare a pattern of depths, and no version of the library that could be
-read has the function that makes it (GenerateRadialDepthPattern). Source:
+XAlpha: textures of one word each, whose unused bits are not alpha. They are drawn unblended and blended, and
+their alpha as grey. Not included: the DepthFmt cases, which compare a pattern of depths. No available version
+of the library has the function that makes it (GenerateRadialDepthPattern). Source:
 src/tests/texture_format_tests.cpp of nxdk_pgraph_tests, src/texture_stage.cpp of pbkitplusplus.
 """
 

@@ -1,8 +1,8 @@
 """Texture_shadow_comparator: a depth texture compared with one depth by every function.
 
-Names: the projective stage of the chip (2: zero is compared, 3: r), R for words written to memory, F and P
-for depths drawn by the fixed function and by a vertex program, the depth format, the depths' range, the one
-that is compared, the function. Source: src/tests/texture_shadow_comparator_tests.cpp of nxdk_pgraph_tests.
+A name has, in order: the chip's projective stage (2: zero is compared, 3: r); R for words written to memory,
+F and P for depths drawn by the fixed function and by a vertex program; the depth format; the depths' range;
+the compared depth; the function. Source: src/tests/texture_shadow_comparator_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
 """Volume_texture: seven quads through the four layers of a 3D texture, in every swizzled format and DXT1.
 
-The program converts layers with SDL alone: of depth formats and DXT1 the chip reads bytes of R8G8B8A8 layers.
-Depths are compared, and the program's default function is NEVER. Source:
+The program converts layers with SDL alone. So for depth formats and DXT1 the chip reads bytes of R8G8B8A8
+layers. Depths are compared, and the program's default function is NEVER. Source:
 src/tests/volume_texture_tests.cpp of nxdk_pgraph_tests, src/texture_stage.cpp of pbkitplusplus.
 """
 

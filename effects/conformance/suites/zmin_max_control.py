@@ -1,8 +1,9 @@
-"""ZMinMaxControl: blocks of small quads whose z and w grow beyond the depth clip, which is 10 to 100: what
-lies outside is culled or clamped, by fragment and (NEARFAR) by primitive.
+"""ZMinMaxControl: blocks of small quads whose z and w grow beyond the depth clip, which is 10 to 100.
+
+The part outside is culled or clamped, by fragment and (NEARFAR) by primitive.
 
 Ctrl: through a vertex program; CtrlFixed: through the fixed-function stage. WBuf: depth is w. IgnW: ignores
-w, in which no capture differs. Source: src/tests/z_min_max_control_tests.cpp of nxdk_pgraph_tests.
+w; no capture differs in this. Source: src/tests/z_min_max_control_tests.cpp of nxdk_pgraph_tests.
 """
 
 from dataclasses import replace

@@ -1,5 +1,6 @@
-"""ZPass_pixel_count: a quad, and points or lines of every size behind it and beside it, whose passing pixels
-the chip counts; the counts are printed, the pictures hold the pixels.
+"""ZPass_pixel_count: a quad, and points or lines of every size behind it and beside it.
+
+The chip counts the pixels that pass. The program prints the counts; the pictures hold the pixels.
 
 Source: src/tests/zpass_pixel_count_tests.cpp of nxdk_pgraph_tests.
 """
