@@ -37,11 +37,12 @@ _ANSWERS = {answer.value for answer in Answer}
 
 
 class Data:
-    """What a data file says of one figure or study.
+    """The contents of a data file for one figure or study.
 
-    words  the fields of a Figure or a Study that the file has, by name, with its id
+    words  the fields of a Figure or a Study in the file, by name, with its id
 
-    Raises ValueError, a sentence that names the file, for what it lacks and for what nothing reads.
+    Raises ValueError, with a sentence that names the file, for missing entries and for entries that nothing
+    reads.
     """
 
     def __init__(self, path: Path, identifier: str):
@@ -88,13 +89,13 @@ class Data:
         at_least: float | None = None,
         **fields: object,
     ) -> Check:
-        """What was measured as a Check: its bound and its reason are the file's.
+        """A measured number as a Check: its bound and its reason are the file's.
 
-        at_most, at_least  where the bound is computed, and the file has none
-        fields             what ``{field}`` stands for in the name and in the reason
+        at_most, at_least  a computed bound, if the file has none
+        fields             the value of each ``{field}`` in the name and in the reason
 
-        Raises ValueError for a name that the file has not, for a bound that is given here and there, for a
-        check without a reason, for fields that are not those of the name and the reason, and as Check.
+        Raises ValueError for a name that is not in the file, for a bound given both here and there, for a
+        check without a reason, for fields that are not in the name or the reason, and as Check.
         """
         if name not in self.checks:
             self._refuse(f"{self._id} has no check {name!r}.{nearest(name, self.checks)} Add it.")

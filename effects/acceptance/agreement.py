@@ -61,14 +61,14 @@ def lit_mask(picture: NDArray[np.float64]) -> NDArray[np.bool_]:
 class Agreement:
     """How a mask compares with the truth.
 
-    compared    pixels that were
-    agreeing    the fraction of them that agree
-    silhouette  differing pixels with another object, or another part of the same one, beside them
-    shadow_edge differing pixels where the truth changes within the pixels or texels allowed
-    contact     differing pixels that are lit, and would be if nothing nearer than the bias threw a shadow
-    grazing     differing pixels where the light all but grazes the surface
-    other       differing pixels that are none of these
-    kinds       uint8 [h, w], bottom row first: NOT_COMPARED, AGREES, SILHOUETTE ... OTHER
+    compared     how many pixels were compared
+    agreeing     the fraction of them that agree
+    silhouette   differing pixels beside another object, or beside another part of the same one
+    shadow_edge  differing pixels where the truth changes within the allowed pixels or texels
+    contact      differing pixels that are lit, and would be lit without blockers nearer than the bias
+    grazing      differing pixels that the light nearly grazes
+    other        differing pixels of none of these kinds
+    kinds        uint8 [h, w], bottom row first: NOT_COMPARED, AGREES, SILHOUETTE ... OTHER
     """
 
     compared: int

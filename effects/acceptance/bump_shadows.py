@@ -117,7 +117,7 @@ def ways_of_the_imaging_subset(field, count, profile):
 
 
 def agreement(field, told: Mapping[str, LitTexels], towards=None):
-    """Of every way, by its name, the share of the texels that face a light which it lights as rays do.
+    """For every way, by its name, the share of the texels facing a light that it lights as rays do.
 
     field    a HeightField
     towards  unit vectors [n, 3]; None: ``lights()``

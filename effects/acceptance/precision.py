@@ -55,8 +55,9 @@ def table(commands_of, profile, width, height, widths=WIDTHS, parts=PARTS, step=
 
 
 def clamps(commands_of, profile, width, height, step=_quietly):
-    """(None, the Error of the machine as it is), then (Clamp, Error) without each of its clamps, one at a
-    time. Takes and raises what ``table`` does.
+    """(None, the machine's own Error), then (Clamp, the Error without this clamp) for each of its clamps.
+
+    Takes and raises what ``table`` does.
     """
     found = []
     for clamp in (None, *clamps_of(profile)):

@@ -242,10 +242,10 @@ def _cast(
 
 @dataclass(frozen=True, eq=False)
 class Hits:
-    """What rays met first.
+    """The first hits of rays.
 
     distance      float64 [r], in lengths of the ray's direction; infinity: nothing
-    triangle      int64 [r], -1: none; of several at one distance the first
+    triangle      int64 [r], -1: none. The first of several at one distance
     barycentrics  float64 [r, 3], weights of the triangle's corners; their sum is one
     """
 
@@ -400,10 +400,10 @@ def visible(caster, view):
 
 
 def to_light(points, light):
-    """Vectors from points [n, 3] that end at the light, and how far a shadow ray goes along them.
+    """Vectors from points [n, 3] to the light, and the length of a shadow ray along them.
 
-    ``light``: of a lamp that is ``infinite`` the direction is ``position - target``, and rays go for ever;
-    else they end at its ``position``.
+    ``light``: for an ``infinite`` lamp the direction is ``position - target``, and rays are infinite.
+    Otherwise they end at its ``position``.
     """
     position = np.array(light.position, np.float64)
     if light.infinite:

@@ -70,13 +70,13 @@ class Shot:
 def rays(shot: Shot, *, samples: int = SAMPLES, threads: int | None = None) -> NDArray[np.float64]:
     """The picture of a Shot: RGBA float64 [height, width, 4], top row first, 1.0 = full, alpha one.
 
-    samples  along a pixel's edge, from 1
-    threads  any number gives the same bits; None: one per processor
+    samples  samples along a pixel's edge, from 1
+    threads  how many threads; None: one per processor. The bits are the same for any number
 
-    With one lamp a pixel that its neighbours resemble (``_differing``) has one sample, its middle. Of n lamps
-    each of a pixel's samples asks n / samples^2, all of the pixel's together every one of them.
+    With one lamp, a pixel that resembles its neighbours (``_differing``) has one sample, its middle. With n
+    lamps, each of a pixel's samples tests n / samples^2 lamps, and together they test every lamp.
 
-    Raises ValueError without a lamp, and for no whole number of samples from 1.
+    Raises ValueError without a lamp, and if ``samples`` is not a whole number from 1.
     """
     if not shot.lamps:
         raise ValueError("A picture without a lamp has no shadows; give one lamp or more.")

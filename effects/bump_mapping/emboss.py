@@ -218,10 +218,10 @@ def _difference_passes(what, surface, height_map, vectors, colors, view, *, firs
 def one_unit_passes(
     surface, height_map, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), specular=0.0
 ):
-    """Embossing with one texture unit and blending that only adds: two draws, with a highlight four.
+    """Embossing with one texture unit and blending that only adds: two draws, or four with a highlight.
 
-    ``color``, ``ambient``: RGB in [0, 1]; ``specular``: of a white highlight, in [0, 1], 0: none. The
-    inverted map is the BLEND environment's; nothing needs a bias: D and S themselves are what it would be.
+    ``color``, ``ambient``: RGB in [0, 1]; ``specular``: a white highlight's, in [0, 1], 0: none. The BLEND
+    environment inverts the map. No bias is needed, because D and S take its place.
     """
     lit, vectors = _lit(surface, light, color, ambient), _light_vectors(surface, light)
     out = _difference_passes("lit color", surface, height_map, vectors, lit, view, first=True)

@@ -344,8 +344,8 @@ def plain_pass(surface, frame, name, scale, view, profile, *, lighting):
 def on_disc(normals, unit_length=True):
     """Places of normals [..., 3], seen from +z, on a map of light: float64 [..., 2] in [0, 1].
 
-    ``unit_length``: of their directions, by a paraboloid: x/(1 + z). Else x and y as they are: where n' is
-    not normalized, offsets move them by the same everywhere.
+    ``unit_length``: True: the place of the direction, by a paraboloid: x/(1 + z). False: x and y themselves.
+    There n' is not normalized, so offsets move places equally everywhere.
     """
     normals = np.asarray(normals, np.float64)
     if not unit_length:

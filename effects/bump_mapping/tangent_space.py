@@ -274,7 +274,7 @@ def vertex_tangents(surface):
 
 
 class ZeroArea(StrEnum):
-    """What becomes of triangles without an area in texture space."""
+    """How to handle triangles without an area in texture space."""
 
     REFUSE = "refuse"  # ValueError
     DROP = "drop"  # a hole
@@ -282,7 +282,7 @@ class ZeroArea(StrEnum):
 
 
 class Mirrored(StrEnum):
-    """What becomes of triangles whose texture coordinates are mirrored."""
+    """How to handle triangles with mirrored texture coordinates."""
 
     SIGN = "sign"  # they stay, and the sign of the binormal says so
     DROP = "drop"
@@ -298,11 +298,11 @@ def with_tangents(surface, zero_area=ZeroArea.REFUSE, mirrored=Mirrored.SIGN):
     surface
         A ``surfaces.Surface``; positions, normals, texture coordinates and triangles are taken.
     zero_area
-        What becomes of triangles without an area in texture space.
+        How to handle triangles without an area in texture space.
     mirrored
-        What becomes of mirrored triangles. Vertices that a mirrored and another triangle share become two.
+        How to handle mirrored triangles. Vertices that a mirrored and another triangle share become two.
 
-    Raises ValueError for anything else, and where it refuses, with the Report's sentence.
+    Raises ValueError for anything else, and if it refuses, with the Report's sentence.
     """
     member_of(ZeroArea, zero_area, "What becomes of triangles without area")
     member_of(Mirrored, mirrored, "What becomes of mirrored triangles")

@@ -112,8 +112,10 @@ def diffuse_combiners(light_register, color, ambient):
 
 
 def specular_combiners(half_register, exponent):
-    """(n.h)^``exponent``, the register's h as long as it is: a general combiner for the product, and one for
-    each square that the final one does not make.
+    """(n.h)^``exponent`` with h at the register's length.
+
+    It takes one general combiner for the product, and one for each square that the final combiner does not
+    make.
     """
     squarings = _checked(exponent).bit_length() - 3
     product_of_both = dot(expand(TEXTURE0), expand(half_register), to=SPARE0)

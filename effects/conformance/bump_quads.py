@@ -88,10 +88,11 @@ def case_of(image, linear, stages, register, signs, checkers, coordinates, ycbcr
 
 
 def offset_case(colors, entry, operation, matrix, signs, checkers, **scaled):
-    """The frame of four colours in a format (``texture_of``) whose texels, through an offset matrix
-    (a1, a2, a3, a4), offset the checkerboard's coordinates.
+    """The frame of four colours in a format (``texture_of``), whose texels offset the checkerboard's
+    coordinates.
 
-    ``operation``: of unit 1. ``scaled``: more of its TextureShaderStage.
+    They do it through an offset matrix (a1, a2, a3, a4). ``operation``: unit 1's. ``scaled``: further fields
+    of its TextureShaderStage.
     """
     image, linear = texture_of(colors, entry)
     stages = (

@@ -115,8 +115,8 @@ def colors(ambient=(0.0, 0.0, 0.0), diffuse=(1.0, 1.0, 1.0), specular=(0.0, 0.0,
 
 
 def directional(direction, **given):
-    """DirectionalLight: shines along ``direction``, which it takes as long as it is; the half vector is the
-    unit vector of direction plus the viewer's.
+    """DirectionalLight: shines along ``direction``, without normalizing it. The half vector is the unit
+    vector of direction plus the viewer's.
     """
     d = single(direction)
     half = unit(d - TOWARDS_VIEWER)

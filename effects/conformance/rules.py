@@ -17,10 +17,11 @@ from fixedpipe.pipeline.profiles.profile import Profile
 
 @dataclass(frozen=True)
 class Probe:
-    """A program whose picture answers a question on any board with register combiners, of two stages at most.
+    """A program whose picture answers a question on any board with register combiners, with two stages at
+    most.
 
     ``text``: !!RC1.0; ``primary``: the primary color's components, bytes. ``stands``: the red, green and blue
-    that come out as the profile has the rule; ``otherwise``: by its rival.
+    by the profile's rule; ``otherwise``: by its rival.
     """
 
     text: str
@@ -197,8 +198,10 @@ RULES = {
 
 @dataclass(frozen=True)
 class Distinction:
-    """A case whose picture depends on a rule: of the pixels that come out otherwise under the other one, how
-    many the chip drew as the profile does, and how many as the other rule does.
+    """A case whose picture depends on a rule.
+
+    ``pixels``: how many pixels the rival rule changes. ``as_it_stands``, ``otherwise``: how many of them the
+    chip drew as the profile, and as the rival.
     """
 
     suite: str
@@ -221,8 +224,10 @@ def distinction(ours: Comparison, changed: Comparison) -> Distinction | None:
 
 
 def fragments_that_differ(case: Case, rule: Rule) -> int:
-    """Of how many fragments of a case a stage would give another number by the other rule, of those that its
-    Draws shade, whether they are seen afterwards or not. ``rule``: one that no profile has.
+    """How many fragments of a case would get another number in a stage by the rival rule.
+
+    All fragments that its Draws shade count, whether visible afterwards or not. ``rule``: one whose rival no
+    profile has.
     """
     drawn = (c.state.register_combiners for c in case.commands if isinstance(c, Draw))
     if not any(combiners is not None and rule.concern(combiners) for combiners in drawn):

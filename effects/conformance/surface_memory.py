@@ -38,8 +38,8 @@ def words_of(rgba, color_format):
 
 
 def clear_color(word, color_format):
-    """The colour, RGBA, that a Clear stores as the register's word: CLEAR_SURFACE writes its bits as they
-    are.
+    """The colour, RGBA, that a Clear stores from the register's word: CLEAR_SURFACE writes its bits
+    unchanged.
 
     Measured: 6 words in each of 4 formats (Clear captures).
     """
@@ -57,11 +57,9 @@ def memory_of(words, pitch=None):
 
 
 def image_of(memory, word, width, height, pitch=None, offset=0):
-    """A rectangle texture of linear memory that is read as words ``word`` (a TexelWord), its first row at t
-    = 0.
+    """A rectangle texture from linear memory, read as words ``word`` (a TexelWord), its first row at t = 0.
 
-    ``pitch``: from row to row, bytes; ``offset``: of the first one. What lies behind the memory's end is
-    zero.
+    ``pitch``: bytes from row to row; ``offset``: of the first row. Memory beyond the end is zero.
     """
     size = WORD_BYTES[word]
     pitch = width * size if pitch is None else pitch

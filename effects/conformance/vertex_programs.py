@@ -34,9 +34,9 @@ def toward_zero(values):
 def perspective(points, depth_maximum=16777215.0, eye=EYE_DISTANCE, far=FAR, offset=0.0):
     """Window positions [n, 4] (device x and y, depth units, w) of ``points`` [n, 3] in the default view.
 
-    The default view: 45 degrees, 4:3, the eye at z = -7; ``eye`` and ``far`` say otherwise. Source:
+    The default view has 45 degrees, 4:3, and the eye at z = -7; ``eye`` and ``far`` change it. Source:
     PerspectiveVertexShader: the view matrix, then projection and viewport as one matrix, then a division by
-    w. ``offset``: the chip's viewport offset, pixels, which it adds to what a program computes too. Measured:
+    w. ``offset``: the chip's viewport offset, pixels, which it also adds to a program's results. Measured:
     609515 of 609518 pixels with the XDK's 17/32, 567298 without (Depth_Clamp VSH1 captures).
     """
     x, y, z = single(points).T

@@ -8,10 +8,10 @@ from fixedpipe.effects.geometry.views import panel_of
 
 
 def drawn_check(figure, renderer, places):
-    """The Checks that a diagram's marks are where the geometry has them, on the ideal and on the machine.
+    """The Checks that a diagram's marks are at the places of the geometry, on the ideal and on the machine.
 
-    ``places``: (panel's number, its view at half the figure's size, point, colour) of each mark. Measured is
-    the largest distance of a pixel there from its colour.
+    ``places``: (panel's number, its view at half the figure's size, point, colour) for each mark. The
+    measured number is the largest distance of a pixel there from its colour.
     """
     size = figure.size // 2
     for on in Answer:

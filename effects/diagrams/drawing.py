@@ -297,9 +297,9 @@ def picture(label, view, corners, texture, *, depth_test=None):
 def font_image():
     """The font's texture: uint8 [128, 128, 2], luminance 255 and the glyphs in alpha, bottom row first.
 
-    A cell of 8 x 16 texels for each of the characters that ``text`` takes, sixteen in a row from the lower
-    left; the glyph in its lower left corner. The glyphs are pillow's old built-in bitmaps: of its two fonts
-    the one that needs no font renderer, whose bits would be another on every machine.
+    It has a cell of 8 x 16 texels for each character of ``text``, sixteen in a row from the lower left; the
+    glyph is in the cell's lower left corner. The glyphs are pillow's old built-in bitmaps. They need no font
+    renderer, whose bits would differ between machines.
     """
     font = ImageFont.load_default_imagefont()
     size = _CELLS * _CELL_WIDTH

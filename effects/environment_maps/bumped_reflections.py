@@ -125,8 +125,9 @@ def load(normals, dirt, name, profile):
 
 
 def rows_and_eye(surface, view):
-    """Texture coordinates of units 1 to 3, float64 [n, 4] each: a row of [t b n] in world coordinates, and
-    in q that component of the vector to the eye, which is left as long as it is and so is linear.
+    """Texture coordinates of units 1 to 3, float64 [n, 4] each: a row of [t b n] in world coordinates.
+
+    q holds that component of the vector to the eye. The vector is not normalized, so it is linear.
     """
     if view.infinite_viewer:
         eye = np.broadcast_to(normalize(np.array(view.eye)), surface.positions.shape)

@@ -54,7 +54,7 @@ UNDER_COAT = Blending(BlendFactor.ONE_MINUS_DST_ALPHA, BlendFactor.ONE)
 def load_table(name, index, profile, texels=TEXELS):
     """The command that loads F(n.v) over n.v in [0, 1] as a texture ``name`` of one row.
 
-    ``index``: of refraction, above 0. Raises ValueError for others.
+    ``index``: the index of refraction, above 0. Raises ValueError for others.
     """
     values = fresnel(positions(texels), index)
     image = texture_1d(factor_texels(values, profile)[..., None], InternalFormat.INTENSITY8)

@@ -81,10 +81,10 @@ def _net(cells):
 
 
 def draw_sphere_map(name, lights, exponent, view, size, profile, cells=32):
-    """Commands that draw the lobes into the window's lower left ``size`` by ``size`` pixels, black before,
-    and copy them to a sphere map texture ``name`` for a view.
+    """Commands that draw the lobes into the window and copy them to a sphere map texture ``name`` for a view.
 
-    ``cells``: of the net along an edge. What was in those pixels is lost.
+    They use the lower left ``size`` by ``size`` pixels, cleared to black first, and overwrite them.
+    ``cells``: cells of the net along an edge.
     """
     table = factor_texels(powers(positions(TEXELS), exponent), profile)
     places, in_eye, quads = _net(cells)

@@ -29,7 +29,8 @@ TECHNIQUES = (
 def refracted_mesh(surface, view, index):
     """The surface with refracted directions as texture coordinates [n, 3], in the world's axes.
 
-    ``index``: of refraction, inside over outside. Raises ValueError where it is not positive and finite.
+    ``index``: the index of refraction, inside over outside. Raises ValueError if it is not positive and
+    finite.
     """
     if not (math.isfinite(index) and index > 0.0):
         raise ValueError(f"The index of refraction is {index}; give a number above 0, as 1.5 for glass.")

@@ -244,10 +244,10 @@ def plain_pass(surface, stored, view, sampler=TRILINEAR):
 
 
 def rough_passes(surface, stored, view, sampler=TRILINEAR, *, bias=0.0):
-    """A draw for each roughness, which adds its cube map by the weight that I_1 gives it.
+    """A draw for each roughness, which adds its cube map with I_1's weight.
 
-    ``bias``: of the bump map's level, with that of its I_1: below zero where a surface is seen so flat that
-    the level of a pixel's longer edge filters too much across it.
+    ``bias``: of the level of the bump map and of its I_1. Below zero is for a surface seen at a flat angle,
+    where the level of a pixel's longer edge filters too much across it.
     """
     out, read = [], unit(stored.bumps, sampler, lod_bias=bias)
     for number in range(ROUGHNESSES):

@@ -32,8 +32,10 @@ class Kind(Protocol):
         """What may be given, in words."""
 
     def accept(self, value: Any) -> Any:
-        """The value as scenes take it. Raises ValueError where it is none, Unfit where a reason is to be
-        said instead of what is allowed.
+        """The value in the form that scenes take.
+
+        Raises ValueError for a wrong value, and Unfit if its message has a reason in place of the allowed
+        values.
         """
 
     def parse(self, text: str) -> Any:

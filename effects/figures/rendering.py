@@ -102,7 +102,7 @@ class Difference(Pictured):
 
     @cached_property
     def gain(self) -> int:
-        """How many times as large as it is ``image()`` shows it: ``gain_for``."""
+        """By which factor ``image()`` multiplies the difference: ``gain_for``."""
         return gain_for(self.delta, self.bits)
 
     @cached_property
@@ -177,16 +177,18 @@ class Rendering(Pictured):
     threads: int | None = None
 
     def image(self) -> NDArray[np.uint8]:
-        """The machine's picture as bytes, uint8 [h, w, 4]: of components of other widths the nearest byte."""
+        """The machine's picture as bytes, uint8 [h, w, 4]. Components of other widths become the nearest
+        byte.
+        """
         return self.result.image()
 
     @property
     def bits(self) -> int:
-        """How many bits a component of the picture has; of the ideal 8, to which its picture is rounded."""
+        """The bits of a component of the picture. The ideal's picture is rounded to 8."""
         return 8 if isinstance(self.result, IdealResult) else self.result.bits
 
     def codes(self) -> NDArray[np.int32]:
-        """The machine's colours as they are, int32 [h, w, 4], 0 .. 2**bits - 1."""
+        """The machine's colours unchanged, int32 [h, w, 4], 0 .. 2**bits - 1."""
         return self.result.codes()
 
     def deep_image(self) -> NDArray[np.uint8 | np.uint16]:
@@ -211,7 +213,7 @@ class Rendering(Pictured):
 
     @property
     def gain(self) -> int:
-        """How many times as large as it is the picture of ``difference`` shows it."""
+        """By which factor the picture of ``difference`` multiplies it."""
         return self.difference.gain
 
     @cached_property

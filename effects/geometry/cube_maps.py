@@ -86,7 +86,7 @@ def solid_angles(size):
 def places(toward):
     """Where directions meet the cube: faces, int64 [...], and s and t from -1 to 1, float64 [...] each.
 
-    ``toward``: float64 [..., 3], not zero, of any length. Of equal components z is taken before y before x.
+    ``toward``: float64 [..., 3], not zero, of any length. Among equal components z comes before y before x.
     """
     toward = np.asarray(toward, np.float64)
     reach = np.abs(toward[..., ::-1])

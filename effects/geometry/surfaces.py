@@ -108,9 +108,10 @@ def disc(slices: int = 64, hole: float = 0.0) -> Surface:
     """A flat disc of radius one in z = 0 that faces +z, with a round ``hole`` of that radius in the middle.
 
     The tangents lie along circles, counter-clockwise; the binormals point to the middle. s runs round, 1/2 at
-    -x; t is one at the rim less the distance from the middle, over one less the hole. Without a hole every
-    slice has a vertex of its own in the middle, whose frame is that of the slice's middle. Raises ValueError
-    where the hole's radius is not from 0 to less than 1.
+    -x. t is one at the rim and falls linearly to zero at the hole. Without a hole every slice has its own
+    vertex in the middle, with the frame of the slice's middle.
+
+    Raises ValueError if the hole's radius is not from 0 to less than 1.
     """
     _check_count(slices, 3, "The disc's number of slices")
     if not 0.0 <= hole < 1.0:

@@ -234,7 +234,9 @@ def scaled(factor, portion):
 
 
 def less_half(portion):
-    """All that a portion writes less 1/2, once: of one that is not scaled yet, for the bias comes first."""
+    """Subtract 1/2 from all outputs of a portion, once. The portion must not be scaled yet, because bias
+    comes first.
+    """
     if _unscaled(portion).bias is not CombinerBias.NONE:
         raise ValueError(
             "The portion is less a half already; a combiner has one bias. Give a stage the other."
@@ -288,10 +290,10 @@ def stage(rgb=NOTHING, alpha=NOTHING, constant0=None, constant1=None, lookup=Non
 
 
 def final(a, b=ONE, *, plus=ZERO, alpha=ONE):
-    """The final combiner that gives a b + ``plus`` in [0, 1], and ``alpha`` beside it.
+    """The final combiner with a b + ``plus`` in [0, 1] as its colour, and ``alpha``.
 
-    One of the three, or one product in several places, may be a ``product`` or a ``square``: E times F.
-    Raises ValueError for two different ones.
+    One of the three may be a ``product`` or a ``square``, E times F; one product may stand in several places.
+    Raises ValueError for two different products.
     """
     products = dict.fromkeys(value for value in (a, b, plus) if isinstance(value, RGBPortion))
     if len(products) > 1 or any(value != product(value.a, value.b) for value in products):

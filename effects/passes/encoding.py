@@ -53,9 +53,7 @@ def vector_texels(vectors, profile):
 
 
 def vectors_of_texels(stored, profile):
-    """What EXPAND_NORMAL makes of stored values, as float64 with 1.0 = 255: the inverse of
-    ``vector_texels``.
-    """
+    """Stored values after EXPAND_NORMAL, as float64 with 1.0 = 255: the inverse of ``vector_texels``."""
     if profile.arithmetic.exact:
         return 2.0 * np.asarray(stored, np.float64) - 1.0
     return (2.0 * np.asarray(stored, np.float64) - 2.0 * _zero(profile)) / 255.0

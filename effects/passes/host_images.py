@@ -28,10 +28,10 @@ class HostImage:
 
 
 def dot_product_transfer(vector, scale, table, biased=True):
-    """The pixel transfer that makes a table's entries of dot products with ``vector``.
+    """The pixel transfer that turns an image into a table's entries at dot products with ``vector``.
 
-    ``scale``: the image's (HostImage). ``biased``: the colour matrix's result d leaves as (1 + d)/2; else it
-    leaves as it is and what is negative becomes zero.
+    ``scale``: the image's (HostImage). ``biased``: True: the colour matrix gives (1 + d)/2. False: it gives
+    d, and negative results become zero.
     """
     x, y, z = (float(c) for c in vector)
     row = (2.0 * scale * x, 2.0 * scale * y, 2.0 * scale * z, -scale * ((x + y) + z))

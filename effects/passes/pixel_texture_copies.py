@@ -197,10 +197,10 @@ def _copy(label, view, rows, mask, blending, units=(), pixel_texture=None, table
 
 
 def through_host(commands, type="UNSIGNED_BYTE"):
-    """The commands with every copy of colours made by way of the host's memory: ReadPixels, and DrawPixels of
-    what was read with the copy's pixel transfer and pixel texture.
+    """The commands with every copy of colours made through the host's memory: ReadPixels, then DrawPixels.
 
-    ``type``: of ReadPixels; FLOAT keeps a framebuffer's twelve bits.
+    DrawPixels has the copy's pixel transfer and pixel texture. ``type``: ReadPixels'; FLOAT keeps a
+    framebuffer's twelve bits.
     """
     out = []
     for number, command in enumerate(commands):

@@ -184,10 +184,11 @@ def drawn(label, image, *, x=0, y=0, state=None):
 
 
 def textured_quad(label, image, name, *, state=None):
-    """The same by a texture and a quad that fills the window, for boards whose DrawPixels is slow.
+    """As ``look_up``'s picture, by a texture and a quad that fills the window, for boards with a slow
+    DrawPixels.
 
-    ``image``: of the window's size; its texture is padded to powers of two. ``state``: whose unit 0 reads it,
-    nearest, in place of the colour. Returns two commands.
+    ``image``: of the window's size; its texture is padded to powers of two. ``state``: its unit 0 reads the
+    texture, nearest, in place of the colour. Returns two commands.
     """
     height, width = image.shape[:2]
     wide, high = (1 << (edge - 1).bit_length() for edge in (width, height))

@@ -18,16 +18,16 @@ WORTH = 1.1
 
 @dataclass(frozen=True)
 class Area:
-    """What the panels have to fit into.
+    """The area for the panels, and the sizes around them.
 
-    width, height   of all pictures with what is written at them
-    gutter          between panels of a picture
-    gap             between pictures
-    label           height of what is written above a panel; 0 where nothing is
-    heading         height of a picture's name, which stands above it where pictures stand side by side, and
-                    otherwise left of it, upright
-    notes           heights of what is written below each picture; 0 where nothing is
-    ratio           of a panel's width to its height
+    width, height  of all pictures with their labels
+    gutter         between panels of a picture
+    gap            between pictures
+    label          height of the text above a panel; 0: there is none
+    heading        height of a picture's name. It stands above pictures that stand side by side, and otherwise
+                   left of the picture, upright
+    notes          heights of the text below each picture; 0: there is none
+    ratio          of a panel's width to its height
     """
 
     width: float
@@ -121,11 +121,11 @@ def height_of(area, columns, arrangement):
 
 
 def arrange(area, columns):
-    """How pictures of ``columns`` panels stand: an Arrangement.
+    """The Arrangement of pictures of ``columns`` panels.
 
-    The rows of panels stay whole while a panel is not SMALL. Of the ways in which lines are equally long the
-    one with the largest panels is taken; of pictures of one panel, which may well stand side by side, the
-    flattest whose panels are nearly as large. Its height may be zero or less: then nothing fits.
+    The rows of panels stay whole unless a panel gets SMALL. Among arrangements with lines of equal length,
+    the one with the largest panels is taken. Pictures of one panel may stand side by side; then it is the
+    flattest whose panels are nearly as large. If nothing fits, its height is zero or less.
     """
     count = len(area.notes)
     shares = [n for n in range(1, count + 1) if count % n == 0]

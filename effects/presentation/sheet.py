@@ -55,13 +55,13 @@ class Line:
 class Sheet:
     """A figure on a sheet.
 
-    width, height   mm
-    style           its Style
-    panels, lines   what is on it
-    dpi, scale      of a PNG file: pixels an inch, and an edge of the square that shows one of the figure's
-                    pixels; None of one that keeps pixels as they are
-    title, caption, source, bibtex, command   for the file's own fields, and for the file beside it; source
-                    and bibtex are empty where there is no paper
+    width, height                            mm
+    style                                    its Style
+    panels, lines                            its contents
+    dpi, scale                               of a PNG file: pixels an inch, and the edge of the square that
+                                             shows one of the figure's pixels; None: pixels stay single
+    title, caption, source, bibtex, command  for the file's own fields, and for the file beside it; source and
+                                             bibtex are empty without a paper
     """
 
     width: float

@@ -198,11 +198,12 @@ def _said(value):
 def pictures_of(
     figure, profile, frames, size=None, *, method=None, threads=None, changes=MappingProxyType({})
 ):
-    """The frames' pictures, drawn as they are asked for: uint8 [h, w, 3], top row first, as
-    ``Figure.render`` of each frame's values draws them.
+    """The frames' pictures, drawn when they are needed: uint8 [h, w, 3], top row first.
 
     profile, size, method, threads  as for ``Figure.render``
-    changes                         other values of parameters, of all frames
+    changes                         other values of parameters, for all frames
+
+    Each is drawn by ``Figure.render`` with the frame's values.
     """
     for frame in frames:
         machine = profile if frame.bits is None else at_width(profile, frame.bits)

@@ -39,8 +39,8 @@ def _filled(values, known):
 def light_maps(rectangles, radiosity, things=(), exposure=1.0):
     """Light maps by rectangles' names, float64 [rows, columns, 3].
 
-    radiosity  of a ``Solution``; ``things`` as of its solver
-    exposure   what it is multiplied by, positive
+    radiosity  a ``Solution``'s; ``things`` as its solver takes them
+    exposure   the factor of all values, positive
     """
     if not 0.0 < exposure < np.inf:
         raise ValueError(f"The exposure is {exposure!r}; give a positive number.")

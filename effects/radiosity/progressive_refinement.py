@@ -85,13 +85,14 @@ class Rectangle:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What a solver found.
+    """A solver's result.
 
-    radiosity  by rectangle's name, float64 [rows, columns, 3]: what its elements send, in the emission's unit
-    received   likewise: what arrives, irradiance in the same unit
-    unsent     power that was still to be sent, RGB; of all that was emitted, ``emitted``
+    radiosity  by rectangle's name, float64 [rows, columns, 3]: the light that its elements send, in the
+               emission's unit
+    received   likewise: the arriving irradiance, in the same unit
+    unsent     the power still to be sent, RGB, out of ``emitted``
     steps      how often a patch sent
-    sums       what each step's form factors added up to, one in exact arithmetic: float64 [steps]
+    sums       the sum of each step's form factors, one in exact arithmetic: float64 [steps]
     """
 
     radiosity: dict[str, NDArray[np.float64]]

@@ -151,15 +151,15 @@ def lambert(light, color, intensity=(1.0, 1.0, 1.0)):
 
 
 def lit_passes(surface, coordinates, view, lights, unit_of, *, color=(1.0, 1.0, 1.0)):
-    """A pass for each light, a table's texel times lighting's (n.l)+: the first replaces, others add.
+    """A pass for each light, a table's texel times lighting's (n.l)+. The first replaces, others add.
 
-    surface      what is drawn; its normals are lit
-    coordinates  float64 [n, 3]: tangents or normals, the unit's texture coordinates
-    view, lights a viewer who is far away; pairs (light, its RGB), the lights directional
-    unit_of      (view, light) -> the texture unit that has that light's matrix
-    color        RGB of what the surface reflects
+    surface       the surface to draw; its normals are lit
+    coordinates   float64 [n, 3]: tangents or normals, the unit's texture coordinates
+    view, lights  a distant viewer; pairs (light, its RGB) of directional lights
+    unit_of       (view, light) -> the texture unit with that light's matrix
+    color         the surface's reflectance, RGB
 
-    Raises ValueError where there is no light, or a light or the viewer is near.
+    Raises ValueError without a light, and for a light or a viewer that is near.
     """
     if not lights:
         raise ValueError("There is no light, and a pass is drawn for each; give one or more.")

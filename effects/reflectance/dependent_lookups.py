@@ -145,10 +145,10 @@ class LookupNames:
 
 
 def storage_scale(material):
-    """By what vectors divided by alpha are multiplied to fit [-1, 1]: 1/4, as the paper has it, for alphas
-    from 1/4 on, else 1/8. Combiners take it back in powers of two.
+    """The factor that makes vectors divided by alpha fit [-1, 1]: 1/4, as in the paper, for alphas from 1/4,
+    else 1/8.
 
-    Raises ValueError for alphas below 1/8.
+    Combiners undo it in powers of two. Raises ValueError for alphas below 1/8.
     """
     smallest = float(min(material.alpha_x.min(), material.alpha_y.min()))
     if smallest < SMALLEST_ALPHA / 2.0:

@@ -316,7 +316,7 @@ class _Passes:
         )
 
     def multiplied(self, each, first, blending=None):
-        """A product of textures as they are, by as many draws as the units ask for; the last has n.l."""
+        """A product of textures without signs, in as many draws as the units need; the last has n.l."""
         units = self.loaded.board.units
         parts = [each.lookups[k : k + units] for k in range(0, len(each.lookups), units)]
         for k, lookups in enumerate(parts):

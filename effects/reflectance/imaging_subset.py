@@ -361,10 +361,11 @@ def diffuse_pass(
     prepared, material, light, *,
     color, ambient=(0.0, 0.0, 0.0), color_map=None, gated=True, table_entries=None,
 ):  # fmt: skip
-    """K10 over what the specular passes left: framebuffer = colour (n.l)+ + ambient + gate framebuffer.
+    """K10 over the specular passes' result: framebuffer = colour (n.l)+ + ambient + gate framebuffer.
 
-    ``gated``: the gate is min(1, 4 (n.l)+); else it is one. ``color_map``: the name of a texture by whose
-    colours both colour and ambient are multiplied. Colours RGB in [0, 1]; otherwise as ``specular_passes``.
+    ``gated``: True: the gate is min(1, 4 (n.l)+); False: it is one. ``color_map``: the name of a texture
+    whose colours multiply both colour and ambient. Colours are RGB in [0, 1]; otherwise as for
+    ``specular_passes``.
     """
     entries, black = _entries(prepared.profile, table_entries), (0.0, 0.0, 0.0)
     color, ambient = checked_rgb(color), checked_rgb(ambient, "The ambient light's colour")

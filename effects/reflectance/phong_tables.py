@@ -97,7 +97,8 @@ def shade(light_cosine, other_cosine, exponent, cosine, *, ambient, diffuse, spe
 def load(texture, profile, exponent, cosine, *, ambient, diffuse, specular, texels=TEXELS):
     """The command that loads a table, RGB over n.l (columns) and t (rows), both from 0 to 1.
 
-    ``texels``: of either axis, a power of two. Sums above one are stored as one, but for an exact profile.
+    ``texels``: along either axis, a power of two. Sums above one are stored as one, except for an exact
+    profile.
     """
     at = np.arange(texels) / (texels - 1.0)
     values = shade(
@@ -174,9 +175,10 @@ def matrix_pass(surface, view, light, texture, *, texels=TEXELS):
 
 
 def lighting_pass(surface, view, light, exponent, *, ambient, diffuse, specular):
-    """Gouraud shading by OpenGL's lighting: Blinn-Phong at the vertices, its colours interpolated.
+    """Gouraud shading by OpenGL's lighting: Blinn-Phong at the vertices, with interpolated colours.
 
-    The light is directional and the viewer far away; otherwise, and for an exponent above 128, ValueError.
+    The light is directional and the viewer far away. Raises ValueError otherwise, and for an exponent above
+    128.
     """
     if light.point or not view.infinite_viewer:
         raise ValueError("Lighting is compared under a directional light, the viewer far away; give both.")

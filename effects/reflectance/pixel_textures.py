@@ -229,15 +229,16 @@ def blinn_phong(
     surface, material, view, light, profile, *,
     specular=(1.0, 1.0, 1.0), bits=8, sampler=REPEATED, with_exponent=True, gated=False, up_to=UpTo.GLOSS,
 ):  # fmt: skip
-    """K05: k_s F(N, e) with F(N, e) = (sqrt e)^N looked up, e = 1 - (h.t/ax)^2 - (h.b/ay)^2 and N per texel;
-    K06, where not ``with_exponent``: k_s sqrt(e), a one-dimensional lookup.
+    """K05: k_s F(N, e) with F(N, e) = (sqrt e)^N looked up, e = 1 - (h.t/ax)^2 - (h.b/ay)^2 and N per texel.
 
-    e is made in three passes, as ``imaging_subset`` makes Eq. 1 (K08). The image of N, coded as log2(N) / 7,
-    takes its place in red by a color mask, and the lookup reads s from red and t from green. One copy. Alphas
+    K06, without ``with_exponent``: k_s sqrt(e), a one-dimensional lookup.
+
+    Three passes compute e, as ``imaging_subset`` computes Eq. 1 (K08). A color mask puts the image of N,
+    coded as log2(N) / 7, into red; the lookup reads s from red and t from green. This takes one copy. Alphas
     below 1/4 are allowed.
 
-    ``gated``: times min(1, 4 (n.l)+), as ``diffuse_bump`` gates the register combiners' pass. ``up_to``:
-    where it ends. The other parameters are those of ``banks``.
+    ``gated``: times min(1, 4 (n.l)+), as ``diffuse_bump`` gates the register combiners' pass. ``up_to``: the
+    pass at which it ends. The other parameters are those of ``banks``.
     """
     member_of(UpTo, up_to, "How far it is drawn")
     half = flat_vector(half_vectors(surface, view, light), "halfway vector")
@@ -312,16 +313,19 @@ def ward(
     specular=(1.0, 1.0, 1.0), bits=8, sampler=REPEATED, largest_s=LARGEST_S, largest_m=LARGEST_M,
 ):  # fmt: skip
     """K09: k_s / (4 pi ax ay) S(p) E(m, d) (n.l)+ with S(p) = 1/sqrt(p) and E(m, d) = exp(-2 m / (1 + d))
-    looked up; p = (l.n)(v.n), m = (h.t/ax)^2 + (h.b/ay)^2, d = h.n.
+    looked up.
 
-    p is spaced by its root, which is the product of the factors' roots and so of tables after the color
-    matrix. S is stored over ``largest_s``, m over ``largest_m``; beyond they are clamped. The third copy
-    takes ``largest_s`` back but for a factor of 2, which leaves room for S(p) (n.l)+; the next texture has
-    that factor, divided by its largest value where it exceeds one, and a fourth copy then takes that back.
-    Two copies are lookups. The smaller ``largest_s``, the more codes S has: 2 is enough for p >= 1/4. A bump
-    that faces away from the eye, which cannot be seen, counts as p = 0.
+    Here p = (l.n)(v.n), m = (h.t/ax)^2 + (h.b/ay)^2, d = h.n.
 
-    The other parameters are those of ``banks``. Raises ValueError likewise.
+    p is spaced by its root. That is the product of the factors' roots, which tables after the color matrix
+    can give. S is stored over ``largest_s``, m over ``largest_m``; larger values are clamped. The third copy
+    multiplies by ``largest_s``, except for a factor of 2, which leaves room for S(p) (n.l)+. The next texture
+    has that factor. If it exceeds one, it is divided by its largest value, and a fourth copy multiplies that
+    back. Two copies are lookups.
+
+    A smaller ``largest_s`` gives S more codes: 2 is enough for p >= 1/4. A bump that faces away from the eye
+    is invisible, and counts as p = 0. The other parameters are those of ``banks``. Raises ValueError
+    likewise.
     """
     toward_light = flat_vector(light_vectors(surface, light), "light vector")
     toward_eye = flat_vector(view_vectors(surface, view), "viewing vector")

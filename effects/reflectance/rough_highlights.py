@@ -54,10 +54,10 @@ def apart(half, frame, offsets=(0.0, 0.0)):
 
     half     float64 [..., 3], of any length
     frame    float64 [..., 3, 3]: e_1, e_2, n, of unit length and perpendicular
-    offsets  float64 [..., 2]: f, what a bump map adds to n along e_1 and e_2. The roughness is of slopes
-             about f, so slopes are what is subtracted; without bumps d is the projection of h of unit length
+    offsets  float64 [..., 2]: f, which a bump map adds to n along e_1 and e_2
 
-    What is behind the surface is as far as can be: of length one.
+    Roughness is a distribution of slopes about f, so slopes are subtracted. Without bumps d is the projection
+    of h at unit length. For an h behind the surface, d has the length one, the greatest.
     """
     frame, f = np.asarray(frame, np.float64), np.asarray(offsets, np.float64)
     x, y, z = (dot(half, frame[..., k, :]) for k in range(3))

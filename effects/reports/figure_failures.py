@@ -10,10 +10,15 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def failure(error, machine=None, task="drawn", file=None):
-    """What a record says of an exception: ``profile`` and ``name`` of the machine (None: of all of the
-    figure's machines), the ``task`` that was not done, "drawn" or "checked", ``what`` in a sentence,
-    ``trace`` in Python's words (None: the sentence says all), and whether the disc is full. ``file``: the
-    user's that holds the figure, whose line the sentence then names; None for the package's.
+    """What a record says of an exception.
+
+    profile, name  the machine's; None: all of the figure's machines
+    task           what was not done, "drawn" or "checked"
+    what           the failure in a sentence
+    trace          the failure in Python's words; None: the sentence says all
+    file           the user's file with the figure, whose line the sentence names; None: the package's
+
+    The record also says whether the disc is full.
     """
     is_said = isinstance(error, Refusal)
     what = str(error) if is_said else f"{type(error).__name__}: {error}".rstrip(": ")

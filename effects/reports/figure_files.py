@@ -143,9 +143,11 @@ def _bases(folder, named):
 
 
 def files_of(folder, figures):
-    """The files of the gallery in ``folder``: its page, the records of ``figures`` and of their variants, and
-    those in its own two folders whose names are of the form above and that a record names. Second, those of
-    that form that none names; no picture where a record cannot be read, for it may name it.
+    """The files of the gallery in ``folder``, and its files that no record names.
+
+    The first are its page, the records of ``figures`` and of their variants, and the files in its two folders
+    whose names have the form above and that a record names. The second have names of that form too. They
+    include no picture if some record cannot be read, because that record may name it.
     """
     records = [path for path in _records(folder) if path.stem.partition("+")[0] in figures]
     named, ours, stale, readable = set(), [folder / INDEX, *records], [], True

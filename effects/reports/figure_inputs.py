@@ -18,14 +18,14 @@ _PACKAGES = ("numpy", "numba", "llvmlite", "pillow")
 
 
 def inputs_of(module, what):
-    """The digest of all that a figure's files depend on, 16 hexadecimal digits.
+    """The digest of all inputs of a figure's files, 16 hexadecimal digits.
 
     module  the dotted name of the figure's module
     what    the other words of the order: its id, machines, size, whether it is checked
 
-    These are the sources of ``raster`` and ``pipeline``, those modules of ``effects`` that the figure's
-    module and the report of it import, by whatever way, what the data file says of the figure, the other
-    files of ``effects`` that are no modules, and the versions of Python and of the packages that compute
+    The inputs are the sources of ``raster`` and ``pipeline``; the modules of ``effects`` that the figure's
+    module and its report import, directly or not; the figure's part of the data file; the other files of
+    ``effects`` that are not modules; and the versions of Python and of the packages that compute
     (docs/decisions/0022-figures-once-and-in-parallel.md).
     """
     found = hashlib.sha256(f"{_common()}\n{what!r}\n{_said(module)!r}\n".encode())

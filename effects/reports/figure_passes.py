@@ -21,8 +21,10 @@ _LINES = 24
 
 @dataclass(frozen=True)
 class Pass:
-    """What a command left: its ``number`` in the frame, from 0, its ``label``, the ``commands`` since the
-    picture before in a few lines, and the ``picture``, reduced, uint8 [h, w, 4]; of the last one as it is.
+    """The result of a command: its ``number`` in the frame, from 0, its ``label``, and the ``picture``.
+
+    The picture is uint8 [h, w, 4], reduced, except the last. ``commands``: the commands since the picture
+    before, in a few lines.
     """
 
     number: int

@@ -22,10 +22,10 @@ _ESCAPES = {0x5C: rb"\\", 0x22: rb"\"", 0x0D: rb"\r", 0x0A: rb"\n"}
 
 
 def canonical(image):
-    """A picture as it is kept: uint8 [h, w, 4], top row first, alpha 255; 0 with no colour where a reference
-    has nothing.
+    """A picture in its stored form: uint8 [h, w, 4], top row first.
 
-    ``image``: uint8 [h, w, 3], or [h, w, 4], whose alpha then counts.
+    Alpha is 255, or 0 with no colour where a reference has nothing. ``image``: uint8 [h, w, 3], or [h, w, 4]
+    with its own alpha.
     """
     pixels = np.full((*image.shape[:2], 4), 255, np.uint8)
     pixels[..., : image.shape[2]] = image

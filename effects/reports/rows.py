@@ -37,13 +37,15 @@ def map_rows(maps: Iterable[Map]) -> Rows:
 
 
 def share_gone(error: Error, own: Error) -> float:
-    """The share of the machine's ``own`` error, as it is shown, that ``error`` lacks; below 0: it grew."""
+    """The share of the machine's ``own`` visible error that ``error`` lacks; below 0: it grew."""
     return 1.0 - error.shown / own.shown if own.shown else 0.0
 
 
 def error_rows(own: Error, found: Iterable[tuple[str, Error]]) -> Rows:
-    """A row for the machine's own Error, "as it is", and one for each of ``found``, what ``attribution`` and
-    ``stage_attribution`` return: errors in 1/255 of full intensity, and ``goes``, the share that is gone.
+    """A row for the machine's own Error, "as it is", and one for each entry of ``found``.
+
+    ``found``: a result of ``attribution`` or ``stage_attribution``. Errors are in 1/255 of full intensity;
+    ``goes`` is the share that is gone.
     """
     return [
         {"what": what, **_printed(error), "goes": share_gone(error, own)}

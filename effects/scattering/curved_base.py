@@ -76,8 +76,8 @@ class Base:
     curvature  kappa_u and kappa_v, in 1 / edge of the field's square; positive: convex
     stretch    s_x and s_y, factors; heights are not stretched
 
-    Raises ValueError for numbers that are not finite or as large as no scene has them, and for a stretch that
-    is not positive.
+    Raises ValueError for numbers that are infinite, NaN or too large for any scene, and for a stretch that is
+    not positive.
     """
 
     curvature: tuple[float, float] = (0.0, 0.0)
@@ -260,16 +260,16 @@ def _directions_of(light):
 
 
 def free_share(field, bent, light):
-    """How much of a distant light reaches each texel, by what the three directions round it see (G13):
-    float64 [rows, columns], 0 to 1.
+    """How much of a distant light reaches each texel, by the three directions round it (G13): 0 to 1.
 
-    light  unit vector [3] or [rows, columns, 3] in the frames at the texels; [n, 1 or rows, 1 or columns, 3]
-           for n lights, and the answer is [n, rows, columns]
+    The result is float64 [rows, columns].
 
-    A triangle moves as a whole, with the nearest of the points that its corners see; of several that hold the
-    light the one with the nearest point counts, for it hides what the others see.
+    light  unit vector [3] or [rows, columns, 3] in the frames at the texels. For n lights [n, 1 or rows, 1 or
+           columns, 3]; the result is then [n, rows, columns]
 
-    Raises ValueError for lights that are no finite [..., 3].
+    A triangle moves as a whole, with the nearest of the points that its corners see. If several triangles
+    hold the light, the one with the nearest point counts, because it hides the others' points. Raises
+    ValueError for lights that are no finite [..., 3].
     """
     light = _directions_of(light)
     shape = np.broadcast_shapes(light.shape[:-1], bent.normals.shape[:2])

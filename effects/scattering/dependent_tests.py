@@ -68,15 +68,15 @@ class Accumulation(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Setup:
-    """What is drawn, and where.
+    """The scene of the passes, and its panels.
 
-    field, visibility  a HeightField and what its texels see
+    field, visibility  a HeightField and its texels' Visibility
     profile            the machine, or the ideal
-    work, total        panels of a pixel for each texel, which do not overlap: the one for single passes, the
+    work, total        panels with one pixel for each texel, which do not overlap: one for single passes, the
                        other for the sum in the framebuffer
-    bits               8 or 12: of S_i's coordinates, and of the textures that keep light
+    bits               8 or 12: of S_i's coordinates, and of the textures that hold light
 
-    Raises ValueError for panels of another size, and where ``bits`` do not tell the texels apart.
+    Raises ValueError for panels of another size, and for ``bits`` too few to tell the texels apart.
     """
 
     field: HeightField
@@ -431,13 +431,15 @@ def rounds_drawn(
     way, setup, light, count, *,
     lit=None, accumulation=Accumulation.ACCUMULATION_BUFFER, exposure=1.0, weight=WEIGHT,
 ):  # fmt: skip
-    """Commands that draw ``light_transport.bounces``: ``count`` reflections after the first, each gathered
-    from all directions, of what the one before has summed. The last is kept times ``exposure`` as RESULT.
+    """Commands that draw ``light_transport.bounces``: ``count`` reflections after the first.
+
+    Each reflection gathers the sum of the one before from all directions. The last is kept times ``exposure``
+    as RESULT.
 
     weight  of all directions together, 4 for those of the sphere
 
-    Other arguments as for ``paths_drawn``. Raises ValueError for a field with highlights too, whose light
-    differs from direction to direction.
+    Other arguments as for ``paths_drawn``. Raises ValueError also for a field with highlights, because its
+    light differs from direction to direction.
     """
     light, lit = _checked(setup, light, lit, accumulation, exposure)
     if setup.field.specular:

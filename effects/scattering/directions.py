@@ -115,13 +115,12 @@ def solid_angles(a, b, c):
 
 
 def fan_areas(directions, triangles):
-    """How much of the sphere each direction stands for: of the triangles around it the parts that are nearer
-    to it than to their other corners, float64 [..., n] in steradians, for directions [..., n, 3]. They sum to
-    4 pi.
+    """Each direction's part of the sphere, float64 [..., n] in steradians, for directions [..., n, 3].
 
-    Source: section 5, figure 8: the area of the fan. Inferred: the nearer parts, so that nothing is counted
-    more than once and a direction with five neighbours is worth as much as one with seven; with thirds of the
-    triangles the areas of a hundred even directions differ by half.
+    It consists of the parts of the surrounding triangles that are nearer to this corner than to the other
+    two. The parts sum to 4 pi. Source: section 5, figure 8: the area of the fan. Inferred: the nearer parts.
+    So nothing counts twice, and a direction with five neighbours has the same weight as one with seven. With
+    thirds of the triangles, the areas of a hundred even directions differ by half.
     """
     directions = np.asarray(directions, np.float64)
     corners = [directions[..., triangles[:, k], :] for k in range(3)]

@@ -59,10 +59,10 @@ def sun_and_sky(field, visibility, frame, light, sun, sky, bounces):
 
 @dataclass(frozen=True, eq=False)
 class Tiles:
-    """What the field's texels send back of light from each direction, made once.
+    """The light that the field's texels send back for each direction, computed once.
 
-    indirect  float64 [directions, rows * columns, 3]: of a light of one, what is scattered; 0 from below
-    again     float64 [rows * columns, 3]: by what even light from all around grows by being scattered on
+    indirect  float64 [directions, rows * columns, 3]: the scattered light of a light of one; 0 from below
+    again     float64 [rows * columns, 3]: how much even light from all around gains by further scattering
     """
 
     indirect: NDArray[np.float64]

@@ -189,8 +189,9 @@ def picture(field, view, size):
 
 
 def shares_in_pictures(field, views, size=None):
-    """G23: of pictures of one period from views [m, 3], the part that each texel is: float64 [m, rows,
-    columns]; a view's sum to one.
+    """G23: each texel's part of pictures of one period from views [m, 3]: float64 [m, rows, columns].
+
+    A view's parts sum to one.
 
     size  pixels along an edge; None: four for each texel along the longer edge
     """

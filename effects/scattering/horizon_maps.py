@@ -112,10 +112,10 @@ def azimuths(count=AZIMUTHS):
 
 @dataclass(frozen=True, eq=False)
 class HorizonMap:
-    """How high the horizon of every texel stands.
+    """The height of every texel's horizon.
 
     tangents  float64 [azimuths, rows, columns]: of the elevation, at least 0, at azimuths evenly round from
-    +x
+              +x
     """
 
     tangents: NDArray[np.float64]
@@ -158,8 +158,9 @@ def neighbours(light, count=AZIMUTHS):
 
 
 def lit(sines, light):
-    """Where the light stands above the horizon, bool [rows, columns]. ``sines``: as the HorizonMap has them,
-    or as bytes hold them; ``light``: a unit vector [3].
+    """Where the light stands above the horizon, bool [rows, columns].
+
+    ``sines``: the HorizonMap's, or read back from bytes; ``light``: a unit vector [3].
     """
     first, second, share = neighbours(light, len(sines))
     return light[2] - (sines[first] * (1.0 - share) + sines[second] * share) > 0.0

@@ -203,10 +203,10 @@ def gathered(field, visibility, light, sky=None):
 
 
 def bounces(field, visibility, light, count, *, lit=None):
-    """Direct light and ``count`` further reflections, each gathered from all N directions (W = 4 / N): a list
-    of float64 [rows, columns, 3], the k-th with k of them. Of diffuse light alone: albedo times cosine.
+    """Direct light and ``count`` further reflections, each gathered from all N directions (W = 4 / N).
 
-    Raises ValueError for a light that is no direction, and as ``gathered``.
+    Returns a list of float64 [rows, columns, 3]; the k-th has k reflections. Only diffuse light counts:
+    albedo times cosine. Raises ValueError for a light that is no direction, and as ``gathered``.
     """
     light = finite(light, "The light's direction")
     if lit is None:

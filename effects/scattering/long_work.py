@@ -64,14 +64,14 @@ def _array_bytes(array):
 
 
 class Folder:
-    """The pieces of one work that are done.
+    """The finished pieces of one work.
 
-    path        the folder, which is made where there is none
-    parameters  what the work depends on, a dict that JSON can hold
-    pieces      how many there are
+    path        the folder; it is made if it is missing
+    parameters  the work's parameters, a dict that JSON can hold
+    pieces      how many pieces there are
 
-    Raises Refusal for a folder that cannot be written, a manifest or a piece that is damaged, a manifest of
-    other parameters, and pieces without a manifest. What is there stays as it is then.
+    Raises Refusal for a folder that cannot be written, a manifest or a piece that is damaged, a manifest with
+    other parameters, and pieces without a manifest. The folder's contents then stay unchanged.
     """
 
     def __init__(self, path, parameters, pieces):

@@ -27,9 +27,12 @@ def _grain(columns, rows, cells_s, cells_t, seed):
 
 
 def bricks(columns=128, rows=128, depth=0.03, seed=3, count=2):
-    """``count`` bricks and three times as many courses, each moved by half a brick: ``depth`` is that of the
-    joints, in edges of the square. A brick is 215 mm by 65 mm, a joint 10 mm, and the square ``count``
-    times 225 mm. Raises ValueError for an odd number of courses, which could not repeat.
+    """``count`` bricks and three times as many courses, each moved by half a brick.
+
+    ``depth`` is the joints' depth, in edges of the square. A brick is 215 mm by 65 mm, a joint 10 mm, and the
+    square ``count`` times 225 mm.
+
+    Raises ValueError for an odd number of courses, which could not repeat.
     """
     if count < 2 or count % 2:
         raise ValueError(f"The wall has {count} bricks across; give an even number from 2 on.")
@@ -54,8 +57,8 @@ def bricks(columns=128, rows=128, depth=0.03, seed=3, count=2):
 
 
 def planks(columns=128, rows=128, count=4, depth=0.04, seed=5):
-    """``count`` boards side by side that run along t: ``depth`` is that of the gaps, in edges of the
-    square.
+    """``count`` boards side by side that run along t. ``depth`` is the gaps' depth, in edges of
+    the square.
     """
     s, t = height_fields.texel_centers(columns, rows)
     board = np.floor(s * count).astype(np.int64)
@@ -118,10 +121,12 @@ def scales(columns=128, rows=128, count=8, depth=0.5, seed=9):
 
 
 def honeycomb(columns=128, rows=128, across=7, along=8, depth=0.6, seed=6):
-    """A comb of wax, ``across`` x ``along`` cells in moved rows: hexagons, all but regular with 7 x 8, open
-    upwards; ``depth`` is that of the cells, of a cell's width.
+    """A comb of wax, ``across`` x ``along`` cells in staggered rows: hexagons, nearly regular with 7 x 8,
+    open upwards.
 
-    Raises ValueError for an odd number of rows, whose moved ones could not repeat.
+    ``depth`` is the cells' depth, in widths of a cell.
+
+    Raises ValueError for an odd number of rows, because staggered ones could not repeat.
     """
     if across < 2 or along < 2 or along % 2:
         raise ValueError(f"The comb has {along} rows of {across} cells; give an even number of rows, from 2.")

@@ -171,15 +171,16 @@ def indirect(
     field, visibility, s, t, light, *, samples=100, lookups=3, branches=1, view=(0.0, 0.0, 1.0), lit=None,
     sky=None, reconstruction=Reconstruction.BILINEAR, seed=0, threads=None,
 ):  # fmt: skip
-    """What reaches points by one lookup or more and leaves towards ``view``: float64 [n, 3].
+    """Light that reaches points through one lookup or more and leaves towards ``view``: float64 [n, 3].
 
     s, t            texture coordinates of the points, float64 [n]
-    light           unit vector [3], or None where the sky alone lights
+    light           unit vector [3], or None: only the sky lights
     samples         paths from each point; branches: directions followed from every place of them
     lookups         along a path at most: its reflections but one
     lit             where the light is not shadowed, bool or float [rows, columns]; None: by rays
     sky             None, black, or float64 [directions, 3]: the environment along each
-    reconstruction  whose light it is; seed: of the random numbers; threads: any number gives the same bits
+    reconstruction  whose light a point takes; seed: of the random numbers; threads: any number gives the same
+                    bits
 
     Raises ValueError for counts below one, lookups below zero, another field's Visibility, points or
     directions that are not finite, and arrays of other shapes.

@@ -102,11 +102,11 @@ class Scene:
 
 @dataclass(frozen=True)
 class Lamp:
-    """A light that has a camera of its own: ``position`` looks at ``target``.
+    """A light with a camera of its own: ``position`` looks at ``target``.
 
-    ``field_of_view``: of its square frustum in degrees, or, where the light is ``infinite`` (parallel rays
-    from the direction of ``position`` - ``target``), ``half_width`` of its square box in world units.
-    ``near``, ``far``: distances of the planes along the view.
+    ``field_of_view`` is that of its square frustum in degrees. An ``infinite`` light has parallel rays from
+    the direction of ``position`` - ``target``. It has ``half_width`` instead, of its square box in world
+    units. ``near``, ``far``: distances of the planes along the view.
     """
 
     position: tuple[float, float, float]

@@ -389,9 +389,9 @@ def with_environments(scene, view, lamp, profile, coding, *, background, shading
 
 
 def scale_alpha(panel, bits, *, subtract=True):
-    """The window's panel onto itself, alpha times 2^bits: all alphas above zero become one.
+    """Copy the window's panel onto itself with alpha times 2^bits: all alphas above zero become one.
 
-    ``subtract`` False: with a bias of 1 - 2^bits beside it; all below one become zero.
+    ``subtract``: False adds a bias of 1 - 2^bits: all alphas below one become zero.
     """
     scale = 2.0**bits
     return copy_of_panel(

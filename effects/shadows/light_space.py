@@ -177,7 +177,8 @@ def uniform_camera(body, scene, direction, view, border=0.0):
 
 
 def best_n(body, view, sine):
-    """The distance n at which a texel is seen as large at the nearest as at the farthest point of the body.
+    """The distance n at which a texel has the same visible size at the nearest and the farthest point of the
+    body.
 
     ``sine``: of the angle between light and view, above 0.
     """

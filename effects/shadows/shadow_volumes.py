@@ -70,11 +70,12 @@ _UNCERTAIN = 16.0 * 2.0**-53
 
 @dataclass(frozen=True, eq=False)
 class ClosedSurface:
-    """Triangles whose vertices are shared wherever positions are equal, so that every edge has two triangles.
+    """Triangles that share a vertex wherever positions are equal, so that every edge has two triangles.
 
     vertices   float64 [n, 3], all different
-    triangles  int64 [k, 3], none with a vertex twice; as the surface has them: order, first vertex, winding
-    edges      int64 [e, 2]: each edge once, as one of its triangles runs along it
+    triangles  int64 [k, 3], none with a vertex twice, in the surface's order, with its first vertices and
+               winding
+    edges      int64 [e, 2]: each edge once, in the direction of one of its triangles
     sides      int64 [e, 2]: the triangle that runs along the edge, and the one that runs against it
     """
 
@@ -403,8 +404,8 @@ def z_pass(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None,
     """A-Z23: shadow volumes of a scene by z-pass. The panel's colours and depths have been cleared.
 
     ``length``: of the volumes, None: infinite. ``operations``: CLAMPED, WRAPPING or None, the machine's best.
-    ``settings``: more of the last pass's PassState, and ``start``, what the stencil counts from: from 128
-    CLAMPED counts go below as WRAPPING ones do from zero.
+    ``settings``: further fields of the last pass's PassState, and ``start``, the stencil's start value. With
+    CLAMPED a start at 128 lets counts go below it, as WRAPPING lets them go below zero.
     """
     volumes = shadow_volumes(scene, lamp.homogeneous, length)
     counts = z_pass_counts(volumes, view, operations or counting_operations(profile))
@@ -414,8 +415,8 @@ def z_pass(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None,
 def z_fail(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None, operations=None, **settings):
     """A-Z24: shadow volumes of a scene by z-fail; arguments as for ``z_pass``.
 
-    All passes are drawn without a far plane where the volumes are infinite (``length`` None), and with the
-    view's own otherwise.
+    If the volumes are infinite (``length`` None), all passes are drawn without a far plane; otherwise with
+    the view's own.
     """
     volumes = shadow_volumes(scene, lamp.homogeneous, length)
     seen = view if length is not None else infinite_view(view)

@@ -77,8 +77,10 @@ def nearest_lines(column, row, width, texel_bytes):
 
 
 def light_at_seen(field):
-    """Misses of L_d at S_i in percent: of all lookups, and of those that see something; the mean of all
-    directions along which any does. A lookup that sees nothing reads the last texel.
+    """Misses of L_d at S_i in percent: of all lookups, and of those that see something.
+
+    It is the mean of all directions along which any lookup sees something. A lookup that sees nothing reads
+    the last texel.
     """
     width, height = (looked_up_size(edge) for edge in (field.columns, field.rows))
     missed, found, lookups = 0, 0, 0

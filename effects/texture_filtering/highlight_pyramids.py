@@ -96,9 +96,9 @@ SPREAD = 2.0
 
 
 def covariances(levels, roughness, spread=SPREAD):
-    """K of each level as a kind of roughness has it: a list of float64 [rows, columns, 3].
+    """K of each level for a kind of roughness: a list of float64 [rows, columns, 3].
 
-    ``spread``: how many times the bumps' covariance counts beside the lobe beneath level 0.
+    ``spread``: the factor of the bumps' covariance against the lobe beneath level 0.
     """
     roughness, lobe, out = Roughness(roughness), levels[0].covariance[:1, :1], []
     for level in levels:
@@ -127,10 +127,10 @@ def inverse_rows(offsets, covariance):
 def load_rows(levels, roughness, slopes, profile, *, spread=SPREAD, texels=512):
     """Commands that load D^-1 and f as two mip-maps, and the highlight over D^-1 d; and their Names.
 
-    The first's alpha is the energy, s^2 / (s_1 s_2), so that one is that of level 0 without bumps.
+    The first mip-map's alpha is the energy, s^2 / (s_1 s_2); one is the energy of level 0 without bumps.
 
     levels  both pyramids, with a lobe beneath level 0
-    slopes  the largest of (h_1, h_2) / h_3 that is met
+    slopes  the largest expected (h_1, h_2) / h_3
     spread  as for ``covariances``
     """
     ks = covariances(levels, roughness, spread)

@@ -172,8 +172,9 @@ def supersampled(view, page, background, side=16):
 
 
 def found_stretch(page, lines=LINES, most=16):
-    """How many times a page [edge, edge, 3] must be pressed together until its first line's ink is most like
-    the letters as they are: from 1 to ``most``.
+    """The stretch of a page [edge, edge, 3], from 1 to ``most``.
+
+    It is the factor of compression with which its first line's ink resembles the letters most.
     """
     scale = max(1, len(page) // 256)
     ink = (page - np.array(PAPER)).sum(axis=-1) / (np.array(INK) - np.array(PAPER)).sum()
@@ -191,7 +192,7 @@ def found_stretch(page, lines=LINES, most=16):
 
 
 def correlation(image, truth):
-    """How alike two pictures are, from -1 to 1: of their deviations from their means."""
+    """The correlation of two pictures' deviations from their means, from -1 to 1."""
     a, b = image - image.mean(), truth - truth.mean()
     return float((a * b).sum() / np.sqrt((a * a).sum() * (b * b).sum()))
 

@@ -44,8 +44,10 @@ def read_picture(name, *, fills=True):
     """A photograph or an elevation array, top row first: [rows, columns] or [rows, columns, components].
 
     ``name``: a PNG, TIFF (its first page), JPEG, ASC, HGT or PGM file, a NumPy array (.npy), or ``sample:``
-    and a name of ``SAMPLES``. It is turned as the file says; so much is read as ``reading.limit`` allows.
-    ``fills``: what stands for no value, as NaN, is filled while ``reading.filling``, and otherwise refused.
+    and a name of ``SAMPLES``. The picture is turned as the file says. ``reading.limit`` bounds how much is
+    read. ``fills``: a number that means "no value", as NaN does. Such values are filled inside
+    ``reading.filling``, and otherwise refused.
+
     Raises Refusal for anything that cannot be read whole.
     """
     notes = ()
@@ -79,9 +81,9 @@ _LINE_END = re.compile("\r\n?")
 
 
 def text_of(data, otherwise=None):
-    """The text of bytes, in UTF-8 or, where its mark begins them, in UTF-16; its lines ended by newlines.
+    """The text of bytes in UTF-8, or in UTF-16 with a byte order mark; its lines end with newlines.
 
-    ``otherwise``: the encoding of what is neither. Raises UnicodeDecodeError where it is None.
+    ``otherwise``: the encoding of other bytes. Raises UnicodeDecodeError if it is None.
     """
     if data.startswith(_UTF16):
         return _LINE_END.sub("\n", data.decode("utf-16"))
@@ -95,9 +97,10 @@ def text_of(data, otherwise=None):
 
 
 def read_text(name, otherwise=None):
-    """The text of a file, or of standard input for ``-``, its lines ended by newlines.
+    """The text of a file, or of standard input for ``-``; its lines end with newlines.
 
-    ``otherwise``: the encoding of what is not UTF-8. Raises Refusal when there is no such file, or no text.
+    ``otherwise``: the encoding of bytes that are not UTF-8. Raises Refusal if there is no such file, or if it
+    is not text.
     """
     try:
         return text_of(sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes(), otherwise)

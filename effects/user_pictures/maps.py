@@ -103,10 +103,10 @@ def height_field(value):
 
 @dataclass(frozen=True, eq=False)
 class Photograph:
-    """Colours of a user's own, [rows, columns, components], grey or RGB first, bottom row first, as the file
-    has them: of any type, from zero to ``full``.
+    """Colours of a user's own, [rows, columns, components], bottom row first.
 
-    ``called``: where they come from, in words.
+    Grey or RGB come first. Values are the file's, of any type, from zero to ``full``. ``called``: where they
+    come from, in words.
     """
 
     values: np.ndarray = field(repr=False)

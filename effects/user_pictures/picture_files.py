@@ -61,7 +61,7 @@ _TURNS = {
 
 
 def turned(values, orientation):
-    """Values [rows, columns, ...] as an Exif or TIFF orientation says that they are to be seen."""
+    """Values [rows, columns, ...], turned as an Exif or TIFF orientation says."""
     return _TURNS.get(orientation, lambda a: a)(values)
 
 

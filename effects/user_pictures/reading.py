@@ -46,11 +46,11 @@ def filling():
 
 
 def without_missing(name, values, missing, called):
-    """(values, notes): of a file, [rows, columns(, components)], with what is ``missing``, bool of their
-    shape, filled while ``filling``: by means of what is known in squares of 2, 4, 8 ... pixels, the smallest
-    that have any, interpolated between their middles. ``called``: what stands for a missing value, as text.
+    """(values, notes) of a file, [rows, columns(, components)], with missing values filled while ``filling``.
 
-    Raises Refusal where some are missing otherwise, or all are.
+    ``missing``: which are missing, bool of their shape. They become means of the known values in squares of
+    2, 4, 8 ... pixels, the smallest that have any, interpolated between the squares' middles. ``called``: the
+    text of a missing value. Raises Refusal if some are missing without ``filling``, or all are.
     """
     lacking = int(missing.sum())
     if not lacking:

@@ -78,8 +78,8 @@ def _blended(read, count, wanted):
 def resampled(values, edges, unit=np.float32):
     """An array [layers, rows, columns] with ``edges`` voxels along these axes: float32.
 
-    unit  (a layer [rows, columns]) -> what is resampled of it, float32; layers are taken one after the other,
-          so that of a large volume few are floats
+    unit  (a layer [rows, columns]) -> the layer to resample, float32. Layers are taken one after the other,
+          so that only a few of a large volume are floats at a time
     """
     out = np.empty(edges, np.float32)
     for k, layer in enumerate(_blended(lambda k: unit(values[k]), len(values), edges[0])):

@@ -27,10 +27,11 @@ _EDGES = np.array([(a, a | bit) for bit in (1, 2, 4) for a in range(8) if not a 
 
 
 def stored_normals(density, spacing=(1.0, 1.0, 1.0), zero=127.5):
-    """Unit vectors n to where a density falls as ``zero`` + 127.5 n: uint8 [layers, rows, columns, 3].
+    """Unit vectors n to where a density falls, stored as ``zero`` + 127.5 n: uint8 [layers, rows, columns,
+    3].
 
-    ``density``: uint8 [layers, rows, columns]; beyond is nothing. ``spacing``: of the voxels along x
-    (columns), y and z. Differences are central; where all three are zero so is n, and 128 is stored.
+    ``density``: uint8 [layers, rows, columns]; it is zero outside. ``spacing``: of the voxels along x
+    (columns), y and z. Differences are central. If all three are zero, n is zero, and 128 is stored.
     """
     out = np.full((*density.shape, 3), 128, np.uint8)
     padded = np.pad(density, 1).astype(np.int16)

@@ -40,8 +40,9 @@ def _profile():
 
 
 def seen_from(point, direction):
-    """Where a ray from a point of the ground meets it again, [2], or None: the ray against every piece of
-    the profile as it is drawn.
+    """The point, [2], where a ray from a point of the ground meets it again; None: it does not.
+
+    The ray is tested against every piece of the drawn profile.
     """
     line = _profile()
     a, along = line[:-1], line[1:] - line[:-1]

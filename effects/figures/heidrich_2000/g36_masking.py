@@ -96,7 +96,7 @@ def make(profile, size, *, texels, height, cells, angle):
 
 
 def redness(colors):
-    """How much of what is seen faces away from the eye, 0 to 1: of colours [n, 3], by their green over
+    """How much of the visible surface faces away from the eye, 0 to 1: from colours [n, 3], by green over
     red.
     """
     ratio = colors[:, 1] / np.maximum(colors[:, 0], 1e-9)

@@ -100,8 +100,10 @@ def short(label):
 
 
 def edges(steps):
-    """(from, to, kind) of the graph's arrows between steps: "looked up" where a step's picture is read at
-    places that are not the vertices', "added" where it is drawn as it is.
+    """(from, to, kind) of the graph's arrows between steps.
+
+    A kind is "looked up" if a step's picture is read at places that do not come from vertices, and "added" if
+    it is drawn unchanged.
     """
     made, out = {}, []
     for number, step in enumerate(steps):

@@ -65,8 +65,9 @@ def _setup(profile, size, p):
 
 
 def frame(way, setup, light):
-    """The passes: direct light, kept; bumps with light along d_i times the direct light at S_i. All of them,
-    and those of the dependent lookup.
+    """The passes, and those of the dependent lookup among them.
+
+    They draw and keep direct light, then bumps with light along d_i times the direct light at S_i.
     """
     lit = free_view(setup.field, light)
     gathered = way.gathered(setup, 0, UP, DIRECT, Into(setup.work))

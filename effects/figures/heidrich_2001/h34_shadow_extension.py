@@ -17,10 +17,10 @@ DATA = figure_data(__file__, "H34")
 
 
 def make(profile, size, *, ratio, factor, share, from_red, shading):
-    """Left P1 to P3 with the stencil, right one pass.
+    """Left: P1 to P3 with the stencil. Right: one pass.
 
-    ``share``: of the light that stays in shadow on the right. ``from_red``: as machines must whose comparison
-    is a luminance, a copy makes alpha of it.
+    ``share``: the share of the light that remains in shadow on the right. ``from_red``: a copy turns the
+    comparison into alpha, for machines whose comparison is a luminance.
     """
     left, right = row_of_panels(2, size)
     scene, light = still_life_and_lamp(size)

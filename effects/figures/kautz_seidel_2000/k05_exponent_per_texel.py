@@ -31,9 +31,10 @@ VIEWER = np.array([0.0, 0.0, 1.0])
 
 @lru_cache(maxsize=4)
 def domes(map_size, exponents, rim_radius, alpha_x, alpha_y, spread, k_s):
-    """Domes on a square, brushed along s, as many rows and columns as ``exponents``, one for each column.
+    """Domes on a square, brushed along s, with as many rows and columns as ``exponents``, one for each
+    column.
 
-    ``alpha_y``: that of the lowest row and of the highest; the rows between have steps of equal size.
+    ``alpha_y``: that of the lowest row and of the highest, in equal steps between.
     """
     s, t = height_fields.texel_centers(map_size, map_size)
     slopes = height_fields.dome_slopes(s * len(exponents), t * len(exponents), rim_radius)

@@ -32,10 +32,10 @@ VIEWER = np.array([0.0, 0.0, 1.0])
 def materials(
     map_size, depth, spread, k_s, alphas, exponents, squares, *, height_field=None, height_scale=0.0
 ):
-    """What the models' spheres are made of, by their names in ``future_board``.
+    """The materials of the models' spheres, by the models' names in ``future_board``.
 
-    ``alphas``: (alpha_x, alpha_y) of the Blinn-Phong model, then of Ward's. ``exponents``: of the Blinn-Phong
-    sphere's two kinds of squares, ``squares`` of them along an edge. ``height_field``: in the place of that
+    ``alphas``: (alpha_x, alpha_y) of the Blinn-Phong model, then of Ward's. ``exponents``: the two exponents
+    of the Blinn-Phong sphere's squares, ``squares`` of them along an edge. ``height_field``: replaces that
     sphere's pebbles.
     """
     s, t = height_fields.texel_centers(map_size, map_size)

@@ -33,10 +33,10 @@ _HEIGHT, _EDGE = 0.75, 0.96
 
 @lru_cache(8)
 def bumps(long, short, direction):
-    """Offsets of a brushed plate's texels: float64 [_BUMPS, 2], their mean zero, and K with the lobe's.
+    """Offsets of a brushed plate's texels: float64 [_BUMPS, 2], with mean zero, and K with the lobe's.
 
-    Sums of four hashed numbers are nearly a normal distribution; every so manieth of many in order leaves no
-    gaps. Of each offset its opposite is there too.
+    Sums of four hashed numbers are nearly normally distributed. Taking them at equal steps of their order
+    leaves no gaps. Each offset's opposite is included.
     """
     half = _BUMPS // 2
     x = np.arange(256 * half)

@@ -36,8 +36,10 @@ def rosette(edge):
 
 
 def stored(size, height_field=None, height_scale=0.0):
-    """The figure's bytes: three uint8 [edge, edge, 3], one texel for each pixel where the size is a power of
-    two: the heights, the document's order, tangent space's. Of the medal, or of a height field.
+    """The figure's bytes: three uint8 [edge, edge, 3], of the medal or of a height field.
+
+    They are the heights, the document's order and tangent space's, with one texel for each pixel if the size
+    is a power of two.
     """
     edge = 1 << (size - 1).bit_length()
     own = height_field is not None

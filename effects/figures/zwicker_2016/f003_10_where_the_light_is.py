@@ -61,9 +61,9 @@ def plan(panel, scene, position):
 
 
 def map_scene(profile, size, *, positions, texels, factor, shading, background, plans):
-    """The still life with a shadow map of its own for each of the lamp's ``positions``.
+    """The still life with its own shadow map for each of the lamp's ``positions``.
 
-    ``texels``: of the map's edge for each pixel of a panel's, at most; ``factor``: of the polygon offset.
+    ``texels``: texels of a map's edge for each pixel of a panel's, at most; ``factor``: the polygon offset's.
     """
     scene = still_life.still_life(objects_and_lamps.detail_of(size))
     panels = row_of_panels(len(positions), size)

@@ -42,11 +42,11 @@ def _things(detail):
 
 
 def setting(case, panel, detail, *, light, hidden, shares, boards, nears):
-    """Things on the floor, a board beside the picture that throws its shadow over the eye or over the near
-    plane, the lamp and the camera: Scene, Lamp, View.
+    """Things on the floor, a board beside the picture, the lamp and the camera: Scene, Lamp, View.
 
-    Of each case: ``hidden``, the middle of the board's shadow; ``shares``, how far along the way there from
-    the lamp the board is; ``boards``, its edges; ``nears``, the near plane's distance.
+    The board's shadow falls over the eye or over the near plane. For each case: ``hidden`` is the middle of
+    the board's shadow; ``shares`` tells how far along the way from the lamp to there the board is; ``boards``
+    has its edges; ``nears`` the near plane's distance.
     """
     k = CASES.index(case)
     view = View(panel, look_at(EYE, CENTER), perspective(FIELD_OF_VIEW, 1.0, nears[k], 60.0), EYE, False)

@@ -74,10 +74,9 @@ def flagged(surface, report):
 
 
 def scene(profile, size, *, light, diffuse, ambient, background, handled):
-    """Z27: tangents taken to run along x everywhere; what was found; tangents of the texture coordinates.
+    """Z27: tangents along x everywhere; the problems found; tangents from the texture coordinates.
 
-    ``handled``: what becomes of triangles without area and of mirrored ones
-    (``tangent_space.with_tangents``).
+    ``handled``: how to handle triangles without area and mirrored ones (``tangent_space.with_tangents``).
     """
     edge = texels(size, 128)
     s, t = height_fields.texel_centers(edge, edge)
@@ -148,7 +147,7 @@ def _alike(image, row):
 
 
 def checks(figure, renderer):
-    """That all that is wrong is found and nothing else, and what each tangent makes of the mirrored row."""
+    """Checks that exactly the wrong triangles are found, and of each tangent's effect on the mirrored row."""
     surface = the_mesh()
     report = tangent_space.examine_surface(surface)
     middle = surface.positions[surface.triangles].mean(axis=1)

@@ -111,12 +111,13 @@ _COUNTED = {
 
 
 def counted(before, after):
-    """What the second of two frames moves, each a tuple of commands that draws the same otherwise: a dict.
+    """What the second of two frames moves, in bytes: a dict. Each frame is a tuple of commands for the same
+    picture.
 
-    Textures and vertex arrays that both frames have are kept on the board: "kept". What the second changes is
-    "loaded" (images), "vertices" (arrays that changed) and "drawn" (images drawn as pixels); "copied" is read
-    from the framebuffer and written again, "read" goes to the host. All in bytes; "passes", "copies" and
-    "loads" count commands. A HostStep counts as what it issues for black pixels.
+    The board keeps textures and vertex arrays that both frames have: "kept". The second frame's changes are
+    "loaded" (images), "vertices" (changed arrays) and "drawn" (images drawn as pixels). "copied" is read from
+    the framebuffer and written again, and "read" goes to the host. "passes", "copies" and "loads" count
+    commands. A HostStep counts as the commands that it issues for black pixels.
     """
     counts = _Counts()
     for old, new in zip(before, after, strict=True):

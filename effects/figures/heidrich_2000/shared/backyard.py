@@ -186,7 +186,7 @@ def _around():
 
 
 def sky_light(surface):
-    """What the sky's light at each vertex is beside that of a free one, by rays: RGB, float64 [n, 3]."""
+    """The sky's light at each vertex over that of an unblocked vertex, by rays: RGB, float64 [n, 3]."""
     local = _around()
     normals, points = surface.normals, surface.positions + 0.02 * surface.normals
     free, seen = np.zeros((len(points), 3)), np.zeros((len(points), 3))
@@ -249,11 +249,13 @@ def _looked_up(table, s, t):
 
 
 def seen_by_rays(everything, origins, directions, light, lights, shares):
-    """The colours along rays [n, 3] by the software renderer (A-G34): RGB, float64 [n, 3], and whether
-    anything is met.
+    """The colours along rays [n, 3] by the software renderer (A-G34), and whether a ray meets anything.
 
-    everything  the parts; lights: of each (sun, sky) as ``radiance`` gives them, or None where it is smooth
-    shares      of each what ``sky_light`` gives
+    everything  the parts
+    lights      for each part (sun, sky) from ``radiance``; None: the part is smooth
+    shares      for each part the result of ``sky_light``
+
+    The colours are RGB, float64 [n, 3].
     """
     corners = [part.surface.positions[part.surface.triangles] for part in everything]
     counts = [len(c) for c in corners]

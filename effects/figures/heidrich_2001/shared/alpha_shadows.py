@@ -239,7 +239,7 @@ def brightness_checks(figure, renderer, size, shadowed, without):
 
 
 def pass_checks(figure, renderer, board, coding, wanted, reason, size=32):
-    """Checks of how many passes a frame has: ``wanted`` where nothing moves, and one more otherwise."""
+    """Checks of a frame's number of passes: ``wanted`` if nothing moves, and one more if something does."""
     panel, parameters = Panel(0, 0, size, size), figure.values
     common = {"lamp": parameters["lamp"], "shading": SceneShading.LIT}
     frame = compared(panel, renderer.profile, board, coding, background=parameters["background"], **common)

@@ -44,8 +44,10 @@ class Light:
         return x + (x - end) * (OCCLUDER - FLOOR) / (LIGHT - OCCLUDER)
 
     def edges(self, half_width):
-        """Where on the floor, from left to right: the penumbra begins, the umbra, the other penumbra, and
-        where that ends. Of a light without extent the penumbra has no width.
+        """Where on the floor, from left to right, the penumbra begins, the umbra, the other penumbra, and
+        where that ends.
+
+        A light without extent has a penumbra without width.
         """
         left, right = self.ends
         return (

@@ -160,8 +160,8 @@ def truth(size, sun, look=WHOLE):
 def agreements(picture, size, panels, sun, mixture=frustum_slices.LAMBDA):
     """An agreement.Agreement for each panel of a picture [size, n size, 3] of ``SceneShading.MASK``.
 
-    A slice's pixels are compared with its own camera's texels. Compared are surfaces that face the light: the
-    others are dark by themselves, whatever a map says of them.
+    A slice's pixels are compared with its own camera's texels. Only surfaces that face the light are
+    compared. Others are dark in any case, whatever a map says of them.
     """
     scene, out = avenue.avenue(detail_of(size)), []
     for number, (fit, ratio, slices, look) in enumerate(panels):
