@@ -165,8 +165,9 @@ def apart(vectors, weights, depths=None):
 
 
 def middle_error(first, second, angle):
-    """How far off, in radians, the direction half way between two vectors is that are ``first`` and
-    ``second`` long and ``angle`` radians apart, less than pi, where it is interpolated with their lengths.
+    """The error in radians of the direction half way between two vectors, interpolated with their lengths.
+
+    The vectors are ``first`` and ``second`` long and ``angle`` radians apart, less than pi.
     """
     if not (first > 0.0 and second > 0.0 and 0.0 <= angle < math.pi):
         raise ValueError(

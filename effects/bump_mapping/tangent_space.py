@@ -142,11 +142,10 @@ def without_area(coordinates):
 
 
 def stretches(t, b):
-    """How many times longer the longest step is that a unit step in texture space can make than the
-    shortest, float64 [k], one where u and v are neither stretched nor sheared; infinite where all steps of
-    one direction make none.
+    """The longest step over the shortest one that a unit step in texture space makes, float64 [k].
 
-    It is the ratio of the singular values of [t b].
+    It is one if u and v are neither stretched nor sheared, and infinite if all steps in one direction have
+    length zero. It is the ratio of the singular values of [t b].
     """
     tt, bb, tb = dot(t, t), dot(b, b), dot(t, b)
     half, apart = (tt + bb) / 2.0, (tt - bb) / 2.0
@@ -258,9 +257,9 @@ def _averaged(surface, which, vectors):
 def vertex_tangents(surface):
     """What Z04 stores beside the normal: (t float64 [n, 3], sign float64 [n]).
 
-    The mean of the triangles' tangents at each vertex, made perpendicular to the normal and of length one,
-    and 1, or -1 where the mean binormal lies on the other side of n x t. Triangles without an area in texture
-    space take no part; a vertex that only they have keeps the surface's own tangent.
+    t is the mean of the triangles' tangents at each vertex, made perpendicular to the normal and of length
+    one. The sign is 1, or -1 if the mean binormal lies on the other side of n x t. Triangles without an area
+    in texture space take no part; a vertex with no other triangles keeps the surface's own tangent.
     """
     points, coordinates = _corners(surface)
     kept = ~without_area(coordinates)

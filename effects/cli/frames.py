@@ -116,7 +116,7 @@ def script_frame(path, profile, size, settings, profile_of=machine_of):
 
 
 def what_if_options(command):
-    """The options of a subcommand that change a frame, each of which may be given several times."""
+    """The options of a subcommand that change a frame. Each may be given several times."""
     options = (
         click.option(
             "--bits",

@@ -10,8 +10,9 @@ from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, m
 
 
 def history_text(history: PixelHistory, brief: bool = False) -> Group:
-    """The history: what rich's Console prints. ``brief``: of every fragment only the stage that adds most to
-    the error, and then the first that clamps.
+    """The history as rich's Console prints it.
+
+    ``brief``: of every fragment, only the stage that adds most to the error, and then the first that clamps.
     """
     return Group(*_lines(history, brief))
 

@@ -212,7 +212,7 @@ def _share(share):
 
 
 def frame_error_of(of, number=None):
-    """The Error of a FrameAsked; ``number``: of the command alone whose stages are computed otherwise."""
+    """The Error of a FrameAsked. ``number``: the only command whose stages are replaced; None: all."""
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.pipeline.inspection.what_if import frame_error, with_stages
 

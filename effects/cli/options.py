@@ -136,8 +136,9 @@ def machine_of(key):
 
 
 def given_options(context, names=None):
-    """What of a subcommand was given on the command line, in the order of its help: options as they are
-    written, arguments in capitals. ``names``: of the parameters that are looked at; None: all.
+    """The options and arguments given on the command line, in the order of the subcommand's help.
+
+    Options are as they are written, arguments in capitals. ``names``: the parameters to look at; None: all.
     """
     return [
         p.opts[-1] if isinstance(p, click.Option) else p.human_readable_name.strip("[]").partition(" ")[0]
@@ -148,9 +149,9 @@ def given_options(context, names=None):
 
 
 def refuse_ignored(context, names, why):
-    """Raise Refusal where parameters were given that would be ignored.
+    """Raise Refusal if parameters were given that would be ignored.
 
-    ``names``: of these parameters; ``why``: a sentence without its stop, that ends in what to do.
+    ``names``: these parameters; ``why``: a sentence without its stop, which ends in what to do.
     """
     ignored = given_options(context, names)
     if ignored:

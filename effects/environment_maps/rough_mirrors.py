@@ -405,9 +405,12 @@ def spread(beam, size):
 
 
 def environment_probes(sigma, most):
-    """(axis, length, count, level) of probes that together have the covariance Sigma: the unit vector of the
-    long axis [..., 2], how far it is from end to end of N probes' places as A-S02 spaces them, texels, N as
-    int64, and each probe's lambda.
+    """(axis, length, count, level) of probes that together have the covariance Sigma.
+
+    axis    [..., 2], the unit vector of the long axis
+    length  texels from end to end of N probes' places, as A-S02 spaces them
+    count   N, int64
+    level   each probe's lambda
     """
     long, short, axis = rough.principal(sigma)
     short = np.maximum(short, 0.5)

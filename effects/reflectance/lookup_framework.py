@@ -118,9 +118,9 @@ def load_textures(textures, profile):
 def woven_domes(size, *, bumps=4, height=0.6, cells=16, tilt=0.25, spread=10.0, seed=4):
     """Material textures of one square: domes on a weave, and an exponent that grows from left to right.
 
-    ``bumps`` domes along each edge, their slopes times ``height``. The weave has ``cells`` cells along each
-    edge, in which a runs at 35 and at 125 degrees in turn, give or take ``spread``, and leans out of the
-    surface by ``tilt``. v/8 in multiples of 1/256.
+    There are ``bumps`` domes along each edge, with their slopes times ``height``. The weave has ``cells``
+    cells along each edge. In them a runs at 35 and at 125 degrees in turn, varied by ``spread``, and leans
+    out of the surface by ``tilt``. v/8 is in multiples of 1/256.
     """
     s, t = height_fields.texel_centers(size, size)
     slope_s, slope_t = height_fields.dome_slopes(s * bumps, t * bumps)

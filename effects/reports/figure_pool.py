@@ -28,10 +28,16 @@ _SECONDS = 0.1  # between two looks at what the processes say
 
 @dataclass(frozen=True)
 class Order:
-    """One figure to be drawn: its ``id``, ``machines``, ``size`` (None: its own), ``threads`` (None: one for
-    each processor that no other process has), whether it is checked (``with_checks``), the ``folder`` of its
-    files, and ``named``, a folder of its pictures under readable names, or None; ``inputs``: the digest of
-    what it is made from; ``file``: the user's that holds the figure, None for the package's.
+    """One figure to be drawn.
+
+    id, machines  the figure, and the machines that draw it
+    size          a panel's height; None: the figure's own
+    threads       None: one for each processor that no other process has
+    with_checks   whether it is checked
+    folder        the folder of its files
+    named         a folder for its pictures under readable names, or None
+    inputs        the digest of its inputs
+    file          the user's file with the figure; None: the package's
     """
 
     id: str

@@ -10,8 +10,8 @@ _NAMES = ("red", "green", "blue")
 def row_png(machine, ideal, title):
     """The bytes of a PNG file.
 
-    ``machine``, ``ideal``: float64 [w, 3], 1.0 = full intensity. A component has axes of its own; components
-    that are equal, as of a grey row, share them.
+    ``machine``, ``ideal``: float64 [w, 3], 1.0 = full intensity. Each component has its own axes; equal
+    components, such as those of a grey row, share them.
     """
     import matplotlib
 

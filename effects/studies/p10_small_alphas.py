@@ -49,8 +49,10 @@ def half_width(sines, values):
 
 
 def direction_errors(alpha, profile):
-    """Angles in degrees between random tangents and what is read back of t / (4 alpha), stored without
-    holding alpha at 1/4, and which of them had a component cut off.
+    """Angles in degrees between random tangents and those read back from t / (4 alpha), and which were cut
+    off.
+
+    t / (4 alpha) is stored without limiting alpha to 1/4 or more, so a component may be cut off.
     """
     tangents = random_directions(_TANGENTS, 13)
     wanted = material_textures.STORAGE_SCALE * tangents / alpha

@@ -72,8 +72,9 @@ def read_nrrd(path):
 
 
 def _lines_of(file):
-    """The lines of an NRRD header as texts, names of fields in small letters as they are compared so, and how
-    many bytes the header has with the blank line after it.
+    """The lines of an NRRD header as texts, and the header's size in bytes with the blank line after it.
+
+    Names of fields are in small letters, because they are compared so.
     """
     lines, size = [], 0
     data = file.read(_HEADER)

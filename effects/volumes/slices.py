@@ -114,11 +114,11 @@ class Volume:
 
 
 def bricks(density, iso, edge=BRICK):
-    """Which parts of a volume slices have to be drawn in: int64 [k, 3], x, y and z, counted in bricks.
+    """The parts of a volume in which slices must be drawn: int64 [k, 3], x, y and z, counted in bricks.
 
-    Bricks of ``edge`` voxels along each axis are left out where nothing within a voxel of them is as dense as
-    the byte ``iso``, and where everything within ``edge`` voxels of them is: no camera's nearest slice beyond
-    the iso-surface lies there, if slices are less than ``edge`` voxels apart. Beyond the volume is nothing.
+    A brick has ``edge`` voxels along each axis. It is left out if nothing within a voxel of it is as dense as
+    the byte ``iso``, or if everything within ``edge`` voxels of it is. No camera's nearest slice beyond the
+    iso-surface lies there, if slices are less than ``edge`` voxels apart. Outside the volume density is zero.
     """
     counts = [-(-n // edge) for n in density.shape]
     padded = np.pad(

@@ -43,8 +43,10 @@ def reference(size, *, stretches, texels, directions, bounces, exposure, red, wh
 
 
 def closed_form(stretch, own, other):
-    """A flank's mean after one reflection, light from above: rho_own c (1 + rho_other F), with the cosine c
-    of the flank's slope 1 / stretch and F = 1 - sin of half the angle between the flanks, which is c too.
+    """A flank's mean after one reflection, light from above: rho_own c (1 + rho_other F).
+
+    c is the cosine of the flank's slope 1 / stretch. F = 1 - sin of half the angle between the flanks; that
+    sine is c too.
     """
     cosine = stretch / math.hypot(stretch, 1.0)
     return [a * cosine * (1.0 + b * (1.0 - cosine)) for a, b in zip(own, other, strict=True)]
