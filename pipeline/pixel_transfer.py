@@ -244,10 +244,8 @@ def transferred_size(width, height, transfer, dimensions=2):
 
 def has_color_matrix(transfer):
     """Whether the colour matrix, or the scale or bias after it, differs from the initial one."""
-    return any(
-        getattr(transfer, name) != getattr(INITIAL_TRANSFER, name)
-        for name in ("color_matrix", "post_color_matrix_scale", "post_color_matrix_bias")
-    )
+    scale, bias = transfer.post_color_matrix_scale, transfer.post_color_matrix_bias
+    return transfer.color_matrix != IDENTITY or scale != _ONES or bias != _ZEROS
 
 
 def has_sink(transfer):

@@ -27,6 +27,7 @@ PACKAGES = {
     "raster/portable": {"raster": "codes floats rows kernel arrays fixed primitives"},
     "raster/vector": {"raster": "codes floats rows kernel arrays fixed primitives portable"},
     "raster/columns": {"raster": "codes floats float_depths observer"},
+    "raster/pixel_groups": {"raster": "kernel"},
     "raster/pixels": {"raster": "codes"},
     "pipeline/enums": {"raster": "codes"},
     "pipeline/messages": {"pipeline": "enums"},
@@ -45,7 +46,7 @@ PACKAGES = {
         "pipeline": "enums state commands profiles",
     },
     "pipeline/framebuffers": {
-        "raster": "codes rows primitives columns pixels",
+        "raster": "codes rows primitives columns pixel_groups pixels",
         "pipeline": "enums state pixel_transfer textures commands profiles",
     },
     "pipeline/validation": {

@@ -11,7 +11,7 @@ from fixedpipe.pipeline.enums import (
     TextureCompareMode,
     TextureTarget,
 )
-from fixedpipe.pipeline.framebuffers.transfer import ENTRY_COMPONENTS, table_entries
+from fixedpipe.pipeline.framebuffers.transfer_steps import ENTRY_COMPONENTS, table_entries
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.programs.texture_shader_rules import killing_units
 from fixedpipe.pipeline.textures.images import (

@@ -7,11 +7,11 @@ import numpy as np
 from fixedpipe.pipeline.enums import TextureTarget, WindowOrigin
 from fixedpipe.pipeline.framebuffers.transfer import (
     image_groups,
+    image_texels,
     transfer_colors,
     transfer_depths,
-    transfer_image,
 )
-from fixedpipe.pipeline.pixel_transfer import PixelImage, changes_nothing, transferred_size
+from fixedpipe.pipeline.pixel_transfer import changes_nothing, transferred_size
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
     COMPONENT_BITS,
@@ -24,9 +24,14 @@ from fixedpipe.pipeline.textures.images import (
     pyramid,
     register_components,
     stored_texels,
+    texture_of_levels,
     widen_to_byte,
 )
 from fixedpipe.raster.pixels.transfer import fixed
+
+_LAYERED = (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
+# Dimensions of a target's convolution; of the others 2.
+_DIMENSIONS = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}
 
 
 def defined_texture(command, profile, statistics, before):
@@ -35,17 +40,15 @@ def defined_texture(command, profile, statistics, before):
     if command.internal_format in DEPTH_TEXELS:
         depths = transfer_depths(image_groups(image), command.transfer)
         return depth_texture(target, command.internal_format, depths)
-    layered = target in (TextureTarget.TEXTURE_CUBE_MAP, TextureTarget.TEXTURE_3D)
-    dimensions = {TextureTarget.TEXTURE_1D: 1, TextureTarget.TEXTURE_3D: 3}.get(target, 2)
-    images = []
-    for values in image.values if layered else image.values[None]:
-        part = PixelImage(values, image.format, image.packed)
-        images.append(transfer_image(part, command.transfer, profile, statistics, dimensions))
-    if images[-1] is None:
+    layered, dimensions = target in _LAYERED, _DIMENSIONS.get(target, 2)
+    given = command.transfer, profile, statistics, dimensions, command.internal_format
+    levels = image_texels(image, layered, *given)
+    if levels is None:
+        layers = image.values.shape[0] if layered else 1
         height, width = image.values.shape[layered : layered + 2]
-        size = len(images), *transferred_size(width, height, command.transfer, dimensions)
+        size = layers, *transferred_size(width, height, command.transfer, dimensions)
         return sunk_texture(command, size, before, profile)
-    made = build_texture(target, np.stack(images), command.internal_format, command.generate_mipmap)
+    made = texture_of_levels(target, command.internal_format, *levels, command.generate_mipmap)
     return at_machine_width(made, profile)
 
 

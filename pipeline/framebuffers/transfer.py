@@ -1,21 +1,38 @@
 """Pixel transfer of images: operations in order, histograms and minmaxes, image data to groups and back.
 
-This module selects the operations that a PixelTransfer asks for; ``fixedpipe.raster.pixels.transfer`` has
-their arithmetic. Colour groups are float64 [height, width, 4], RGBA, before final conversion. Depths are
-float64 and indices int64 [height, width]. The bottom row is first.
+Kernels take each group by itself (``transfer_steps``); ``fixedpipe.raster.pixels.transfer`` convolves and
+counts, and takes depths and indices. Colour groups are float64 [height, width, 4], RGBA, before final
+conversion. Depths are float64 and indices int64 [height, width]. The bottom row is first.
 
 Source: OpenGL 1.2.1 sections 3.6.3 to 3.6.5 and 4.3.2.
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
 from fixedpipe.pipeline.framebuffers.scaled_words import Words, scaled_words
-from fixedpipe.pipeline.pixel_transfer import Histogram, Minmax, convolution, has_color_matrix
-from fixedpipe.pipeline.state import ColorTable
+from fixedpipe.pipeline.framebuffers.transfer_steps import (
+    CONVOLVED,
+    ENTRY_COMPONENTS,
+    MAPPED,
+    RGBA,
+    SCALED,
+    UNSCALED,
+    texels_through,
+    through,
+)
+from fixedpipe.pipeline.pixel_transfer import (
+    INITIAL_TRANSFER,
+    Histogram,
+    Minmax,
+    PixelImage,
+    PixelTransfer,
+    convolution,
+)
 from fixedpipe.pipeline.textures.images import KEPT
 from fixedpipe.pipeline.textures.pixel_formats import (
     COLOR_INDEX_FORMAT,
@@ -26,18 +43,6 @@ from fixedpipe.pipeline.textures.pixel_formats import (
     PACKED_TYPES,
 )
 from fixedpipe.raster.pixels import transfer as arithmetic
-
-# The component of a table's or filter's entry for a pixel's R, G, B and A; None keeps the pixel's component.
-# Source: OpenGL 1.2.1 tables 3.13 and 3.14; SGI_texture_color_table.
-ENTRY_COMPONENTS = {
-    BaseFormat.ALPHA: (None, None, None, 3),
-    BaseFormat.LUMINANCE: (0, 0, 0, None),
-    BaseFormat.LUMINANCE_ALPHA: (0, 0, 0, 3),
-    BaseFormat.INTENSITY: (0, 0, 0, 0),
-    BaseFormat.RGB: (0, 1, 2, None),
-    BaseFormat.RGBA: (0, 1, 2, 3),
-}
-
 
 # ------------------------------------------------------------------------------- histograms and minmaxes
 
@@ -110,14 +115,10 @@ def transfer_colors(groups, transfer, profile, statistics, dimensions=2):
     - ``dimensions``: 1 for a one-dimensional texture, 3 for a volume's layer, 2 otherwise.
     - ``statistics``: the machine's PixelStatistics, whose tables change.
     """
-    scale = scaled_words if isinstance(groups, Words) else arithmetic.scaled
-    groups = scale(groups, transfer.scale, transfer.bias)
-    if transfer.map_color:
-        maps = transfer.maps
-        groups = arithmetic.mapped(
-            groups, [np.array(m, np.float64) for m in (maps.r_to_r, maps.g_to_g, maps.b_to_b, maps.a_to_a)]
-        )
-    return _from_color_table(groups, transfer, profile, statistics, dimensions)
+    behind = UNSCALED
+    if isinstance(groups, Words):
+        groups, behind = scaled_words(groups, transfer.scale, transfer.bias), SCALED
+    return _transferred(groups, behind, transfer, profile, statistics, dimensions)
 
 
 def transfer_color_indices(indices, transfer, profile, statistics, dimensions=2):
@@ -126,22 +127,15 @@ def transfer_color_indices(indices, transfer, profile, statistics, dimensions=2)
     maps = transfer.maps
     tables = (maps.i_to_r, maps.i_to_g, maps.i_to_b, maps.i_to_a)
     groups = np.stack([arithmetic.table_at(np.array(table, np.float64), indices) for table in tables], -1)
-    return _from_color_table(groups, transfer, profile, statistics, dimensions)
+    return _transferred(groups, MAPPED, transfer, profile, statistics, dimensions)
 
 
-def _from_color_table(groups, transfer, profile, statistics, dimensions):
-    """Color Table Lookup and the later operations, up to Minmax."""
-    groups = looked_up(groups, transfer.color_table, profile)
+def _transferred(groups, behind, transfer, profile, statistics, dimensions):
+    """The operations from a place on, up to Minmax."""
     if (kernel := convolution(transfer, dimensions)) is not None:
-        groups = _convolved(groups, kernel)
-        groups = arithmetic.scaled(groups, transfer.post_convolution_scale, transfer.post_convolution_bias)
-    groups = looked_up(groups, transfer.post_convolution_color_table, profile)
-    if has_color_matrix(transfer):
-        groups = _transformed(groups, transfer.color_matrix)
-        groups = arithmetic.scaled(groups, transfer.post_color_matrix_scale, transfer.post_color_matrix_bias)
-        if profile.arithmetic.clamps_color_matrix:
-            groups = np.clip(groups, 0.0, 1.0)
-    groups = looked_up(groups, transfer.post_color_matrix_color_table, profile)
+        groups = _convolved(through(groups, transfer, profile, behind, convolves=True), kernel)
+        behind = CONVOLVED
+    groups = through(groups, transfer, profile, behind)
     if transfer.histogram is not None:
         statistics.count(groups, transfer.histogram)
         if transfer.histogram.sink:
@@ -153,41 +147,11 @@ def _from_color_table(groups, transfer, profile, statistics, dimensions):
     return groups
 
 
-def _transformed(groups, matrix):
-    """Color Matrix Transformation.
-
-    Rows that are one object, for a dot product in all components, are computed once.
-    """
-    if all(row is matrix[0] for row in matrix):
-        return np.repeat(arithmetic.transformed(groups, matrix[:1]), 4, -1)
-    return arithmetic.transformed(groups, matrix)
-
-
-# Stored entries, by the table's identity and bits, because a frame may send thousands of small images through
-# one table. The dictionary holds each table. It is emptied when it has this many.
-_stored_tables: dict[tuple[int, int | None], tuple[ColorTable, NDArray[np.float64]]] = {}
-_MOST_TABLES = 64
-
-
-def table_entries(table, profile):
-    """A ColorTable's entries as a machine stores them, float64 [n, 4], exact on an exact machine.
-
-    Never write to the array.
-    """
-    key = id(table), None if profile.arithmetic.exact else table.bits
-    found = _stored_tables.get(key)
-    if found is None:
-        if len(_stored_tables) >= _MOST_TABLES:
-            _stored_tables.clear()
-        found = _stored_tables[key] = table, arithmetic.stored_entries(table.entries, key[1])
-    return found[1]
-
-
 def looked_up(groups, table, profile):
     """Groups, float64 [..., 4], after Color Table Lookup in a ColorTable; a table of None changes nothing."""
     if table is None:
         return groups
-    return arithmetic.looked_up(groups, table_entries(table, profile), ENTRY_COMPONENTS[table.base_format])
+    return through(groups, PixelTransfer(color_table=table), profile, MAPPED)
 
 
 def _convolved(groups, kernel):
@@ -281,6 +245,40 @@ def transfer_image(image, transfer, profile, statistics, dimensions=2):
     """
     convert = transfer_color_indices if image.format == COLOR_INDEX_FORMAT else transfer_colors
     return convert(image_groups(image), transfer, profile, statistics, dimensions)
+
+
+def image_texels(image, layers, transfer, profile, statistics, dimensions, internal_format):
+    """(real texels, texels) [layers, h, w, 4] that a PixelImage of colours or colour indices becomes, in the
+    bits of an internal format; None where a sink took it.
+
+    ``layers`` is whether the image has an axis for faces or layers.
+    """
+    values = image.values
+    counts = transfer.histogram is not None or transfer.minmax is not None
+    of_reals = image.packed is None and values.dtype.kind == "f"
+    if of_reals and not counts and convolution(transfer, dimensions) is None:
+        shape = values.shape[:3] if layers else (1, *values.shape[:2])
+        given = _sources_of(image.format), transfer, profile, UNSCALED, internal_format
+        return texels_through(values.astype(np.float64), shape, *given)
+    images = []
+    for layer in values if layers else values[None]:
+        part = PixelImage(layer, image.format, image.packed) if layers else image
+        images.append(transfer_image(part, transfer, profile, statistics, dimensions))
+    if images[-1] is None:
+        return None
+    groups = np.stack(images)
+    given = (*RGBA, 4), INITIAL_TRANSFER, profile, MAPPED, internal_format
+    return texels_through(groups, groups.shape[:3], *given)
+
+
+@cache
+def _sources_of(pixel_format):
+    """Where a format's groups have R, G, B and A, missing ones at constants; and the number of elements."""
+    elements = IMAGE_FORMATS[pixel_format]
+    missing = {"A": len(elements) + 1}
+    places = [_element_of(component, elements) for component in "RGBA"]
+    found = [missing.get(c, len(elements)) if p is None else p for c, p in zip("RGBA", places, strict=True)]
+    return (*found, len(elements))
 
 
 def elements_of(groups, pixel_format):

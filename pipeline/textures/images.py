@@ -213,17 +213,29 @@ def widen(component, bits, to):
     return value
 
 
+def own_widths(internal_format):
+    """(bits of a texture's components, bits that the format keeps of each) where a machine has the format's
+    own. Raises KeyError for a format that only words make.
+    """
+    return (12 if internal_format in TWELVE_BIT_FORMATS else 8), _ALL_COMPONENT_BITS[internal_format]
+
+
 def stored_widths(internal_format, profile):
     """(bits of a texture's components, bits that the format keeps of each) on a machine.
 
     The machine's widest formats have its ``texture_bits``. Narrower formats have their own bits, at most as
     many. The result is None for a format that only words make; its components are bytes on every machine.
     """
+    widest = 8 if TWELVE_BIT_FORMATS.isdisjoint(profile.textures.internal_formats) else 12
+    return _widths(internal_format, widest, profile.arithmetic.texture_bits)
+
+
+@cache
+def _widths(internal_format, widest, most):
+    """``stored_widths`` where formats of ``widest`` bits or more have ``most`` bits."""
     own = _ALL_COMPONENT_BITS.get(internal_format)
     if own is None:
         return None
-    widest = 12 if profile.textures.internal_formats & TWELVE_BIT_FORMATS else 8
-    most = profile.arithmetic.texture_bits
     kept = tuple(most if b >= widest else min(b, most) for b in own)
     return (max(kept) if max(kept) > 8 else min(8, most)), kept
 
@@ -296,16 +308,20 @@ def depth_texels(words: NDArray[np.integer]) -> NDArray[np.uint8]:
     return np.ascontiguousarray(words.astype("<u4")).view(np.uint8).reshape(*words.shape, 4)
 
 
+def _is_writable(level):
+    return isinstance(level, np.ndarray) and level.flags.writeable
+
+
 def _frozen_levels(levels):
     """The levels, read-only; writable arrays are copied.
 
     ``validate`` refuses values that are no tuple of arrays.
     """
-    if not isinstance(levels, tuple):
+    if not isinstance(levels, tuple) or not any(map(_is_writable, levels)):
         return levels
     frozen = []
     for level in levels:
-        if isinstance(level, np.ndarray) and level.flags.writeable:
+        if _is_writable(level):
             level = level.copy()
             level.setflags(write=False)
         frozen.append(level)
@@ -339,7 +355,9 @@ class Texture:
 
     def __post_init__(self):
         for name in ("levels", "ideal"):
-            object.__setattr__(self, name, _frozen_levels(getattr(self, name)))
+            given = getattr(self, name)
+            if (frozen := _frozen_levels(given)) is not given:
+                object.__setattr__(self, name, frozen)
 
     @property
     def width(self) -> int:
@@ -437,16 +455,23 @@ def build_texture(
             f"Mipmaps of an image with a border of {border} are not generated; give a Texture its levels, "
             "each with its own border."
         )
-    source, bits, base_format = None, 8, BASE_FORMAT[internal_format]
+    source, base_format = None, BASE_FORMAT[internal_format]
     wide = internal_format in TWELVE_BIT_FORMATS
     if faces.dtype != np.uint8 or wide:
         unit = faces / 255.0 if faces.dtype == np.uint8 else faces
         source = register_components(unit[..., list(KEPT[base_format])], base_format, 1.0)
     if wide:
-        bits = 12
-        base = texels_at(source, internal_format, bits, _TWELVE_BIT_COMPONENTS[internal_format])
+        base = texels_at(source, internal_format, *own_widths(internal_format))
     else:
         base = store_texels(faces, internal_format)
+    return texture_of_levels(target, internal_format, source, base, mipmaps, border)
+
+
+def texture_of_levels(target, internal_format, source, base, mipmaps, border=0):
+    """A texture from level 0's real texels, or None, and its texels of the format's own bits, both [faces, h,
+    w, 4].
+    """
+    bits = 12 if internal_format in TWELVE_BIT_FORMATS else 8
     if not mipmaps:
         return Texture(target, internal_format, (base,), None if source is None else (source,), bits, border)
     layered = target is TextureTarget.TEXTURE_3D

@@ -31,14 +31,6 @@ def scaled(values, scale, bias):
     return values * np.asarray(scale, np.float64) + np.asarray(bias, np.float64)
 
 
-def mapped(groups, tables):
-    """RGBA to RGBA Lookup by four tables, float64 [n] each."""
-    found = np.empty_like(groups)
-    for k, table in enumerate(tables):
-        found[..., k] = table[_addresses(groups[..., k], len(table))]
-    return found
-
-
 def indexed(indices, shift, offset):
     """Arithmetic on Indices, int64: shifted left by ``shift`` (negative: right), plus ``offset``."""
     return (indices << shift if shift > 0 else indices >> -shift) + offset
@@ -53,15 +45,6 @@ def stored_entries(entries, bits):
     """A colour table's entries [n, 4] as it holds them: in [0, 1], of ``bits`` a component unless None."""
     entries = np.clip(np.asarray(entries, np.float64), 0.0, 1.0)
     return entries if bits is None else fixed(entries, bits) / (2**bits - 1)
-
-
-def looked_up(groups, entries, components):
-    """Color Table Lookup in stored entries [n, 4]."""
-    found = groups.copy()
-    for k, component in enumerate(components):
-        if component is not None:
-            found[..., k] = entries[_addresses(groups[..., k], len(entries)), component]
-    return found
 
 
 def _addresses(values, size):
@@ -119,12 +102,6 @@ def _bordered(groups, high, wide, border_mode, border_color):
         source[(rows < 0) | (rows >= height)] = border_color
         source[:, (columns < 0) | (columns >= width)] = border_color
     return source
-
-
-def transformed(groups, matrix):
-    """Color Matrix Transformation by rows of four: red's term first, then green's, blue's, alpha's."""
-    r, g, b, a = (groups[..., k] for k in range(4))
-    return np.stack([x * r + y * g + z * b + w * a for x, y, z, w in matrix], -1)
 
 
 def counted(groups, counts, components):

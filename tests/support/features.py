@@ -294,7 +294,11 @@ _SHADOWS = {
 }
 _TRANSFER = {
     "reference": ("tests/reference/pixel_transfer.py",),
-    "implementation": ("pipeline/framebuffers/transfer.py", "raster/pixels/transfer.py"),
+    "implementation": (
+        "pipeline/framebuffers/transfer.py",
+        "raster/pixel_groups.py",
+        "raster/pixels/transfer.py",
+    ),
     "tests": ("tests/raster/pixels/test_transfer.py",),
 }
 _SURFACES = {

@@ -1,4 +1,4 @@
-"""Pixel transfer: whole images in NumPy equal the specification, one group at a time, to the bit."""
+"""Pixel transfer: whole images equal the specification, one group at a time, to the bit."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -10,19 +10,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import BaseFormat, ConvolutionBorderMode, InternalFormat, TextureTarget
+from fixedpipe.pipeline.framebuffers import transfer_steps
 from fixedpipe.pipeline.framebuffers.scaled_words import Words, scaled_words
+from fixedpipe.pipeline.framebuffers.texture_copies import defined_texture
 from fixedpipe.pipeline.framebuffers.transfer import (
-    ENTRY_COMPONENTS,
     PixelStatistics,
     image_groups,
+    looked_up,
     packed_colors,
-    table_entries,
     transfer_color_indices,
     transfer_colors,
     transfer_depths,
     transfer_stencil,
 )
+from fixedpipe.pipeline.framebuffers.transfer_steps import ENTRY_COMPONENTS, table_entries
 from fixedpipe.pipeline.pixel_transfer import (
     INITIAL_TRANSFER,
     ConvolutionFilter,
@@ -43,8 +46,10 @@ from fixedpipe.pipeline.textures.pixel_formats import (
     READ_TYPES,
     packed_formats,
 )
+from fixedpipe.raster.pixel_groups import RUN
 from fixedpipe.raster.pixels import transfer as arithmetic
 from tests.reference import pixel_transfer as reference
+from tests.reference import texel_formats
 
 _REAL = st.floats(-4.0, 4.0, width=32)
 _UNIT = st.one_of(st.sampled_from([0.0, 0.5, 1.0, -0.25, 1.5]), st.floats(-1.0, 2.0))
@@ -341,6 +346,91 @@ def test_what_a_signed_type_holds_of_zero_to_one_is_read_back(dtype, pixel_type)
         image_groups(PixelImage(values, "RED")), INITIAL_TRANSFER, IDEAL, PixelStatistics()
     )
     assert (packed_colors(groups, "RED", pixel_type) == values).all()
+
+
+# The base format and the bits of the formats of twelve bits. Source: OpenGL 1.2.1 table 3.16.
+_TWELVE_BITS = {
+    "ALPHA12": (BaseFormat.ALPHA, 12),
+    "LUMINANCE12": (BaseFormat.LUMINANCE, 12),
+    "LUMINANCE12_ALPHA4": (BaseFormat.LUMINANCE_ALPHA, 12, 4),
+    "LUMINANCE12_ALPHA12": (BaseFormat.LUMINANCE_ALPHA, 12, 12),
+    "INTENSITY12": (BaseFormat.INTENSITY, 12),
+    "RGB12": (BaseFormat.RGB, 12, 12, 12),
+    "RGBA12": (BaseFormat.RGBA, 12, 12, 12, 12),
+}
+_STORED = texel_formats.FORMATS | _TWELVE_BITS
+
+
+def _texels(group, internal_format):
+    """The real texel and the stored one that a group becomes."""
+    base, *bits = _STORED[internal_format]
+    width = 12 if internal_format in _TWELVE_BITS else 8
+    kept = texel_formats.kept_components(group, base)
+    words = [format(texel_formats.quantise_float(c, b), f"0{b}b") for c, b in zip(kept, bits, strict=True)]
+    codes = [int((word * width)[:width], 2) for word in words]
+    registers = texel_formats.register_components
+    return registers(kept, base, 1), registers(codes, base, 2**width - 1)
+
+
+@settings(max_examples=150)
+@given(
+    _TRANSFERS,
+    st.sampled_from(sorted(IMAGE_FORMATS)),
+    st.sampled_from(["float16", "float32", "float64"]),
+    st.sampled_from(sorted(_STORED)),
+    # A run, one more and one less, and several.
+    st.sampled_from([(1, 1), (2, 3), (1, RUN), (1, RUN + 1), (RUN - 1, 1), (3, RUN)]),
+    st.integers(1, 2),
+    st.integers(0, 2**32 - 1),
+)
+def test_a_tex_image_has_the_texels_of_the_specification(
+    transfer, pixel_format, dtype, internal_format, size, layers, seed
+):
+    transfer = replace(
+        transfer, convolution_2d=None, separable_2d=None, histogram=None, minmax=None, convolution_1d=None
+    )
+    elements = len(IMAGE_FORMATS[pixel_format])
+    random = np.random.default_rng(seed)
+    values = random.uniform(-0.5, 1.5, (layers, *size, elements))
+    values[random.random(values.shape) < 0.3] = random.choice([0.0, 0.5, 1.0])
+    values = values.astype(dtype)
+    command = TexImage(
+        label="load",
+        texture="t",
+        target=TextureTarget.TEXTURE_3D if layers > 1 else TextureTarget.TEXTURE_2D,
+        pixels=PixelImage(values if layers > 1 else values[0], pixel_format),
+        internal_format=InternalFormat[internal_format],
+        transfer=transfer,
+    )
+    clamps = OCTANE.arithmetic.clamps_color_matrix
+    expected = []
+    for layer in values.tolist():
+        groups = [[reference.pixel_of(group, pixel_format) for group in row] for row in layer]
+        groups = reference.transfer(groups, transfer, 2, clamps, None, None)
+        expected.append([[_texels(group, internal_format) for group in row] for row in groups])
+    texture = defined_texture(command, OCTANE, PixelStatistics(), None)
+    assert not texture.levels[0].flags.writeable
+    assert not texture.ideal[0].flags.writeable
+    real, stored = ([[[t[k] for t in row] for row in layer] for layer in expected] for k in (0, 1))
+    assert texture.ideal[0].tolist() == real
+    assert texture.levels[0].tolist() == stored
+
+
+def test_what_is_no_number_finds_an_entry():
+    """No kernel reads beside a table, whatever the ideal's colours are."""
+    table = ColorTable(tuple((e, e, e, e) for e in (0.25, 0.5, 0.75, 1.0)))
+    groups = np.array([[np.nan, -np.inf, np.inf, 1e300]])
+    assert looked_up(groups, table, IDEAL).tolist() == [[0.25, 0.25, 1.0, 1.0]]
+
+
+def test_so_many_steps_are_kept_and_no_more():
+    """More tables than are kept, each of which lives for one image: none is taken for another."""
+    for k in range(300):
+        table = ColorTable(((k / 300, 0.0, 0.0, 1.0),))
+        assert looked_up(np.zeros((1, 4)), table, IDEAL).tolist() == [[k / 300, 0.0, 0.0, 1.0]]
+    kept = transfer_steps._kept_steps.values()
+    assert len(kept) <= transfer_steps._MOST_STEPS
+    assert sum(len(steps.entries) for steps in kept) <= transfer_steps._MOST_ENTRIES
 
 
 @settings(max_examples=60)
