@@ -31,6 +31,9 @@ _checked_textures = WeakSet()  # textures without a problem
 _check_target, _check_format = enum_check(TextureTarget), enum_check(InternalFormat)
 _check_texture = instance_check(Texture)
 _FIXED_DEPTHS = (InternalFormat.DEPTH_COMPONENT16, InternalFormat.DEPTH_COMPONENT24)
+_COLORS = frozenset({*COMPONENT_BITS, *TWELVE_BIT_FORMATS})
+_MADE_FROM_PIXELS = _COLORS.union(_FIXED_DEPTHS)
+_COLOR_IMAGES, _DEPTH_IMAGES = (*IMAGE_FORMATS, COLOR_INDEX_FORMAT), (DEPTH_FORMAT,)
 
 
 def complete_levels(width, height):
@@ -125,7 +128,7 @@ def tex_image(walk, command):
     deep = internal_format in _FIXED_DEPTHS
     _copied_format(walk, internal_format)
     axes = 3 if target in _PARTS else 2
-    formats = (DEPTH_FORMAT,) if deep else (*IMAGE_FORMATS, COLOR_INDEX_FORMAT)
+    formats = _DEPTH_IMAGES if deep else _COLOR_IMAGES
     if problem := pixel_image_problem(command.pixels, formats, axes):
         walk.refuse(problem)
     layers, height, width = ((1,) * (3 - axes) + command.pixels.values.shape)[:3]
@@ -152,10 +155,10 @@ def _define(walk, command, width, height, layers=1):
             f"mipmaps of a {target.name} of {internal_format.name} are not generated; set "
             "generate_mipmap to False."
         )
-    sizes = ((width, height),)
+    sizes, faces = ((width, height),), (layers,)
     if command.generate_mipmap:
         sizes = _mipmap_sizes(walk, width, height, layers)
-    faces = tuple(max(1, layers >> k) for k in range(len(sizes)))
+        faces = tuple(max(1, layers >> k) for k in range(len(sizes)))
     if target is TextureTarget.TEXTURE_CUBE_MAP:
         faces = (6,) * len(sizes)
     walk.textures[command.texture] = KnownTexture(target, internal_format, sizes, faces)
@@ -227,10 +230,10 @@ def _texels_left(walk, command, width, height, dimensions, deep):
 
 
 def _copied_format(walk, internal_format):
-    if internal_format not in {*COMPONENT_BITS, *TWELVE_BIT_FORMATS, *_FIXED_DEPTHS}:
+    if internal_format not in _MADE_FROM_PIXELS:
         walk.refuse(
             f"{internal_format.name} is not made from pixels; define it with TexImage and a Texture, or "
-            f"give one of {listed({*COMPONENT_BITS, *TWELVE_BIT_FORMATS, *_FIXED_DEPTHS})}."
+            f"give one of {listed(_MADE_FROM_PIXELS)}."
         )
 
 
@@ -299,7 +302,7 @@ def get_tex_image(walk, command):
     known = known_texture(walk, command.texture)
     internal_format = known.internal_format
     deep = internal_format in DEPTH_TEXELS
-    if not deep and internal_format not in {*COMPONENT_BITS, *TWELVE_BIT_FORMATS}:
+    if not deep and internal_format not in _COLORS:
         walk.refuse(
             f"{command.texture!r} is {internal_format.name}, and GetTexImage has no format for its words; it "
             f"reads {listed({*COMPONENT_BITS, *TWELVE_BIT_FORMATS, *DEPTH_TEXELS})}."

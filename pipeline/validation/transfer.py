@@ -23,6 +23,8 @@ from fixedpipe.pipeline.textures.pixel_formats import (
 # Source: OpenGL 1.2.1 section 2.1.1: every machine's floating-point numbers reach this magnitude. Below it
 # the arithmetic of pixel transfer stays far inside float64's range.
 _MOST = 2.0**32
+# A sum of squares up to here has no square of a larger number than 2**32, however it is rounded.
+_SMALL_SQUARES = 2.0**60
 _MOST_SHIFT = 31  # an index has 32 bits
 _TABLES = ("color_table", "post_convolution_color_table", "post_color_matrix_color_table")
 _FILTERS = ("convolution_1d", "convolution_2d", "separable_2d")
@@ -40,8 +42,10 @@ def transferred(walk, command, width, height, dimensions=2, deep=False):
     They are 0 where a convolution leaves nothing, which is no error (section 3.6.5, REDUCE).
     """
     transfer = command.transfer
-    if problem := _transfer_problem(transfer, walk.profile):
-        walk.refuse(problem)
+    if id(transfer) not in walk.taken.transfers:
+        if problem := _transfer_problem(transfer, walk.profile):
+            walk.refuse(problem)
+        walk.taken.transfers.add(transfer)
     for table, known in ((transfer.histogram, walk.histograms), (transfer.minmax, walk.minmaxes)):
         if table is not None:
             known.add(table.name)
@@ -67,50 +71,53 @@ def _known_table(walk, what, name, known):
 
 
 def _transfer_problem(transfer, profile):
-    """A sentence that says why a machine cannot perform a PixelTransfer on any image, or None."""
+    """A sentence that says why a machine cannot perform a PixelTransfer on any image, or None.
+
+    A program may give each of thousands of images its own, so a microsecond counts.
+    """
     if transfer is INITIAL_TRANSFER:
         return None
-    return (
+    if problem := (
         _subset_problem(transfer, profile)
         or _numbers_problem(transfer)
         or _maps_problem(transfer.maps, profile)
-        or _first(color_table_problem(name, getattr(transfer, name), profile) for name in _TABLES)
-        or _first(_filter_problem(name, getattr(transfer, name), profile) for name in _FILTERS)
-        or _first(
-            _counting_problem(name, getattr(transfer, name), profile) for name in ("histogram", "minmax")
-        )
-    )
-
-
-def _first(problems):
-    return next((problem for problem in problems if problem), None)
+    ):
+        return problem
+    for names, of_part in _PARTS:
+        for name in names:
+            part = getattr(transfer, name)
+            if part is not None and (problem := of_part(name, part, profile)):
+                return problem
+    return None
 
 
 def _subset_problem(transfer, profile):
     """A sentence that names a used part of the imaging subset that the machine lacks, or None."""
-    initial = INITIAL_TRANSFER
+    initial, pixels = INITIAL_TRANSFER, profile.pixels
+    if pixels.color_matrix and pixels.color_tables and pixels.convolution and pixels.histogram:
+        return None
 
     def asked(*names):
         return [name for name in names if getattr(transfer, name) != getattr(initial, name)]
 
     for has, names, instead in (
         (
-            profile.pixels.color_matrix,
+            pixels.color_matrix,
             asked("color_matrix", *_POST_MATRIX),
             "no colour matrix; combine components in a pass",
         ),
         (
-            profile.pixels.color_tables,
+            pixels.color_tables,
             asked(*_TABLES),
             "no colour tables in pixel transfer; use pixel maps (map_color)",
         ),
         (
-            profile.pixels.convolution,
+            pixels.convolution,
             asked(*_FILTERS, *_POST_CONVOLUTION),
             "no convolution; add shifted copies by blending",
         ),
         (
-            profile.pixels.histogram,
+            pixels.histogram,
             asked("histogram", "minmax"),
             "no histogram and no minmax; count what ReadPixels returns",
         ),
@@ -125,6 +132,13 @@ def _subset_problem(transfer, profile):
 
 def _numbers_problem(transfer):
     """A sentence that names a number beyond 2**32, or a shift of more bits than an index has, or None."""
+    numbers = (
+        *transfer.scale, *transfer.bias, *transfer.post_convolution_scale, *transfer.post_convolution_bias,
+        *transfer.post_color_matrix_scale, *transfer.post_color_matrix_bias, *chain(*transfer.color_matrix),
+        transfer.depth_scale, transfer.depth_bias,
+    )  # fmt: skip
+    if max(numbers) <= _MOST and min(numbers) >= -_MOST and abs(transfer.index_shift) <= _MOST_SHIFT:
+        return None
     for name in ("scale", "bias", *_POST_CONVOLUTION, *_POST_MATRIX, "color_matrix"):
         value = getattr(transfer, name)
         numbers = chain(*value) if name == "color_matrix" else value
@@ -173,8 +187,6 @@ def color_table_problem(what, table, profile):
 
 
 def _filter_problem(name, kernel, profile):
-    if kernel is None:
-        return None
     rows = (kernel.row, kernel.column) if name == "separable_2d" else kernel.rows
     wide, high = filter_size(kernel)
     if not wide or not high:
@@ -195,8 +207,6 @@ def _filter_problem(name, kernel, profile):
 
 
 def _counting_problem(name, table, profile):
-    if table is None:
-        return None
     if table.base_format is BaseFormat.INTENSITY:
         return f"the {name}'s base format is INTENSITY, which it cannot have; give LUMINANCE."
     if name == "histogram" and not _is_power_of_two(table.width):
@@ -207,6 +217,14 @@ def _counting_problem(name, table, profile):
             f"{profile.pixels.max_color_table_size}. Give fewer."
         )
     return None
+
+
+# The parts of a PixelTransfer that are disabled as None, and what finds a problem of one.
+_PARTS = (
+    (_TABLES, color_table_problem),
+    (_FILTERS, _filter_problem),
+    (("histogram", "minmax"), _counting_problem),
+)
 
 
 def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FORMATS), axes=2):
@@ -244,6 +262,8 @@ def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FOR
             f"the image's values are {values.dtype}; give integers of 8, 16 or 32 bits, which are fractions, "
             "or floats: .astype(np.uint8) if they are bytes."
         )
+    if np.vdot(values, values) <= _SMALL_SQUARES:  # then none of them is too large; not of NaN
+        return None
     most = values.dtype.type(min(_MOST, float(np.finfo(values.dtype).max)))  # half floats end below 2**32
     if not (np.abs(values) <= most).all():  # also true of NaN
         return "the image holds NaN, infinity or a magnitude above 2**32; give finite, smaller values."

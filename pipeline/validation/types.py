@@ -77,15 +77,17 @@ def _check_str(value):
 
 def _fixed_tuple_check(kinds, checks):
     checks = [checks[kind] for kind in kinds]
-    n, all_floats = len(kinds), all(kind is float for kind in kinds)
+    n, floats = len(kinds), (float,) * len(kinds)
+    all_floats = kinds == floats
 
     def check(value):
+        plain = all_floats and type(value) is tuple and tuple(map(type, value)) == floats  # most are
+        if plain and math.isfinite(sum(value)):
+            return None
         if not isinstance(value, tuple):
             return Wrong("", f"is {shown(value)}; give a tuple of {n}")
         if len(value) != n:
             return Wrong("", f"has {len(value)} elements; give {n}")
-        if all_floats and all(type(v) is float for v in value) and math.isfinite(sum(value)):
-            return None
         for i, v in enumerate(value):
             if wrong := checks[i](v):
                 return wrong.below(f"[{i}]")

@@ -83,11 +83,13 @@ class Taken:
     - ``parts``: parts of states.
     - ``states``, ``kinds``: whole states and their kinds, each with the mesh and textures that it was checked
       with.
+    - ``transfers``: PixelTransfers.
     - ``textures``: the KnownTexture of each Texture.
     """
 
     def __init__(self):
         self.parts, self.states, self.kinds = Remembered(), Remembered(), Remembered()
+        self.transfers = Remembered()
         self.textures: WeakKeyDictionary[Texture, KnownTexture] = WeakKeyDictionary()
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from fractions import Fraction
-from math import floor
+from math import floor, inf, nextafter
 
 import numpy as np
 import pytest
@@ -70,6 +70,8 @@ from fixedpipe.pipeline.textures.pixel_formats import (
     READ_FORMATS,
     packed_formats,
 )
+from fixedpipe.pipeline.validation.transfer import pixel_image_problem
+from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from tests.reference import pixel_transfer as reference
 from tests.reference import render, texel_formats
@@ -1105,6 +1107,37 @@ def test_misuse_is_refused_in_a_sentence(case):
     assert message.endswith(".")
     for word in words:
         assert word in message, message
+
+
+def test_a_pixel_transfer_that_one_machine_takes_is_refused_by_the_next():
+    """Each machine checks it once, and one that refused it refuses it again."""
+    transfer = PixelTransfer(post_color_matrix_scale=gray(0.5))
+    command = TexImage(label="load", texture="t", pixels=PixelImage(np.ones((1, 1, 4))), transfer=transfer)
+    for _ in range(2):
+        validate((command,), OCTANE, 8, 8)
+        with pytest.raises(UnsupportedState, match="sets post_color_matrix_scale; GeForce 256 has no colour"):
+            validate((command,), GEFORCE_256, 8, 8)
+    beyond = replace(transfer, post_color_matrix_bias=(0.0, 0.0, -(2.0**32), nextafter(2.0**32, inf)))
+    for _ in range(2):
+        with pytest.raises(UnsupportedState, match=r"post_color_matrix_bias is .*magnitudes up to"):
+            validate((replace(command, transfer=beyond),), OCTANE, 8, 8)
+
+
+@pytest.mark.parametrize("dtype", ["float16", "float32", "float64"])
+def test_an_image_is_refused_for_one_number_that_is_too_large(dtype):
+    """Few large numbers, many that are smaller, and none."""
+    kind = np.finfo(dtype)
+    most = min(2.0**32, float(kind.max))
+    values = np.zeros((32, 32, 4), dtype)
+    for taken in (0.0, 1.0, 2.0**15, -most, most):
+        for where in ((3, 4, 1), ...):
+            values[:] = 0
+            values[where] = taken
+            assert pixel_image_problem(PixelImage(values)) is None
+    for refused in (np.nan, np.inf, -np.inf, np.nextafter(kind.dtype.type(most), kind.dtype.type(np.inf))):
+        values[:] = 0
+        values[3, 4, 1] = refused
+        assert "give finite, smaller values" in pixel_image_problem(PixelImage(values))
 
 
 def test_both_an_image_and_pixels_are_refused():
