@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
-from bench import draws, factors, ideals, starting, wide
+from bench import draws, factors, ideals, starting, tex_images, wide
 from bench.measure import Ours, Repeated, clock_of, spread_of, take_turns
 from bench.scenes import SCENES
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -124,6 +124,14 @@ def _per_draw(threads):
     return Measured.median(found.pop("mesh and state"), found)
 
 
+def _per_tex_image(threads):
+    """Microseconds in which a TexImage through the imaging subset becomes a texture; beside it of a run of
+    such commands, which validates them, and of the same run again.
+    """
+    found = tex_images.measure()
+    return Measured.median(found.pop("texture"), found)
+
+
 def _ideals(threads):
     """Processor seconds of four figures' ideals; each, and its machine's picture, beside it."""
     found, details = ideals.measure(), {}
@@ -240,6 +248,7 @@ FIGURES = {
         Figure("passes", "64 passes over a 512² figure: a pass, but its pixels", "µs", True, _per_pass),
         Figure("states", "the same in states not seen before", "µs", True, _per_new_state),
         Figure("draws", "a Draw of a new mesh (100 vertices) in a new state", "µs", True, _per_draw),
+        Figure("teximage", "a TexImage of 16² by the imaging subset", "µs", True, _per_tex_image),
         Figure("frames", "F004-4 at 512², textures in place", "frames/s", False, _frames),
         Figure("wide", "frames of twelve bits, by kernels", "Mfragments/s", False, _wide),
         Figure("first", "fixedpipe figures, empty kernel cache: a picture", "s", True, _first_picture),

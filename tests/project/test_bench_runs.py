@@ -10,12 +10,25 @@ import numpy as np
 import pytest
 
 from bench import __main__ as command_line
-from bench import draws, figures, goals, history, ideals, limits, processor, starting, tables, wide
+from bench import (
+    draws,
+    figures,
+    goals,
+    history,
+    ideals,
+    limits,
+    processor,
+    starting,
+    tables,
+    tex_images,
+    wide,
+)
 from bench.peers import llvmpipe, mesa
 from bench.scenes import SCENES
 from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.execution.machine import Machine
-from fixedpipe.pipeline.profiles import GEFORCE_256
+from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
+from fixedpipe.pipeline.profiles import GEFORCE_256, OCTANE
 from fixedpipe.pipeline.validation.validate import validate
 
 HANGS = 600.0
@@ -108,6 +121,7 @@ def test_every_scene_and_figure_has_its_goal_on_every_kind_of_processor():
     }
     both = {
         "draws": 100,
+        "teximage": 15,
         "wide": 8.5,
         "cold": 25,
         "cached": 1.2,
@@ -207,6 +221,7 @@ def test_every_figure_has_a_unit_and_a_direction():
         "passes": ("µs", True, False),
         "states": ("µs", True, False),
         "draws": ("µs", True, False),
+        "teximage": ("µs", True, False),
         "frames": ("frames/s", False, False),
         "wide": ("Mfragments/s", False, False),
         "first": ("s", True, False),
@@ -250,6 +265,22 @@ def test_draws_are_of_a_hundred_vertices_each_in_a_state_of_its_own_and_draw_one
     for turn in (1, 2):
         assert {id(draw.mesh) for draw in draws.draws(turn, new_mesh=False)} == {id(draws._same()[0])}
         assert {id(draw.state) for draw in draws.draws(turn, new_state=False)} == {id(draws._same()[1])}
+
+
+def test_tex_images_go_through_every_step_and_no_two_are_the_same():
+    first, second = tex_images.tex_images(0), tex_images.tex_images(1)
+    validate((*first, *second), OCTANE, tex_images.EDGE, tex_images.EDGE)
+    assert len(first) == 64
+    assert len({command.pixels.values.tobytes() for command in (*first, *second)}) == 128
+    assert len({command.transfer for command in (*first, *second)}) == 128
+    for command in first:
+        assert command.pixels.values.shape == (16, 16, 3)
+        for name in (
+            "scale", "bias", "color_table", "post_convolution_color_table", "color_matrix",
+            "post_color_matrix_scale", "post_color_matrix_bias", "post_color_matrix_color_table",
+        ):  # fmt: skip
+            assert getattr(command.transfer, name) != getattr(INITIAL_TRANSFER, name)
+    assert OCTANE.arithmetic.clamps_color_matrix
 
 
 def test_the_figures_whose_ideals_are_timed_can_be_drawn_on_their_machines():
