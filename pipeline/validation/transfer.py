@@ -262,7 +262,8 @@ def pixel_image_problem(image, formats=(*IMAGE_FORMATS, DEPTH_FORMAT, *INDEX_FOR
             f"the image's values are {values.dtype}; give integers of 8, 16 or 32 bits, which are fractions, "
             "or floats: .astype(np.uint8) if they are bytes."
         )
-    if np.vdot(values, values) <= _SMALL_SQUARES:  # then none of them is too large; not of NaN
+    # Then none of them is too large; not of NaN. Half floats have no such squares.
+    if values.dtype.itemsize > 2 and np.vdot(values, values) <= _SMALL_SQUARES:
         return None
     most = values.dtype.type(min(_MOST, float(np.finfo(values.dtype).max)))  # half floats end below 2**32
     if not (np.abs(values) <= most).all():  # also true of NaN
