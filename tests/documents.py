@@ -250,11 +250,13 @@ def _precision_parts():
     for part in precision.PARTS:
         eight, sixteen = (
             precision.measure(
-                FIGURES["F004-1"], precision.at_width(GEFORCE_3, bits, (part,)), _SIZE,
+                FIGURES["F004-1"],
+                precision.at_width(GEFORCE_3, bits, (part,)),
+                _SIZE,
                 FIGURES["F004-1"].method("GEFORCE_3"),
             ).shown
             for bits in (8, 16)
-        )  # fmt: skip
+        )
         name = part.removesuffix("_bits").replace("_", " ")
         rows.append((name, _hundredths(eight), _hundredths(sixteen)))
     return table(("what is made wider", "8 bits", "16 bits"), rows)
@@ -332,8 +334,9 @@ def _errors():
 
 def _wrapped(text, mark=""):
     """A paragraph of Markdown, or an item of a list, in lines that begin with no mark of their own."""
-    lines = textwrap.wrap(text, WIDTH, initial_indent=mark, subsequent_indent=" " * len(mark),
-                          break_on_hyphens=False)  # fmt: skip
+    lines = textwrap.wrap(
+        text, WIDTH, initial_indent=mark, subsequent_indent=" " * len(mark), break_on_hyphens=False
+    )
     starts_an_item = any(re.match(r"\s*(?:[-+*#>|=]|\d+[.)])(?:\s|$)", line) for line in lines[1:])
     return mark + text if starts_an_item else "\n".join(lines)
 

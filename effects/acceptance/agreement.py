@@ -198,13 +198,7 @@ def _changes_within_pixels(truth, pixels):
 
 
 # Where a map's neighbouring texels are tried: sixteen directions, at the whole and at half the distance.
-_RING = np.array(
-    [
-        (r * np.cos(a), r * np.sin(a))
-        for r in (1.0, 0.5)
-        for a in np.arange(16) * (np.pi / 8.0)
-    ]
-)  # fmt: skip
+_RING = np.array([(r * np.cos(a), r * np.sin(a)) for r in (1.0, 0.5) for a in np.arange(16) * (np.pi / 8.0)])
 
 
 def _changes_within_texels(truth, at, distance, mask, contact):

@@ -69,11 +69,11 @@ _WORDS = {
 
 
 def _texel(kind, formula, captures):
+    own_rule = (TexelWord.G8B8, TexelWord.R8B8, TexelWord.AY8, TexelWord.A8, TexelWord.Y16)
     return Rule(
         id=f"texel-{kind.name.lower()}",
         stage="Texels",
-        numbers="N7.2" if kind in (TexelWord.G8B8, TexelWord.R8B8, TexelWord.AY8, TexelWord.A8, TexelWord.Y16)
-        else "N7.1",
+        numbers="N7.2" if kind in own_rule else "N7.1",
         formula=formula,
         evidence="Measured: every pixel of the captures named",
         captures=captures,
@@ -82,7 +82,7 @@ def _texel(kind, formula, captures):
         compute=lambda w: texels_of_words(np.array([w]), kind)[0],
         edges=tuple((w,) for w in (0, 65535, *(1 << bit for bit in range(16)))),
         draw=lambda chance: (chance.below(1 << 16),),
-    )  # fmt: skip
+    )
 
 
 def _dxt(name, captures, evidence, size):

@@ -107,9 +107,17 @@ def _camera_combiners(color, ambient):
 
 
 def camera_space_pass(
-    surface, normal_map, view, light, profile, *,
-    color, ambient=(0.0, 0.0, 0.0), specular=1.0, sampler=REPEATED,
-):  # fmt: skip
+    surface,
+    normal_map,
+    view,
+    light,
+    profile,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    specular=1.0,
+    sampler=REPEATED,
+):
     """Z05 in one draw; ``normalization_cube_map.load`` has loaded the cube map.
 
     ``normal_map``: the name of a texture with normals for dot products
@@ -197,9 +205,18 @@ def _constant(vectors, what):
 
 
 def color_matrix_passes(
-    surface, normals, view, light, profile, *,
-    color, ambient=(0.0, 0.0, 0.0), specular=1.0, axes=None, sampler=REPEATED,
-):  # fmt: skip
+    surface,
+    normals,
+    view,
+    light,
+    profile,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    specular=1.0,
+    axes=None,
+    sampler=REPEATED,
+):
     """Z06 with the imaging subset: the map loaded twice through a colour matrix and a table, two draws.
 
     ``normals``: ``object_space_normals``, which the host keeps. Raises ValueError where the light or the

@@ -174,10 +174,12 @@ def dot_product_pass(surface, frame, name, scale, view):
         unit(LIGHT, EDGE, coordinates=3),
     )
     stages = dot_product_stages(
-        0, 0, 0,
+        0,
+        0,
+        0,
         lookup=Operation.DOT_PRODUCT_TEXTURE_CUBE_MAP,
         mapping=DotProductMapping.SIGNED_IDENTITY,
-    )  # fmt: skip
+    )
     return (
         draw(
             "light at n' = n + f_u s_u + f_v s_v, by dot products", mesh, view, program(shown(TEXTURE3)),

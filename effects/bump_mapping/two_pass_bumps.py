@@ -125,10 +125,20 @@ def specular_combiners(half_register, exponent):
 
 
 def lighting_passes(
-    surface, vectors, normal_map, view, profile, *,
-    color, ambient=(0.0, 0.0, 0.0), color_map=None, specular=1.0, exponent=8, normalized=True,
+    surface,
+    vectors,
+    normal_map,
+    view,
+    profile,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    color_map=None,
+    specular=1.0,
+    exponent=8,
+    normalized=True,
     sampler=REPEATED,
-):  # fmt: skip
+):
     """The passes: two draws, three with a colour map.
 
     vectors         (l, h) at the vertices in their frames, float64 [n, 3] each: of length one for vertex

@@ -85,9 +85,23 @@ FORMATS = ("merl", "npz")
     help="Processes; any number gives the same bytes.",
 )
 def brdf(
-    heights, out, form, picture, albedo, relief, texels, directions, bounces, grid, samples, light, size,
-    profile, resume, jobs,
-):  # fmt: skip
+    heights,
+    out,
+    form,
+    picture,
+    albedo,
+    relief,
+    texels,
+    directions,
+    bounces,
+    grid,
+    samples,
+    light,
+    size,
+    profile,
+    resume,
+    jobs,
+):
     """Simulate the BRDF of HEIGHTS, with shadows, masking and scattered light.
 
     HEIGHTS is a PNG, TIFF (its first page), JPEG or NPY file, or a sample: sample:gravel, sample:brick,

@@ -71,11 +71,14 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
     asked = [
         name
         for name, given in (
-            ("--pixel", pixel), ("--row", row), ("--registers", registers or None), ("--map", kind),
+            ("--pixel", pixel),
+            ("--row", row),
+            ("--registers", registers or None),
+            ("--map", kind),
             ("--attribution", attribution or None),
         )
         if given is not None
-    ]  # fmt: skip
+    ]
     what_if = what_if_of(*(of[name] for name in ("bits", "without", "replace", "constant", "texture")))
     if len(asked) > 1 or not (asked or what_if):
         raise Refusal(

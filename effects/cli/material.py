@@ -87,9 +87,23 @@ from fixedpipe.effects.cli.options import (
 @limit_option
 @threads_option
 def material(
-    reflectance, listing, settings, mesh_name, terms, color, lights, environment, layout, count, view,
-    profile, out, size, exposure, threads,
-):  # fmt: skip
+    reflectance,
+    listing,
+    settings,
+    mesh_name,
+    terms,
+    color,
+    lights,
+    environment,
+    layout,
+    count,
+    view,
+    profile,
+    out,
+    size,
+    exposure,
+    threads,
+):
     """Draw a mesh with any reflectance, on any machine, by products of textures.
 
     NAME is one of --list. FILE is a MERL table (.binary), or an NPZ file of fixedpipe brdf. The table of all

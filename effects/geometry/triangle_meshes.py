@@ -211,9 +211,11 @@ class Corners:
         made = "normals averaged at vertices" if smooth else "creases"
         normals = self._told(self.normals, "normals", made, f"{made} elsewhere")
         coordinates = self._told(
-            self.coordinates, "texture coordinates", "spherical texture coordinates",
+            self.coordinates,
+            "texture coordinates",
+            "spherical texture coordinates",
             "so spherical ones are taken",
-        )  # fmt: skip
+        )
         triangles = "" if self.faces == len(self.points) else f" in {_count(len(self.points), 'triangle')}"
         left_out = "; left out: " * bool(self.problems) + ", ".join(map(self._problem, self.problems))
         return (

@@ -104,9 +104,18 @@ def specular_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0,
 
 
 def specular_pass(
-    surface, names, view, light, profile, *,
-    specular=(1.0, 1.0, 1.0), first=False, gated=True, global_frame=False, sampler=REPEATED,
-):  # fmt: skip
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    first=False,
+    gated=True,
+    global_frame=False,
+    sampler=REPEATED,
+):
     """Eq. 1 in one draw.
 
     Parameters

@@ -64,9 +64,17 @@ def coordinates(pixels):
 
 
 def blinn_phong(
-    surface, names, view, light, profile, *,
-    specular=(1.0, 1.0, 1.0), sampler=REPEATED, with_exponent=True, up_to=UpTo.GLOSS,
-):  # fmt: skip
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    sampler=REPEATED,
+    with_exponent=True,
+    up_to=UpTo.GLOSS,
+):
     """K05: k_s F(N, e), which replaces what the polygon covers; a diffuse pass is added afterwards. K06,
     where not ``with_exponent``: k_s sqrt(e).
 

@@ -231,9 +231,17 @@ def load_blinn_phong(material, name, profile, *, exponent=2.0):
 
 
 def blinn_phong_pass(
-    surface, names, view, light, profile, *,
-    specular=(1.0, 1.0, 1.0), first=False, gated=True, sampler=REPEATED,
-):  # fmt: skip
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    first=False,
+    gated=True,
+    sampler=REPEATED,
+):
     """K05 with one N for the surface, or K06: k_s (sqrt e)^N in one draw.
 
     Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``names``: from ``load_blinn_phong``.

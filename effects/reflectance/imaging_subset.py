@@ -313,9 +313,15 @@ def prepare(surface, material, view, profile, *, name="material", triangles_per_
 
 
 def specular_passes(
-    prepared, material, light, *,
-    specular=(1.0, 1.0, 1.0), internal_format=InternalFormat.LUMINANCE8, table_entries=None, biased=True,
-):  # fmt: skip
+    prepared,
+    material,
+    light,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    internal_format=InternalFormat.LUMINANCE8,
+    table_entries=None,
+    biased=True,
+):
     """Eq. 1 into the framebuffer: a load and a draw for each of two squares and each polygon, then three
     draws.
 
@@ -358,9 +364,16 @@ def specular_passes(
 
 
 def diffuse_pass(
-    prepared, material, light, *,
-    color, ambient=(0.0, 0.0, 0.0), color_map=None, gated=True, table_entries=None,
-):  # fmt: skip
+    prepared,
+    material,
+    light,
+    *,
+    color,
+    ambient=(0.0, 0.0, 0.0),
+    color_map=None,
+    gated=True,
+    table_entries=None,
+):
     """K10 over the specular passes' result: framebuffer = colour (n.l)+ + ambient + gate framebuffer.
 
     ``gated``: True: the gate is min(1, 4 (n.l)+); False: it is one. ``color_map``: the name of a texture

@@ -350,9 +350,18 @@ def phong_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1.
 
 
 def schlick_passes(
-    surface, names, view, light, profile, *, roughness, isotropy, reflectance,
-    specular=(1.0, 1.0, 1.0), **shown,
-):  # fmt: skip
+    surface,
+    names,
+    view,
+    light,
+    profile,
+    *,
+    roughness,
+    isotropy,
+    reflectance,
+    specular=(1.0, 1.0, 1.0),
+    **shown,
+):
     """Schlick's model times k_s: T(h.t, h.b), then times G(n.l) G(n.v) / (n.v) and S(h.v).
 
     ``roughness``, ``isotropy``, ``reflectance``: r, p and C of ``brdfs.schlick``. The others are those of

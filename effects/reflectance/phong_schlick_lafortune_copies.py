@@ -137,9 +137,20 @@ def phong_copies(
 
 
 def schlick_copies(
-    surface, material, view, light, profile, *, roughness, isotropy, reflectance,
-    specular=(1.0, 1.0, 1.0), background, color, ambient,
-):  # fmt: skip
+    surface,
+    material,
+    view,
+    light,
+    profile,
+    *,
+    roughness,
+    isotropy,
+    reflectance,
+    specular=(1.0, 1.0, 1.0),
+    background,
+    color,
+    ambient,
+):
     """``schlick_passes`` by pixel textures: both factors meet in blue, and a last copy multiplies them by
     four and by S(h.v).
     """

@@ -96,9 +96,17 @@ def _colored(color):
 
 
 def banks(
-    surface, material, view, light, profile, *,
-    specular=(1.0, 1.0, 1.0), bits=8, sampler=REPEATED, exponent=1.0,
-):  # fmt: skip
+    surface,
+    material,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    bits=8,
+    sampler=REPEATED,
+    exponent=1.0,
+):
     """K03: k_s (n.l)+ (R((v.t)^2) R((l.t)^2) - (v.t)(l.t))+ with R(s) = sqrt(1 - s) looked up twice.
 
     The product (v.t)(l.t) has a sign and framebuffers have none: its halves (v.t l.t)+ and (-v.t l.t)+ are
@@ -226,9 +234,19 @@ class UpTo(Enum):
 
 
 def blinn_phong(
-    surface, material, view, light, profile, *,
-    specular=(1.0, 1.0, 1.0), bits=8, sampler=REPEATED, with_exponent=True, gated=False, up_to=UpTo.GLOSS,
-):  # fmt: skip
+    surface,
+    material,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    bits=8,
+    sampler=REPEATED,
+    with_exponent=True,
+    gated=False,
+    up_to=UpTo.GLOSS,
+):
     """K05: k_s F(N, e) with F(N, e) = (sqrt e)^N looked up, e = 1 - (h.t/ax)^2 - (h.b/ay)^2 and N per texel.
 
     K06, without ``with_exponent``: k_s sqrt(e), a one-dimensional lookup.
@@ -309,9 +327,18 @@ def diffuse(
 
 
 def ward(
-    surface, material, view, light, profile, *,
-    specular=(1.0, 1.0, 1.0), bits=8, sampler=REPEATED, largest_s=LARGEST_S, largest_m=LARGEST_M,
-):  # fmt: skip
+    surface,
+    material,
+    view,
+    light,
+    profile,
+    *,
+    specular=(1.0, 1.0, 1.0),
+    bits=8,
+    sampler=REPEATED,
+    largest_s=LARGEST_S,
+    largest_m=LARGEST_M,
+):
     """K09: k_s / (4 pi ax ay) S(p) E(m, d) (n.l)+ with S(p) = 1/sqrt(p) and E(m, d) = exp(-2 m / (1 + d))
     looked up.
 

@@ -43,5 +43,6 @@ def table_pass(surface, name, view, light):
     """A highlight of one roughness in one draw: d at the vertices, the table at every fragment."""
     d = half_vectors(surface, view, light)[:, :2]
     units = (unit(name, EDGE, environment=REPLACE),)
-    return (draw(f"highlight: {name}", surface.mesh(0.5 + 0.5 * d), view, None, units,
-                 depth_test=FIRST_PASS),)  # fmt: skip
+    return (
+        draw(f"highlight: {name}", surface.mesh(0.5 + 0.5 * d), view, None, units, depth_test=FIRST_PASS),
+    )

@@ -146,9 +146,16 @@ def _table(label, texture, function, texels, profile):
 
 
 def load(
-    profile, roughness, index, *,
-    divisor=1.0, distribution="gaussian heights", factors=Factors.TORRANCE_SPARROW, texels=TEXELS, name="",
-):  # fmt: skip
+    profile,
+    roughness,
+    index,
+    *,
+    divisor=1.0,
+    distribution="gaussian heights",
+    factors=Factors.TORRANCE_SPARROW,
+    texels=TEXELS,
+    name="",
+):
     """The two commands that load the tables ``name`` + FACETS and ``name`` + OBSTRUCTION.
 
     roughness  m of the distribution; Smith's sigma is m / sqrt(2)
@@ -231,9 +238,17 @@ def _sources(surface, view, light, coordinates, texels):
 
 
 def passes(
-    surface, view, light, color, *,
-    units=2, coordinates=Coordinates.VERTICES, texels=TEXELS, name="", scale=1,
-):  # fmt: skip
+    surface,
+    view,
+    light,
+    color,
+    *,
+    units=2,
+    coordinates=Coordinates.VERTICES,
+    texels=TEXELS,
+    name="",
+    scale=1,
+):
     """The product of both tables times a colour: one pass on two units, or two passes on one.
 
     color  RGB in [0, 1], k_s times the light

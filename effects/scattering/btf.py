@@ -85,9 +85,18 @@ def _piece(task):
 
 
 def simulated(
-    field, visibility, towards, views, *, size=None, bounces=2, kind="float16", folder=None, executor=None,
+    field,
+    visibility,
+    towards,
+    views,
+    *,
+    size=None,
+    bounces=2,
+    kind="float16",
+    folder=None,
+    executor=None,
     progress=None,
-):  # fmt: skip
+):
     """The BTF of a diffuse HeightField for all pairs of lights [n, 3] and views [m, 3].
 
     size     pixels along a picture's edge; None: one for each texel along the longer edge

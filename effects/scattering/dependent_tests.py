@@ -381,9 +381,16 @@ def _begun(way, setup, light, view, lit, numbers):
 
 
 def paths_drawn(
-    way, setup, paths, light, *,
-    view=UP, lit=None, accumulation=Accumulation.ACCUMULATION_BUFFER, exposure=1.0,
-):  # fmt: skip
+    way,
+    setup,
+    paths,
+    light,
+    *,
+    view=UP,
+    lit=None,
+    accumulation=Accumulation.ACCUMULATION_BUFFER,
+    exposure=1.0,
+):
     """Commands that draw ``light_transport.scattered`` on the same paths, and keep it times ``exposure`` as
     the texture RESULT, of the field's size; DIRECT is left with direct light in its corner.
 
@@ -428,9 +435,16 @@ def _finished(setup, panel, exposure):
 
 
 def rounds_drawn(
-    way, setup, light, count, *,
-    lit=None, accumulation=Accumulation.ACCUMULATION_BUFFER, exposure=1.0, weight=WEIGHT,
-):  # fmt: skip
+    way,
+    setup,
+    light,
+    count,
+    *,
+    lit=None,
+    accumulation=Accumulation.ACCUMULATION_BUFFER,
+    exposure=1.0,
+    weight=WEIGHT,
+):
     """Commands that draw ``light_transport.bounces``: ``count`` reflections after the first.
 
     Each reflection gathers the sum of the one before from all directions. The last is kept times ``exposure``

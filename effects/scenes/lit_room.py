@@ -53,13 +53,15 @@ def lit_room(detail=24):
         ("table", table.rotated(rotation("y", -18.0)).moved(1.2, 0.0, 1.1), (0.56, 0.36, 0.22), 0.1),
         ("vase", surfaces.lathe(_VASE, detail).moved(-1.2, 0.0, -1.5), (0.24, 0.46, 0.60), 0.5),
         (
-            "ball", surfaces.sphere(detail, across).scaled(0.42).moved(-1.2, 0.42, 1.5),
-            (0.72, 0.28, 0.22), 0.6,
+            "ball",
+            surfaces.sphere(detail, across).scaled(0.42).moved(-1.2, 0.42, 1.5),
+            (0.72, 0.28, 0.22),
+            0.6,
         ),
         ("ring", ring.moved(-1.9, 2.1, -0.3), (0.76, 0.56, 0.2), 0.6),
         ("shelf", shelf, (0.42, 0.34, 0.26), 0.1),
         ("picture", surfaces.box(1.3, 0.9, 0.16).moved(0.5, 2.2, -2.7), (0.36, 0.5, 0.34), 0.1),
-    )  # fmt: skip
+    )
     bare = tuple(
         Object(name, surface, color, closed=False) for name, surface, color in walls(max(detail // 3, 4))
     )

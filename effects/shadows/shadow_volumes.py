@@ -393,11 +393,15 @@ def _passes(counts, scene, view, lamp, shading, start=0, **settings):
         Clear(label=f"stencil to {words}", stencil=start, scissor=view.panel.scissor),
         *counts,
         *lit_pass(
-            scene, view, lamp, shading,
+            scene,
+            view,
+            lamp,
+            shading,
             label=f"light where the count is {words}",
-            stencil_test=replace(NOT_SHADOWED, reference=start), **settings,
+            stencil_test=replace(NOT_SHADOWED, reference=start),
+            **settings,
         ),
-    )  # fmt: skip
+    )
 
 
 def z_pass(scene, view, lamp, profile, shading=SceneShading.LIT, *, length=None, operations=None, **settings):

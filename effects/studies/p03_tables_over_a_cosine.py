@@ -76,9 +76,8 @@ def looked_up(profile, name, roughness, delta):
     commands = (
         _PANEL.clear((0.0, 0.0, 0.0)),
         TexImage(label="load D", texture="D", image=image, target=image.target),
-        draw("D", mesh, _VIEW, None, (unit("D", EDGE, environment=REPLACE),),
-             depth_test=FIRST_PASS),
-    )  # fmt: skip
+        draw("D", mesh, _VIEW, None, (unit("D", EDGE, environment=REPLACE),), depth_test=FIRST_PASS),
+    )
     if profile.arithmetic.exact:
         return execute_ideal(commands, _COUNT, 2).color[0, :, 0]
     return drawn(commands, profile, _COUNT, 2)[0, :, 0]

@@ -65,7 +65,7 @@ def acne(slope, bits, bias):
         *alpha.with_combiners(
             scene, view, LAMP, profile, coding, background=black, shading=SceneShading.MASK
         ),
-    )  # fmt: skip
+    )
     framebuffer = execute(commands, profile, _SIZE, _SIZE).framebuffer
     seen = framebuffer.depth < 2**framebuffer.depth_bits - 1
     return float((framebuffer.color[..., 0][seen] == 0).mean())
@@ -133,8 +133,9 @@ def plot(axes, table):
     for coding, color in shown:
         name = _name(*coding)
         axis.plot(*table.curves[name], color=color)
-        axis.plot(table.column("slope"), table.column(name), color=color, marker="o", linestyle="none",
-                  label=name)  # fmt: skip
+        axis.plot(
+            table.column("slope"), table.column(name), color=color, marker="o", linestyle="none", label=name
+        )
     axis.plot([], [], color="black", label="law")
     axis.set_xlabel("slope of the plane towards the light")
     axis.set_ylabel("pixels in their own shadow, %")

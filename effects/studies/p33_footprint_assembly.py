@@ -152,8 +152,10 @@ def plot(axes, table):
         counts.plot(
             [r["footprint"] for r in table.records() if r["way"] == way],
             [r["probes, mean"] for r in table.records() if r["way"] == way],
-            color=color, marker="o", label=way,
-        )  # fmt: skip
+            color=color,
+            marker="o",
+            label=way,
+        )
     turning.set_xlabel("degrees that an 8 : 1 footprint is turned by")
     turning.set_ylabel("contrast of the wave across it")
     turning.legend()

@@ -196,11 +196,14 @@ def checks(table):
         )
         bound = {"at_most": 1.0} if short else {"at_least": 100.0}
         yield Check(
-            f"{name}: light beyond the map's end, % of a window's with alpha", r["farther lit"],
-            on=Answer.MACHINE, **bound,
+            f"{name}: light beyond the map's end, % of a window's with alpha",
+            r["farther lit"],
+            on=Answer.MACHINE,
+            **bound,
             reason="the ramp goes on to 255 there; what is within half a step of 248 is lit"
-            if short else "where nothing is drawn the map is as far as the ramp goes",
-        )  # fmt: skip
+            if short
+            else "where nothing is drawn the map is as far as the ramp goes",
+        )
 
 
 def plot(axes, table):

@@ -143,8 +143,9 @@ def load_rows(levels, roughness, slopes, profile, *, spread=SPREAD, texels=512):
     )
     least = shine.energy(levels[0].covariance).max()
     share = [np.clip(shine.energy(k) / least, 0.0, 1.0) for k in ks]
-    names = Names(*(f"{part}, {Roughness(roughness).value}" for part in ("D^-1 1", "D^-1 2", "table")), row,
-                  2.0 * reach)  # fmt: skip
+    names = Names(
+        *(f"{part}, {Roughness(roughness).value}" for part in ("D^-1 1", "D^-1 2", "table")), row, 2.0 * reach
+    )
     pictures = []
     for number, name in enumerate((names.first, names.second)):
         images = [

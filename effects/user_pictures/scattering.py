@@ -150,10 +150,19 @@ def _shown(label, surface, panel, texture):
 
 
 def commands(
-    field, visibility, light, profile, size, *,
-    found=None, paths=1, bounces=1, exposure=1.0, seed=0,
+    field,
+    visibility,
+    light,
+    profile,
+    size,
+    *,
+    found=None,
+    paths=1,
+    bounces=1,
+    exposure=1.0,
+    seed=0,
     accumulation=Accumulation.ACCUMULATION_BUFFER,
-):  # fmt: skip
+):
     """Commands for a framebuffer of 2 ``size`` x ``size``: the field without scattered light on the left, and
     with it on the right.
 

@@ -281,8 +281,9 @@ def commands(found, surface, lighting, profile, width, height, *, color=(1.0, 1.
     several = len(colors) > 1
     room = (dependent_lookups.load_screen(panel),) if several else ()
     sum_so_far = replace(dependent_lookups.screen_unit(view, 0), environment=REPLACE)
-    added = draw("plus the lights so far", surface.mesh(surface.positions), view, None, (sum_so_far,),
-                 blending=ADD)  # fmt: skip
+    added = draw(
+        "plus the lights so far", surface.mesh(surface.positions), view, None, (sum_so_far,), blending=ADD
+    )
     out = [*loading, *room]
     for k, (toward, share) in enumerate(zip(lighting.directions, colors / brightest, strict=True)):
         last = k == len(colors) - 1

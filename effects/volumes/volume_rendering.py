@@ -124,10 +124,15 @@ def light_map(volume, lamp, panel, count, profile, coding, combiners=None, alpha
         slices.solid("slices seen from the light", combiners, color_mask=NO_COLOR),
         slices.again("the same: depth from the light to alpha", (ramp,), alpha),
         CopyTexImage(
-            label="copy it as the map", texture=MAP, internal_format=coding.internal_format(profile),
-            x=panel.x, y=panel.y, width=panel.width, height=panel.height,
+            label="copy it as the map",
+            texture=MAP,
+            internal_format=coding.internal_format(profile),
+            x=panel.x,
+            y=panel.y,
+            width=panel.width,
+            height=panel.height,
         ),
-    )  # fmt: skip
+    )
 
 
 def _shadow_alpha(slices, lamp, profile, coding):

@@ -250,14 +250,18 @@ def _tall_draws():
         shift = (layer - 1.5) / 9.0
         mesh = Mesh(
             [
-                [(2.2 * u - 1.1 + shift * v) * (1.0 + v / 2), (2.1 * v - 1.05) * (1.0 + v / 2),
-                 (0.6 - v - shift + (u - 0.5) * (layer - 1.4)) * (1.0 + v / 2), 1.0 + v / 2]
+                [
+                    (2.2 * u - 1.1 + shift * v) * (1.0 + v / 2),
+                    (2.1 * v - 1.05) * (1.0 + v / 2),
+                    (0.6 - v - shift + (u - 0.5) * (layer - 1.4)) * (1.0 + v / 2),
+                    1.0 + v / 2,
+                ]
                 for u, v in at
             ],
             indices=grid_indices(steps),
             colors=[[u, v, (layer + 1) / 5.0, 0.3 + u / 2] for u, v in at],
             normals=[normal(u, v) for u, v in at],
-        )  # fmt: skip
+        )
         blending = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE_MINUS_SRC_ALPHA) if layer % 2 else None
         state = PassState(depth_test=_TESTED, blending=blending)
         yield Draw(label=f"layer {layer}", mesh=mesh, state=state)

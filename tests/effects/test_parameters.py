@@ -98,7 +98,7 @@ def changed(figure_id="F004-4", machine="GEFORCE_3", size=16, **changes):
         ({"size": 1.5}, "The size of F004-4 is 1.5; give"),
         ({"size": True}, "The size of F004-4 is True; give"),
     ],
-)  # fmt: skip
+)
 def test_what_a_parameter_or_a_machine_cannot_be_is_refused_in_a_sentence(changes, sentence):
     with pytest.raises(ValueError, match=sentence):
         changed(**changes)
@@ -187,7 +187,7 @@ def test_a_way_s_own_values_and_parameters_stand_over_the_figure_s():
         (word.Maybe(word.Whole(1, 4), "none"), "None", None),
         (word.Maybe(word.Whole(1, 4), "none"), "2", 2),
     ],
-)  # fmt: skip
+)
 def test_values_are_read_from_the_texts_of_options_and_written_as_such(kind, text, value):
     assert kind.parse(text) == value
     assert kind.parse(kind.show(value)) == value

@@ -143,15 +143,17 @@ def assert_compiled(units, colors, profile=GEFORCE_3, textures=RGBA):
         ((combined(FUNCTION.ADD_SIGNED, scale=2.0),), [255, 255, 255, 205]),
         ((combined(FUNCTION.SUBTRACT),), [0, 0, 0, 205]),
         ((combined(FUNCTION.SUBTRACT, (SOURCE.PREVIOUS, SOURCE.TEXTURE)),), [100, 200, 235, 205]),
-        ((combined(FUNCTION.SUBTRACT), combined(FUNCTION.SUBTRACT, (SOURCE.TEXTURE, SOURCE.PREVIOUS))),
-         [7, 8, 9, 10]),  # what is negative is zero before the next unit reads it
+        (
+            (combined(FUNCTION.SUBTRACT), combined(FUNCTION.SUBTRACT, (SOURCE.TEXTURE, SOURCE.PREVIOUS))),
+            [7, 8, 9, 10],
+        ),  # what is negative is zero before the next unit reads it
         # (2a - 256) . (2b - 256): (-56, -156, -216) . (144, 244, 254) = -100992
         ((combined(FUNCTION.DOT3_RGB),), [0, 0, 0, 205]),
         ((combined(FUNCTION.DOT3_RGB, (SOURCE.PREVIOUS,) * 2),), [255, 255, 255, 205]),
         ((unit(MODE.NONE),), [200, 250, 255, 200]),
         ((unit(), unit(MODE.REPLACE)), [7, 8, 9, 10]),
     ],
-)  # fmt: skip
+)
 def test_known_values(units, expected):
     primary, texels = [200, 250, 255, 200], [[100, 50, 20, 205], [7, 8, 9, 10]][: len(units)]
     state = PassState(texture_units=units)

@@ -45,9 +45,13 @@ def digests(choices):
                 total.update(np.ascontiguousarray(buffer).tobytes())
 
     @settings(
-        max_examples=60, derandomize=True, database=None, deadline=None,
-        phases=(Phase.generate,), suppress_health_check=list(HealthCheck),
-    )  # fmt: skip
+        max_examples=60,
+        derandomize=True,
+        database=None,
+        deadline=None,
+        phases=(Phase.generate,),
+        suppress_health_check=list(HealthCheck),
+    )
     @given(frames(160, 130), st.sampled_from(GEFORCE_256.framebuffers.depth_bits))
     def random_frames(commands, depth_bits):
         add(commands, GEFORCE_256, 160, 130, depth_bits)

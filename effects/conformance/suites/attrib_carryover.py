@@ -44,9 +44,11 @@ ATTRIBUTES = {
 }  # fmt: skip
 # How the vertices are sent: arrays, one by one, in the command stream, by index. And the last vertex's value.
 VALUES = {
-    "da": (0.05, 0.0, 1.0, 1.0), "ib": (0.75, 0.0, 0.0, 1.0), "ia": (0.5, 0.0, 0.0, 1.0),
+    "da": (0.05, 0.0, 1.0, 1.0),
+    "ib": (0.75, 0.0, 0.0, 1.0),
+    "ia": (0.5, 0.0, 0.0, 1.0),
     "ie": (0.25, 0.0, 0.6, 1.0),
-}  # fmt: skip
+}
 INDICES = {"L": (1, 0), "T": (2, 0, 1)}  # of "ie"
 LEFT, TOP, MIDDLE, RIGHT, BOTTOM = WIDTH / 5, HEIGHT / 6, WIDTH / 2, WIDTH * 4 / 5, HEIGHT * 5 / 6
 GREEN, MAGENTA, WHITE = (0.0, 1.0, 0.0, 1.0), (1.0, 0.0, 1.0, 1.0), (1.0, 1.0, 1.0, 1.0)

@@ -17,9 +17,11 @@ SUITE = "Context_switch"
 
 LEFT, RIGHT, TOP, MIDDLE = 64.0, 576.0, 48.0, 240.0
 POLYGON = (
-    (LEFT, MIDDLE, (1.0, 0.0, 0.0, 0.75)), (LEFT, TOP, (0.0, 1.0, 0.0, 0.5)),
-    (RIGHT, TOP, (0.0, 0.0, 1.0, 0.75)), (RIGHT, MIDDLE, (0.3, 0.4, 0.7, 0.66)),
-)  # fmt: skip
+    (LEFT, MIDDLE, (1.0, 0.0, 0.0, 0.75)),
+    (LEFT, TOP, (0.0, 1.0, 0.0, 0.5)),
+    (RIGHT, TOP, (0.0, 0.0, 1.0, 0.75)),
+    (RIGHT, MIDDLE, (0.3, 0.4, 0.7, 0.66)),
+)
 TRIANGLE = ((16.0, TOP), (32.0, MIDDLE), (0.0, MIDDLE))  # with the last colour that arrived
 
 

@@ -39,7 +39,10 @@ LEFT, RIGHT, TOP, BOTTOM = -WIDTH // 4, WIDTH // 4, -HEIGHT // 3, HEIGHT // 3
 CORNERS = ("ul", "ur", "lr", "ul", "lr", "ll")  # two triangles
 QUADS = (  # left, right, z, z of the normals, (diffuse, specular) of every corner
     (
-        LEFT + 10, 10, 10.0, (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0),
+        LEFT + 10,
+        10,
+        10.0,
+        (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0),
         {
             "ul": ((0.4, 0.1, 0.1, 0.25), (0.0, 1.0, 0.0, 0.5)),
             "ll": ((0.0, 1.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.1)),
@@ -48,7 +51,10 @@ QUADS = (  # left, right, z, z of the normals, (diffuse, specular) of every corn
         },
     ),
     (
-        -10, RIGHT - 10, 9.75, (1.0, 1.0, 1.0, 1.0, 1.0, 1.0),
+        -10,
+        RIGHT - 10,
+        9.75,
+        (1.0, 1.0, 1.0, 1.0, 1.0, 1.0),
         {
             "ul": ((1.0, 1.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.25)),
             "ll": ((0.5, 0.5, 0.5, 1.0), (0.3, 0.3, 1.0, 1.0)),
@@ -56,7 +62,7 @@ QUADS = (  # left, right, z, z of the normals, (diffuse, specular) of every corn
             "ur": ((0.0, 0.3, 0.8, 0.15), (0.9, 0.9, 0.4, 0.33)),
         },
     ),
-)  # fmt: skip
+)
 
 
 def _mesh():

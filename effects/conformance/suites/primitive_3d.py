@@ -78,10 +78,12 @@ QUAD_STRIP = (
     (RIGHT, BOTTOM, FRONT, _grey(0.33)), (RIGHT, TOP, FRONT, (0.0, 0.7, 0.9)),
 )  # fmt: skip
 POLYGON = (
-    (LEFT, BOTTOM, FRONT, _grey(0.33)), (-1.4, 1.1, FRONT, (0.7, 0.1, 0.0)),
-    (-0.3, TOP, FRONT, (0.1, 0.7, 0.5)), (2.0, 0.3, FRONT, (0.0, 0.9, 0.2)),
+    (LEFT, BOTTOM, FRONT, _grey(0.33)),
+    (-1.4, 1.1, FRONT, (0.7, 0.1, 0.0)),
+    (-0.3, TOP, FRONT, (0.1, 0.7, 0.5)),
+    (2.0, 0.3, FRONT, (0.0, 0.9, 0.2)),
     (RIGHT, -1.5, FRONT, _grey(0.7)),
-)  # fmt: skip
+)
 SHAPES = {
     "Points": (PrimitiveType.POINTS, LINES),
     "Lines": (PrimitiveType.LINES, LINES),

@@ -28,15 +28,20 @@ SHAPES = (
     (
         PrimitiveType.LINE_LOOP,
         (
-            (10, TOP, 0xCF0000FF), (100, TOP - 10, 0xFF00FFFF), (300, TOP, 0xFFFFFF00),
-            (600, TOP + 10, 0xFFFFFFFF), (200, TOP + 30, 0x6FFFFFFF),
+            (10, TOP, 0xCF0000FF),
+            (100, TOP - 10, 0xFF00FFFF),
+            (300, TOP, 0xFFFFFF00),
+            (600, TOP + 10, 0xFFFFFFFF),
+            (200, TOP + 30, 0x6FFFFFFF),
         ),
     ),
     *(
         (
             primitive,
             (
-                (20, top, 0xCF0000FF), (120, top - 10, 0xFF00FFFF), (80, top + 10, 0xFFFFFF00),
+                (20, top, 0xCF0000FF),
+                (120, top - 10, 0xFF00FFFF),
+                (80, top + 10, 0xFFFFFF00),
                 (280, top, 0xFFFFFFFF),
             ),
         )
@@ -45,11 +50,14 @@ SHAPES = (
     (
         PrimitiveType.POLYGON,
         (
-            (20, TOP + 150, 0xCF0000FF), (120, TOP + 140, 0xFF00FFFF), (280, TOP + 162, 0xFFFFFFFF),
-            (580, TOP + 195, 0xFFFF00FF), (80, TOP + 180, 0xFFFFFF00),
+            (20, TOP + 150, 0xCF0000FF),
+            (120, TOP + 140, 0xFF00FFFF),
+            (280, TOP + 162, 0xFFFFFFFF),
+            (580, TOP + 195, 0xFFFF00FF),
+            (80, TOP + 180, 0xFFFFFF00),
         ),
     ),
-)  # fmt: skip
+)
 DIAMOND = 256 * 1.4  # pixels, its diagonals
 
 

@@ -51,9 +51,7 @@ def _made(size, texels, exposure, **values):
     return _surfaces(field), exposure * light
 
 
-def scene(
-    profile, size, *, texels, domes, height, albedo, directions, bounces, light, exposure
-):  # fmt: skip
+def scene(profile, size, *, texels, domes, height, albedo, directions, bounces, light, exposure):
     """The host computes the light of the texels; the machine draws it on the geometry and on the plane."""
     surfaces, values = _made(
         size, texels, exposure, domes=domes, height=height, albedo=tuple(albedo), directions=directions,
@@ -95,9 +93,7 @@ def _seen_by_rays(surface, values, edge):
     return out.reshape(edge, edge, 3), found.reshape(edge, edge)
 
 
-def by_rays(
-    size, *, texels, domes, height, albedo, directions, bounces, light, exposure
-):  # fmt: skip
+def by_rays(size, *, texels, domes, height, albedo, directions, bounces, light, exposure):
     """The same by rays, nine a pixel, at the field's triangles: RGBA, top row first."""
     surfaces, values = _made(
         size, texels, exposure, domes=domes, height=height, albedo=tuple(albedo), directions=directions,

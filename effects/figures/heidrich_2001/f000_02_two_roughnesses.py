@@ -69,7 +69,7 @@ def _at_pixels(size, light, tilt):
 
 def reference(
     size, *, light, first_roughness, second_roughness, index, specular, diffuse, tilt, background, **_
-):  # fmt: skip
+):
     """Eq. 1 at every pixel, and the diffuse light: RGBA float64, top row first."""
     covered, normals, lit = _at_pixels(size, light, tilt)
     toward_light = np.broadcast_to(unit_vector(light, "The light's direction"), normals.shape)

@@ -55,13 +55,14 @@ def chain(way, setup, light):
     """
     lit = free_view(setup.field, light)
     share = dependent_tests.share_of(setup)
-    name, out = DIRECT, [
+    name = DIRECT
+    out = [
         *way.load(setup, lit, tuple(range(LOOKUPS))),
         *(dependent_tests.black(setup, texture) for texture in (DIRECT, LIGHT)),
         *way.bumps(setup, light, UP, lit),
         *way.keep(setup, DIRECT),
         dependent_tests.copy_of(setup, setup.work, "step 0"),
-    ]  # fmt: skip
+    ]
     for step, k in enumerate(reversed(range(LOOKUPS)), 1):
         out += (
             *way.gathered(setup, k, UP, name, Into(setup.work)),

@@ -92,7 +92,7 @@ def scene(
 
 def reference(
     size, *, light, exponent, lobe_exponent, coefficients, ambient, diffuse, specular, background, **_
-):  # fmt: skip
+):
     """The models at every pixel: RGBA float64, top row first."""
     colors = {"ambient": ambient, "diffuse": diffuse, "specular": specular}
     blinn = at_pixels(size, Cosine.HALF, light, exponent, None, background, **colors)

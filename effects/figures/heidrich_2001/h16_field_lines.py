@@ -145,8 +145,9 @@ FIGURE = Figure(
     size=768,
     parameters={
         "light": word.LIGHT((-0.3, 0.75, 0.6)),
-        "exponent": word.NUMBER(24.0, "The exponent 1/r: the larger, the narrower the highlights.", low=1.0,
-                                high=128.0),
+        "exponent": word.NUMBER(
+            24.0, "The exponent 1/r: the larger, the narrower the highlights.", low=1.0, high=128.0
+        ),
         "diffuse": word.SHARE(0.4, "The share of light that is scattered, k_d."),
         "specular": word.SHARE(0.6, "The highlights' strength, k_s."),
         "positive": word.COLOR((1.0, 0.72, 0.36), "The lines' colour at positive charges."),
@@ -158,4 +159,4 @@ FIGURE = Figure(
     },
     methods=(Method("lines and the texture matrix", scene, MACHINES),),
     acceptance=checks,
-)  # fmt: skip
+)

@@ -52,7 +52,7 @@ def domes(map_size, exponents, rim_radius, alpha_x, alpha_y, spread, k_s):
 
 def texture_shaders_scene(
     profile, size, *, light, extent, diffuse, ambient, specular, background, **material
-):  # fmt: skip
+):
     """K06 in one pass of two dot products (left), K05 by parameters on the screen (right); the diffuse pass
     is added.
     """
@@ -78,9 +78,7 @@ def texture_shaders_scene(
     return tuple(out)
 
 
-def pixel_textures_scene(
-    profile, size, *, light, extent, diffuse, ambient, specular, background, **material
-):  # fmt: skip
+def pixel_textures_scene(profile, size, *, light, extent, diffuse, ambient, specular, background, **material):
     """Either by pixel textures, the diffuse pass as another polygon."""
     panels, made = row_of_panels(2, size), domes(**material)
     surface, toward = surfaces.plane(1, 1, extent, extent), Light(light)

@@ -62,8 +62,9 @@ def checks(figure, renderer):
         image = renderer.window(on, figure, size)
         averaged, rough = (the.panel(image, k) for k in (0, 1))
         error = root_mean_square((rough - truth)[water])
-        yield Check("with roughness: RMS from 256 samples over the lake", error, at_most=largest, on=on,
-                    reason=reason)  # fmt: skip
+        yield Check(
+            "with roughness: RMS from 256 samples over the lake", error, at_most=largest, on=on, reason=reason
+        )
         yield Check("with roughness: mean of the far water over the truth's, less one",
                     abs(float(rough[far].mean() / truth[far].mean()) - 1.0), at_most=mean, on=on,
                     reason=reason)  # fmt: skip

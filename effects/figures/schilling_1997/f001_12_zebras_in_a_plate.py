@@ -61,8 +61,9 @@ def checks(figure, renderer):
     for on in Answer:
         image = renderer.window(on, figure, size)
         error = root_mean_square((the.panel(image, 0) - truth)[full])
-        yield Check("with roughness: RMS from 256 samples over the plate", error, at_most=bound, on=on,
-                    reason=reason)  # fmt: skip
+        yield Check(
+            "with roughness: RMS from 256 samples over the plate", error, at_most=bound, on=on, reason=reason
+        )
     yield from _at_full_strength(figure)
 
 

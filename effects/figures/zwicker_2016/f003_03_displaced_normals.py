@@ -170,7 +170,7 @@ def _cut(view):
         drawing.text("n = (1, -d_u)", view, tip, YELLOW, align=(0, -1), offset=(0.0, 5.0)),
         drawing.text("d_u = (d(u+du) - d(u-du)) / 2 du", view, (0.5, -0.29), RED),
         drawing.text("central differences", drawing.sheet(view.panel), (0.0, 0.92), INK),
-    ]  # fmt: skip
+    ]
 
 
 def _plotted():

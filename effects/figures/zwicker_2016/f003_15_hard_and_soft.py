@@ -35,15 +35,17 @@ def things(detail):
             floor,
             objects_and_lamps.Object("pole", pole.moved(-1.25, 0.0, 0.1), (0.34, 0.46, 0.62), 0.3),
             objects_and_lamps.Object(
-                "ball", surfaces.sphere(detail, detail // 2).scaled(0.42).moved(0.3, 0.42, 0.95),
-                (0.74, 0.24, 0.2), 0.6,
+                "ball",
+                surfaces.sphere(detail, detail // 2).scaled(0.42).moved(0.3, 0.42, 0.95),
+                (0.74, 0.24, 0.2),
+                0.6,
             ),
             objects_and_lamps.Object(
                 "ring", ring.rotated(rotation("y", -35.0)).moved(0.75, 0.64, -0.7), (0.8, 0.56, 0.2), 0.6
             ),
             ground,
         )
-    )  # fmt: skip
+    )
 
 
 def plate():

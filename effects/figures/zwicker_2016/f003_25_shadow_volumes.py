@@ -79,12 +79,21 @@ def scene(profile, size, *, light, volume_color, volume_alpha, background):
         *unlit_pass(objects, left),
         *lit_pass(objects, left, lamp, label="all of the light"),
         drawing.strokes(
-            "rays of the light along the silhouettes", left, rays, _RAYS, width=1.1,
-            dash=drawing.DASH, depth_test=drawing.VISIBLE,
+            "rays of the light along the silhouettes",
+            left,
+            rays,
+            _RAYS,
+            width=1.1,
+            dash=drawing.DASH,
+            depth_test=drawing.VISIBLE,
         ),
         drawing.strokes("silhouette edges, hidden ones too", left, loops, _HIDDEN, width=1.4),
         drawing.strokes(
-            "silhouette edges that are seen", left, loops, drawing.YELLOW, width=1.6,
+            "silhouette edges that are seen",
+            left,
+            loops,
+            drawing.YELLOW,
+            width=1.6,
             depth_test=drawing.VISIBLE,
         ),
         middle.panel.clear(background),
@@ -95,7 +104,7 @@ def scene(profile, size, *, light, volume_color, volume_alpha, background):
         ),
         right.panel.clear(background),
         *shadow_volumes.z_fail(objects, right, lamp, profile),
-    )  # fmt: skip
+    )
 
 
 def odd_vertices(volumes):

@@ -101,16 +101,25 @@ def scene(profile, size, *, light, diffuse, ambient, background, handled):
             drawing.polygons(f"triangles in the colour {k}", sheet, corners, color)
             for k, (corners, color) in enumerate(_by_color(surface, flagged(surface, report)))
         ),
-        drawing.strokes("edges", sheet, [surface.positions[f][[0, 1, 2, 0]] for f in surface.triangles],
-                         BACKGROUND, width=0.6),
+        drawing.strokes(
+            "edges",
+            sheet,
+            [surface.positions[f][[0, 1, 2, 0]] for f in surface.triangles],
+            BACKGROUND,
+            width=0.6,
+        ),
         *labels,
         right.clear(background),
         *diffuse_bump.commands(
-            tangent_space.with_tangents(surface, *handled), NORMALS, orthographic_view(right), Light(light),
-            profile, **lit,
+            tangent_space.with_tangents(surface, *handled),
+            NORMALS,
+            orthographic_view(right),
+            Light(light),
+            profile,
+            **lit,
         ),
         *(drawing.text(words, drawing.sheet(panel), (0.0, 0.95), INK) for panel, words in titles),
-    )  # fmt: skip
+    )
 
 
 def _by_color(surface, colors):

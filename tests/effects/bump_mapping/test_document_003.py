@@ -128,8 +128,9 @@ def test_every_space_gives_the_document_s_lighting(space, light):
     settings = {"color": (0.5, 0.0, 0.0), "ambient": (0.1, 0.1, 0.0), "specular": 0.6}
     where = surface, "map", view, Light(light)
     machine = {"camera": GEFORCE_3, "colour matrix": OCTANE}.get(space, GEFORCE_256)
-    encoded = (dot_product_texels(normals, 1.0, machine) if space == "camera"
-               else vector_texels(normals, machine))  # fmt: skip
+    encoded = (
+        dot_product_texels(normals, 1.0, machine) if space == "camera" else vector_texels(normals, machine)
+    )
     load = (
         normalization_cube_map.load(256, machine),
         TexImage(label="map", texture="map", image=texture_2d(encoded)),

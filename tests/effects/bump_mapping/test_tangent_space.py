@@ -62,9 +62,13 @@ def test_triangles_without_area_in_texture_space_have_no_map():
 
 @pytest.mark.parametrize(
     ("t", "b", "degrees"),
-    [((2.0, 0.0, 0.0), (0.0, 2.0, 0.0), 0.0), ((0.0, 0.5, 0.0), (0.0, 0.0, 0.5), 0.0),
-     ((2.0, 0.0, 0.0), (0.0, 1.0, 0.0), 9.897), ((1.0, 0.0, 0.0), (0.5, 1.0, 0.0), 9.078)],
-)  # fmt: skip
+    [
+        ((2.0, 0.0, 0.0), (0.0, 2.0, 0.0), 0.0),
+        ((0.0, 0.5, 0.0), (0.0, 0.0, 0.5), 0.0),
+        ((2.0, 0.0, 0.0), (0.0, 1.0, 0.0), 9.897),
+        ((1.0, 0.0, 0.0), (0.5, 1.0, 0.0), 9.078),
+    ],
+)
 def test_the_documents_normal_is_the_displaced_surfaces_without_stretch_alone(t, b, degrees):
     t, b = np.array(t), np.array(b)
     printed = tangent_space.printed_normals(t, b, 0.3, -0.2)

@@ -185,7 +185,7 @@ BOMBS = {
     "large.asc": ("heights", lambda: b"ncols 60000\nnrows 60000\n1 2 3", "3600 million"),
     "large.hdr": ("probe", lambda: b"#?RADIANCE\n\n-Y 60000 +X 120000\n\2\2\0\0", "7200 million"),
     "run.hdr": ("probe", lambda: b"#?RADIANCE\n\n-Y 2 +X 4\n" + b"\1\2\3\4" + b"\1\1\1\xff" * 40, "cut off"),
-}  # fmt: skip
+}
 
 
 def _gzip(stream, size):

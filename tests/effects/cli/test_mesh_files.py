@@ -60,11 +60,10 @@ WHOLE = {
     "tabs and blanks": "\n".join("\t " + line.replace(" ", "\t\t") for line in CUBE.split("\n")),
     "a comment behind a face": CUBE.replace("f 4 3 2 1", "f 4 3 2 1#5"),
     "faces before their vertices": CUBE[len(VERTICES) :] + VERTICES,
-    "negative indices": VERTICES
-    + "".join(f"f {' '.join(str(v - 8) for v in face)}\n" for face in FACES),
+    "negative indices": VERTICES + "".join(f"f {' '.join(str(v - 8) for v in face)}\n" for face in FACES),
     "a normal that no face uses": "vn 0 0 1\n" + CUBE,
     "a NUL at the end": CUBE + "\0",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("data", WHOLE.values(), ids=WHOLE)
@@ -130,7 +129,7 @@ LEFT_OUT = {
         "vn nan 0 0\nvn -1.#IND00 0 1\nvn 1.#QNAN0 inf -nan(ind)\n" + CUBE.replace("f 4 3", "f 4//1 3//2"),
         "3 vectors without numbers (mesh.obj, line 1: a normal is no finite numbers)",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(("data", "words"), LEFT_OUT.values(), ids=LEFT_OUT)
@@ -338,15 +337,21 @@ SEEDS = {
         for elements in (
             [("vertex", XYZ, POINTS), ("face", INDICES, MIXED)],
             [
-                ("vertex", [*XYZ, *[("double", f"n{a}") for a in "xyz"], ("float", "s"), ("float", "t")],
-                 [(*p, 0, 0, 1, 0.5, 0.25) for p in POINTS]),
-                ("face", [*INDICES, ("uchar", "float", "texcoord"), ("uchar", "red")],
-                 [(f, (0, 0, 1, 0, 1, 1, 0, 1), 7) for f in FACES]),
+                (
+                    "vertex",
+                    [*XYZ, *[("double", f"n{a}") for a in "xyz"], ("float", "s"), ("float", "t")],
+                    [(*p, 0, 0, 1, 0.5, 0.25) for p in POINTS],
+                ),
+                (
+                    "face",
+                    [*INDICES, ("uchar", "float", "texcoord"), ("uchar", "red")],
+                    [(f, (0, 0, 1, 0, 1, 1, 0, 1), 7) for f in FACES],
+                ),
             ],
             [("vertex", XYZ, POINTS), ("tristrips", [("int", "int", "vertex_indices")], [((0, 1, 2, -1),)])],
         )
     ],
-}  # fmt: skip
+}
 _BYTES = b"0123456789-.#/\\ \t\r\n\0\xffvnftnaeE"
 
 

@@ -121,7 +121,7 @@ def test_of_long_or_odd_values_names_of_files_have_the_beginning_and_a_digest():
         (("F003-15", "--set", "measured=1"), "F003-15's measured is for its checks alone"),
         (("F003-17", "--set", "a=1"), "F003-17 has no parameters, so 'a' cannot be changed."),
     ],
-)  # fmt: skip
+)
 def test_a_wrong_set_is_refused_before_anything_is_written(tmp_path, arguments, sentence):
     done = run("figures", *arguments, "--out", tmp_path / "out")
     assert done.exit_code == 2

@@ -28,11 +28,16 @@ def test_it_is_the_mean_of_both_polarizations(index):
 @pytest.mark.parametrize(
     ("index", "degrees", "value", "within"),
     [
-        (1.5, 0.0, 0.0400, 5e-5), (5.0, 0.0, 0.4444, 5e-5), (200.0, 0.0, 0.9802, 5e-5),
-        (1.5, 82.8, 0.5, 1e-3), (5.0, 73.0, 0.4132, 5e-5), (200.0, 60.0, 0.9754, 5e-5),
-        (200.0, 85.0, 0.8965, 5e-5), (200.0, 89.0, 0.65, 0.005),
+        (1.5, 0.0, 0.0400, 5e-5),
+        (5.0, 0.0, 0.4444, 5e-5),
+        (200.0, 0.0, 0.9802, 5e-5),
+        (1.5, 82.8, 0.5, 1e-3),
+        (5.0, 73.0, 0.4132, 5e-5),
+        (200.0, 60.0, 0.9754, 5e-5),
+        (200.0, 85.0, 0.8965, 5e-5),
+        (200.0, 89.0, 0.65, 0.005),
     ],
-)  # fmt: skip
+)
 def test_the_catalogue_numbers(index, degrees, value, within):
     assert fresnel(math.cos(math.radians(degrees)), index) == pytest.approx(value, abs=within)
 

@@ -103,13 +103,16 @@ def test_a_remedy_multiplies_by_c(remedy):
         (lambda: tables.multiplied(SPHERE, VIEW, 2.0, Remedy.COMBINER), "is no command"),
         (
             lambda: tables.passes(
-                SPHERE, perspective_view(VIEW.panel, (0, 0, 5)), LAMP, (1, 1, 1),
+                SPHERE,
+                perspective_view(VIEW.panel, (0, 0, 5)),
+                LAMP,
+                (1, 1, 1),
                 coordinates=Coordinates.TEXTURE_MATRIX,
             ),
             "The viewer is near",
         ),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_drawn_is_said(call, words):
     with pytest.raises(ValueError, match=words):
         call()

@@ -97,7 +97,8 @@ REFUSED = {
     "contact NaN": (lambda: compared(contact=NAN), "contact is nan"),
     "a flat body": (lambda: light_space.uniform_camera(FLAT, SCENE, SUN, VIEW), "no extent"),
     "a flat body in perspective": (
-        lambda: light_space.perspective_camera(FLAT, SCENE, SUN, VIEW), "no extent",
+        lambda: light_space.perspective_camera(FLAT, SCENE, SUN, VIEW),
+        "no extent",
     ),
     "a body along the light": (
         lambda: light_space.perspective_camera(FLAT + np.arange(8)[:, None] * SUN, SCENE, SUN, VIEW, n=1.0),
@@ -107,17 +108,20 @@ REFUSED = {
     "slices NaN": (lambda: frustum_slices.split_distances(1.0, 2.0, NAN), "whole number"),
     "slices without end": (lambda: frustum_slices.split_distances(1.0, 2.0, INF), "whole number"),
     "part of a map of 0": (
-        lambda: parted_shadow_maps.parts_of_view(MapFit.BASIC, SCENE, SUN, VIEW, 0), "positive number",
+        lambda: parted_shadow_maps.parts_of_view(MapFit.BASIC, SCENE, SUN, VIEW, 0),
+        "positive number",
     ),
     "cube of maps of 0": (
-        lambda: parted_shadow_maps.parts_of_cube(SCENE, (0, 1, 0), VIEW, 0), "positive number",
+        lambda: parted_shadow_maps.parts_of_cube(SCENE, (0, 1, 0), VIEW, 0),
+        "positive number",
     ),
     "too few tints": (lambda: passes(tints=((1.0, 1.0, 1.0),)), "one for each"),
     "light for another part": (lambda: passes(lit=("moon",)), "part that gets light is 'moon'"),
     "sides that cover twice": (
-        lambda: shadow_volumes.show_volumes("sides", (), VIEW, (1, 1, 1), 2.0), "from 0 to 1",
+        lambda: shadow_volumes.show_volumes("sides", (), VIEW, (1, 1, 1), 2.0),
+        "from 0 to 1",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", REFUSED)
@@ -140,11 +144,14 @@ def test_tiny_and_huge_worlds_have_the_same_shadows(scale):
     normals, points = shown.normals[shown.something], shown.points[shown.something]
     masks = [
         ray_caster.lit_points(
-            ray_caster.scene_caster(s), k * points, normals, light,
+            ray_caster.scene_caster(s),
+            k * points,
+            normals,
+            light,
             triangles=shown.triangle[shown.something],
         )
         for s, k, light in ((SCENE, 1.0, LAMP), (world, scale, fitted))
-    ]  # fmt: skip
+    ]
     assert 0.2 < masks[0].mean() < 0.9
     assert (masks[0] != masks[1]).mean() <= 0.01
 

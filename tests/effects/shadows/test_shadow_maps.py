@@ -208,12 +208,17 @@ def test_faults_show():
             lambda p: (
                 *shadow_maps.unlit_pass(SCENE, VIEW, SceneShading.MASK),
                 *shadow_maps.shadowed_light(
-                    SCENE, VIEW, LAMP, "map", p, SceneShading.MASK,
+                    SCENE,
+                    VIEW,
+                    LAMP,
+                    "map",
+                    p,
+                    SceneShading.MASK,
                     matrix=shadow_maps.moved(LAMP.texture_matrix, 1.5 / EDGE, 0.0),
                 ),
             )
         ),
-    }  # fmt: skip
+    }
     for name, commands in faults.items():
         assert (lit_mask(commands) != right).mean() >= 0.02, name
     stencil = list(frame(PASSES["stencil"]))

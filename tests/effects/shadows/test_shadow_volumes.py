@@ -83,9 +83,12 @@ def test_open_and_branching_surfaces_are_refused_with_the_number_of_edges():
 
 @settings(max_examples=60)
 @given(
-    name=st.sampled_from(sorted(SURFACES)), seed=st.integers(0, 99), size=st.sampled_from([0.0, 0.02, 0.3]),
-    light=lights, length=st.sampled_from([None, 3.0]),
-)  # fmt: skip
+    name=st.sampled_from(sorted(SURFACES)),
+    seed=st.integers(0, 99),
+    size=st.sampled_from([0.0, 0.02, 0.3]),
+    light=lights,
+    length=st.sampled_from([None, 3.0]),
+)
 def test_silhouettes_are_closed_loops_and_volumes_are_closed(name, seed, size, light, length):
     surface = perturbed(name, seed, size)
     try:
@@ -191,9 +194,11 @@ def test_what_is_no_light_is_refused(light):
 
 @settings(max_examples=15)
 @given(
-    name=st.sampled_from(sorted(SURFACES)), seed=st.integers(0, 99), size=st.sampled_from([0.0, 0.1]),
+    name=st.sampled_from(sorted(SURFACES)),
+    seed=st.integers(0, 99),
+    size=st.sampled_from([0.0, 0.1]),
     infinite=st.booleans(),
-)  # fmt: skip
+)
 def test_the_counter_counts_the_lit_surfaces_between_a_point_and_the_light(name, seed, size, infinite):
     surface = perturbed(name, seed, size)
     random = np.random.default_rng(seed)

@@ -178,14 +178,17 @@ def test_a_surface_keeps_its_formats_bits(color_format):
 
 
 @pytest.mark.parametrize("color_format", ColorFormat)
-@pytest.mark.parametrize("state", [
-    PassState(),
-    PassState(blending=Blending(BlendFactor.ONE, BlendFactor.ONE)),
-    PassState(blending=Blending(BlendFactor.SRC_ALPHA, BlendFactor.DST_ALPHA)),
-    PassState(blending=Blending(equation=BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED)),
-    PassState(logic_op=LogicOperation.NAND),
-    PassState(color_mask=ColorMask(red=False, alpha=False)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "state",
+    [
+        PassState(),
+        PassState(blending=Blending(BlendFactor.ONE, BlendFactor.ONE)),
+        PassState(blending=Blending(BlendFactor.SRC_ALPHA, BlendFactor.DST_ALPHA)),
+        PassState(blending=Blending(equation=BlendEquation.FUNC_REVERSE_SUBTRACT_SIGNED)),
+        PassState(logic_op=LogicOperation.NAND),
+        PassState(color_mask=ColorMask(red=False, alpha=False)),
+    ],
+)
 def test_every_way_to_write_a_surface_equals_the_specification(color_format, state):
     draws = [Draw(label="gradient", mesh=GRADIENT, state=state) for _ in range(2)]
     background = Clear(label="c", color=(0.1, 0.3, 0.7, 0.5))

@@ -167,7 +167,7 @@ NOTES = {
     "clamped.",
     "mov r0, r1": "line 2: r1's color is read before anything is written to it, which Direct3D refuses; the "
     "register begins as zero.",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("lines", NOTES)

@@ -22,19 +22,25 @@ def plain(lines, stages=None):
     [
         ("spare0 = tex0 * col0;", "spare0 = col0 * tex0;"),
         ("spare0 = tex0 . expand(col0);", "spare0 = expand(col0) . tex0;"),
-        ("discard = tex0; discard = tex1 * col0; spare0 = sum();",
-         "discard = col0 * tex1; discard = tex0; spare0 = sum();"),
+        (
+            "discard = tex0; discard = tex1 * col0; spare0 = sum();",
+            "discard = col0 * tex1; discard = tex0; spare0 = sum();",
+        ),
         ("spare0 = tex0 * col0;", "discard = zero; discard = tex0 * col0; spare0 = sum();"),
         ("spare0 = tex0 * col0;", "discard = zero; spare0 = tex0 * col0;"),
         ("spare0 = unsigned(col0);", "spare0 = col0;"),
         ("spare0 = unsigned(const0);", "spare0 = const0;"),
-        ("spare0 = const0; } } { rgb { spare0 = const0;",
-         "spare0 = const0; } } { const1 = (0.5, 0.25, 0, 0.125); rgb { spare0 = const1;"),
+        (
+            "spare0 = const0; } } { rgb { spare0 = const0;",
+            "spare0 = const0; } } { const1 = (0.5, 0.25, 0, 0.125); rgb { spare0 = const1;",
+        ),
         ("spare0 = tex0; } } { rgb { discard = col0;", "spare0 = tex0;"),
-        ("spare0 = tex0; scale_by_two(); } alpha { discard = tex0; scale_by_two();",
-         "spare0 = tex0; scale_by_two();"),
+        (
+            "spare0 = tex0; scale_by_two(); } alpha { discard = tex0; scale_by_two();",
+            "spare0 = tex0; scale_by_two();",
+        ),
     ],
-)  # fmt: skip
+)
 def test_two_spellings_of_one_program(one, other):
     assert parse(RC % one) != parse(RC % other)
     assert plain(one) == plain(other)
@@ -56,7 +62,7 @@ def test_two_spellings_of_one_program(one, other):
         ("spare0 = tex0;", "spare1 = tex0;"),
         ("spare0 = tex0; spare1 = col0;", "spare0 = tex0;"),
     ],
-)  # fmt: skip
+)
 def test_what_computes_something_else(one, other):
     assert plain(one) != plain(other)
 

@@ -70,7 +70,7 @@ FORMS = {
     "numbered names": lambda n, k, w: f"NV097_{n}{f'_{k}' if COUNTS[n] > 1 else ''}: {w:#x}",
     "JSON": lambda n, k, w: f'  "NV097_{n}{_bracket(n, k)}": "{w:#x}",',
     "CSV": lambda n, k, w: f"151,{ADDRESSES[n] + 4 * k:#x},{w}",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("form", FORMS.values(), ids=FORMS)
@@ -241,7 +241,7 @@ A_NAME = "a name that has no value here"
         ("R[NV097_SET_COMBINER_CONTROL / 4] & 0xFF", 1, 30, ["'/'"]),
         ("PSRGBInputs[0] =\n0x1e60: 0x101", 1, 15, ["has no value"]),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_value_is_refused_where_it_stands(text, line, column, said):
     assert_says_where_and_what(RegisterTextError, parse_program, text, line, column, said)
 

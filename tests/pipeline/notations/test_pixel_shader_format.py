@@ -240,18 +240,27 @@ def written(lines, before=""):
             "spare0 = sum(); } }",
             "lrp r0.rgb, t0, t1, v0\n",
         ),
-        ("{ rgb { spare1 = tex0; } } { rgb { spare0 = unsigned(spare1) * col0; } }",
-         "mov_sat r1.rgb, t0\nmul r0.rgb, r1, v0\n"),
-        ("{ rgb { spare1 = tex0; } } { rgb { discard = tex1; } } { rgb { spare0 = spare1; } }",
-         "mov r1.rgb, t0\nmov r0.rgb, r1\n"),
-        ("{ const0 = (0.5, 0.25, 0, 1); rgb { spare0 = tex0 * const0; } alpha { spare0 = tex0 * const0; } }",
-         "def c0, 0.5, 0.25, 0, 1\nmul r0, t0, c0\n"),
+        (
+            "{ rgb { spare1 = tex0; } } { rgb { spare0 = unsigned(spare1) * col0; } }",
+            "mov_sat r1.rgb, t0\nmul r0.rgb, r1, v0\n",
+        ),
+        (
+            "{ rgb { spare1 = tex0; } } { rgb { discard = tex1; } } { rgb { spare0 = spare1; } }",
+            "mov r1.rgb, t0\nmov r0.rgb, r1\n",
+        ),
+        (
+            "{ const0 = (0.5, 0.25, 0, 1); rgb { spare0 = tex0 * const0; } "
+            "alpha { spare0 = tex0 * const0; } }",
+            "def c0, 0.5, 0.25, 0, 1\nmul r0, t0, c0\n",
+        ),
         ("{ rgb { spare0 = -one * tex0; } }", "def c0, 0, 0, 0, 0\nmul r0.rgb, c0_bx2, t0\n"),
         ("{ rgb { spare0 = tex0 * -one; } }", "def c0, 0, 0, 0, 0\nmul r0.rgb, t0, c0_bx2\n"),
-        ("{ const0 = (2, -1, 0, 1); rgb { spare0 = expand(const0) * tex0; } }",
-         "def c0, 1, 0, 0, 0\nmul r0.rgb, c0_bx2, t0\n"),
+        (
+            "{ const0 = (2, -1, 0, 1); rgb { spare0 = expand(const0) * tex0; } }",
+            "def c0, 1, 0, 0, 0\nmul r0.rgb, c0_bx2, t0\n",
+        ),
     ],
-)  # fmt: skip
+)
 def test_combiners_become_instructions(lines, expected):
     assert written(lines) == f"ps.1.1\n{expected}"
 
@@ -282,20 +291,27 @@ TWO = "discard = tex0 * tex1; discard = col0 * col1;"
     ("lines", "words"),
     [
         ("{ rgb { spare0 = tex0; spare1 = tex1; } }", ["combiner 0, color: it writes 2 registers", "--rc"]),
-        (f"{{ rgb {{ spare0 = tex0; }} }} {{ alpha {{ {TWO} spare0 = sum(); }} }}",
-         ["combiner 1, alpha: it has a sum"]),
+        (
+            f"{{ rgb {{ spare0 = tex0; }} }} {{ alpha {{ {TWO} spare0 = sum(); }} }}",
+            ["combiner 1, alpha: it has a sum"],
+        ),
         (f"{{ rgb {{ {TWO} spare0 = mux(); }} }}", ["a mux of products, where cnd"]),
         ("{ rgb { discard = tex0 . tex1; discard = col0; spare0 = sum(); } }", ["mux of a dot product"]),
         ("{ rgb { spare0 = tex0; bias_by_negative_one_half(); } }", ["BIAS_BY_NEGATIVE_ONE_HALF"]),
         ("{ rgb { spare0 = fog * tex0; } }", ["it reads FOG"]),
         ("{ rgb { spare0 = unsigned(tex0) * col0; } }", ["it clamps TEXTURE0 (UNSIGNED_IDENTITY)", "_sat"]),
-        ("{ rgb { spare1 = tex0; } } { rgb { discard = spare1; discard = unsigned(spare1); "
-         "spare0 = sum(); } }",
-         ["combiner 0, color: what it writes to r1 is read clamped", "and as it is"]),
-        ("{ const0 = (1, 0, 0, 0); const1 = (0, 1, 0, 0); rgb { discard = -one * const0; discard = const1; "
-         "spare0 = sum(); } }", ["the third that one general combiner reads"]),
+        (
+            "{ rgb { spare1 = tex0; } } { rgb { discard = spare1; discard = unsigned(spare1); "
+            "spare0 = sum(); } }",
+            ["combiner 0, color: what it writes to r1 is read clamped", "and as it is"],
+        ),
+        (
+            "{ const0 = (1, 0, 0, 0); const1 = (0, 1, 0, 0); rgb { discard = -one * const0; "
+            "discard = const1; spare0 = sum(); } }",
+            ["the third that one general combiner reads"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_ps_cannot_say_is_refused_in_a_sentence(lines, words):
     with pytest.raises(ValueError) as caught:
         written(lines)
@@ -308,12 +324,18 @@ def test_what_ps_cannot_say_is_refused_in_a_sentence(lines, words):
     [
         (_TS + "pass_through();\n", "spare0 = tex1.a;", ["reads the alpha of TEXTURE1, q, which texcoord"]),
         (_TS + "nop();\n", "spare0 = tex1;", ["TEXTURE1, which no texture shader stage gives"]),
-        (_TS + "cull_fragment(LESS_THAN_ZERO, GEQUAL_TO_ZERO, GEQUAL_TO_ZERO, GEQUAL_TO_ZERO);\n",
-         "spare0 = tex0;", ["stage 1 is CULL_FRAGMENT with the modes LESS"]),
-        (_TS + "".join(f"{DIFFUSE}_{k}of3(tex0);\n" for k in (1, 2, 3)),
-         "spare0 = tex3;", ["DOT_PRODUCT", "DIFFUSE"]),
+        (
+            _TS + "cull_fragment(LESS_THAN_ZERO, GEQUAL_TO_ZERO, GEQUAL_TO_ZERO, GEQUAL_TO_ZERO);\n",
+            "spare0 = tex0;",
+            ["stage 1 is CULL_FRAGMENT with the modes LESS"],
+        ),
+        (
+            _TS + "".join(f"{DIFFUSE}_{k}of3(tex0);\n" for k in (1, 2, 3)),
+            "spare0 = tex3;",
+            ["DOT_PRODUCT", "DIFFUSE"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_stages_that_ps_has_no_instruction_for_are_refused(stages, lines, words):
     with pytest.raises(ValueError) as caught:
         written(f"{{ rgb {{ {lines} }} }}", stages)
@@ -327,10 +349,12 @@ def test_stages_that_ps_has_no_instruction_for_are_refused(stages, lines, words)
         ("out.rgb = lerp(fog, spare0, fog); out.a = spare0;", "A is the color of FOG"),
         ("out.rgb = lerp(fog.a, color_sum, fog); out.a = spare0;", "B is the color of SPARE0_PLUS_SECONDARY"),
         ("out.rgb = lerp(fog.a, spare0, fog) + tex0; out.a = spare0;", "D is the color of TEXTURE0"),
-        ("out.rgb = lerp(fog.a, spare0, fog); out.a = unsigned_invert(tex0);",
-         "G is the alpha of TEXTURE0, by"),
+        (
+            "out.rgb = lerp(fog.a, spare0, fog); out.a = unsigned_invert(tex0);",
+            "G is the alpha of TEXTURE0, by",
+        ),
     ],
-)  # fmt: skip
+)
 def test_another_final_combiner_is_refused(final, words):
     with pytest.raises(ValueError, match=words):
         format_pixel_shader(parse_program(f"!!RC1.0\n{final}"))

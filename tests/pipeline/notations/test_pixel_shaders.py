@@ -496,7 +496,7 @@ ERRORS = [
     ("ps.1.1\nmad r0, c0, c1, c2", 2, 17, ["color of c2 is the third"]),
     ("ps.1.1\nmov_sat r0, v0\nmul r1, -r0, 1-v0\nmov r0, r1", 3, 1, ["cannot negate"]),
     ("ps.1.1\n" + "mov r0, v0\n" * 9, 10, 1, ["more than the 8 general combiners", "passes"]),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("text", "line", "column", "words"), ERRORS, ids=[repr(e[0][-40:]) for e in ERRORS])

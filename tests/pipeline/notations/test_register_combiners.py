@@ -450,7 +450,7 @@ ERRORS = [
         ["variable E", "B, C or D"],
     ),
     ("!!RC1.0\nout.rgb = color_sum * col0.b;", 2, 23, ["variable A", "BLUE"]),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("text", "line", "column", "words"), ERRORS, ids=[repr(e[0][-40:]) for e in ERRORS])

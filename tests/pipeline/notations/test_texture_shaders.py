@@ -172,7 +172,7 @@ ERRORS = [
     ),
     ("!!TS1.0\ntexture_2d();\ndot_product_2d_1of2(tex0);\nnop();", 4, 1, ["nop() where"]),
     ("!!TS1.0 /* no end", 1, 9, ["never ends"]),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("text", "line", "column", "words"), ERRORS, ids=[repr(e[0][-40:]) for e in ERRORS])

@@ -72,13 +72,17 @@ def test_a_register_of_a_disabled_unit_is_said_and_black():
         ("{rgb {spare0 = tex0;}} out.rgb = spare0; out.a = tex2.a;", ["The final combiner reads TEXTURE2"]),
         # Written first, it is a register as any other; its alpha was not written.
         ("{rgb {tex2 = col0;}} {rgb {spare0 = tex2;}} out.rgb = tex2; out.a = tex0.a;", []),
-        ("{rgb {tex2 = col0;}} {rgb {spare0 = tex2;}} out.rgb = spare0; out.a = tex2.a;",
-         ["The final combiner reads TEXTURE2"]),
+        (
+            "{rgb {tex2 = col0;}} {rgb {spare0 = tex2;}} out.rgb = spare0; out.a = tex2.a;",
+            ["The final combiner reads TEXTURE2"],
+        ),
         ("{rgb {tex2 = tex2;}} out.rgb = tex2; out.a = tex0.a;", ["General combiner 0 reads TEXTURE2"]),
-        ("{rgb {spare0 = tex1 * tex3;}} out.rgb = spare0; out.a = tex1.a;",
-         ["General combiner 0 reads TEXTURE1", "General combiner 0 reads TEXTURE3"]),
+        (
+            "{rgb {spare0 = tex1 * tex3;}} out.rgb = spare0; out.a = tex1.a;",
+            ["General combiner 0 reads TEXTURE1", "General combiner 0 reads TEXTURE3"],
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_read_before_it_is_written_is_said_once(text, wanted):
     sentences = said(frame(f"!!RC1.0 {text}"))
     assert [sentence.split(": ")[1].split(",")[0] for sentence in sentences] == wanted

@@ -81,8 +81,9 @@ def test_swizzles_masks_negation_and_relative_addresses():
 
 
 def test_pairs_read_before_they_write_and_r12_is_the_position():
-    found = run("MOV R0, v[COL0]; ADD R0.x, R0, R0 + RCP R1.x, R0.x; MOV o[COL0], R0; MOV o[COL1], R1.x;",
-                COL0=(4.0,))  # fmt: skip
+    found = run(
+        "MOV R0, v[COL0]; ADD R0.x, R0, R0 + RCP R1.x, R0.x; MOV o[COL0], R0; MOV o[COL1], R1.x;", COL0=(4.0,)
+    )
     assert found["COL0"][0, 0] == 8.0
     assert found["COL1"][0, 0] == 0.25
     assert run("MOV o[HPOS], v[OPOS]; MOV o[COL0], R12;", OPOS=(1.0, 2.0))["COL0"].tolist() == [[1, 2, 0, 1]]

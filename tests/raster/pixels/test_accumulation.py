@@ -167,7 +167,7 @@ REFUSED = [
     (OPENGL_1_2, Draw(label="d", mesh=FILL, state=PassState(draw_buffer=ColorBuffer.AUX2)), "so no AUX2"),
     (OPENGL_1_2, ReadPixels(label="r", name="r", read_buffer=ColorBuffer.AUX2), "so no AUX2"),
     (OPENGL_1_2, accum(AccumOperation.ADD, scissor=Scissor(0, 0, -1, 1)), "scissor box is -1x1"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("profile", "command", "words"), REFUSED)

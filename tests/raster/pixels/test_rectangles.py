@@ -101,7 +101,7 @@ samplers = st.builds(
     wrap_t=st.sampled_from([WrapMode.REPEAT, WrapMode.CLAMP, WrapMode.CLAMP_TO_EDGE]),
     wrap_r=st.sampled_from([WrapMode.REPEAT, WrapMode.CLAMP, WrapMode.CLAMP_TO_EDGE]),
     border_color=colors,
-)  # fmt: skip
+)
 units = st.builds(
     TextureUnit,
     texture=st.sampled_from(sorted(TEXTURES)),

@@ -244,9 +244,11 @@ def test_runs_of_one_color_and_one_depth(word, depth, stencil, blend):
         batch.packed[:], batch.depth[:] = shade, word
         buffers, columns = batch.buffers(), WIDTH + R.SLACK
         fragments = V.Fragments(
-            np.full(columns, shade, np.uint32), np.zeros(columns, np.int32),
-            np.full(columns, word, np.int32), np.zeros(columns, np.uint8),
-        )  # fmt: skip
+            np.full(columns, shade, np.uint32),
+            np.zeros(columns, np.int32),
+            np.full(columns, word, np.int32),
+            np.zeros(columns, np.uint8),
+        )
         of_rows = Runs(batch.starts, batch.x, batch.y, len(runs))
         V.write_fragments(draw, PLAIN, WIDTH, of_rows, 1, fragments, buffers)
         assert_same(buffers, batch.portable(draw, PLAIN))
