@@ -29,9 +29,9 @@ from tests.support.random_frames import random_frame
 SHARED = ("program", "final", "constants", "arithmetic", "factors")
 ROWS = ("draw", "draw_float", *SHARED, "units", "fog_thresholds", "depths")
 COLUMNS = (
-    "x", "y", "inverse_w", "colors", "coordinates", "fog", "triangles", "strokes", "levels", "pair_levels",
-    "plan",
-)  # fmt: skip
+    *("x", "y", "inverse_w", "colors", "coordinates", "fog"),
+    *("triangles", "strokes", "levels", "pair_levels", "plan"),
+)
 BATCH = 256
 SCRATCH = scratch(BATCH)
 WAYS = ("bytes", "small", "extreme")

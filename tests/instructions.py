@@ -135,9 +135,9 @@ def _of_machines():
             )
         )
     head = (
-        "machine", "general combiners", "constants", "texture units", "blue to alpha",
-        "one", "half", "expand", "low", "high", "rounds",
-    )  # fmt: skip
+        *("machine", "general combiners", "constants", "texture units", "blue to alpha"),
+        *("one", "half", "expand", "low", "high", "rounds"),
+    )
     return table(head, rows)
 
 

@@ -26,9 +26,9 @@ _TEXT = b"0123456789-. \n+XY:="
 _NUMBERS = (0, 1, 2, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
 # What only Python, NumPy or a decoder says.
 LEAKS = (
-    "StopIteration", "pickle", "buffer", "unpack", "Error", "Traceback", "object at", "None", "<class", "('",
-    "dtype", "=-", "argument",
-)  # fmt: skip
+    *("StopIteration", "pickle", "buffer", "unpack", "Error", "Traceback", "object at"),
+    *("None", "<class", "('", "dtype", "=-", "argument"),
+)
 
 
 class Late(BaseException):

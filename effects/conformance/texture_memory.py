@@ -20,12 +20,12 @@ WORD_BYTES = {
     **dict.fromkeys((TexelWord.Y8, TexelWord.AY8, TexelWord.A8), 1),
     **dict.fromkeys(
         (
-            TexelWord.A8R8G8B8, TexelWord.X8R8G8B8, TexelWord.A8B8G8R8, TexelWord.B8G8R8A8,
-            TexelWord.R8G8B8A8, TexelWord.R16B16, TexelWord.X8_Y24_FIXED, TexelWord.X8_Y24_FLOAT,
+            *(TexelWord.A8R8G8B8, TexelWord.X8R8G8B8, TexelWord.A8B8G8R8, TexelWord.B8G8R8A8),
+            *(TexelWord.R8G8B8A8, TexelWord.R16B16, TexelWord.X8_Y24_FIXED, TexelWord.X8_Y24_FLOAT),
         ),
         4,
     ),
-}  # fmt: skip
+}
 
 # Each component's highest bits (SDL's conversion, but for R6G5B5, which is later programs' own): the lowest
 # bit and the width of red, green, blue and alpha.

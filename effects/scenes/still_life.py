@@ -18,12 +18,13 @@ from fixedpipe.effects.scenes.objects_and_lamps import (
 # A turned vase, a smooth curve through (radius, height) between its two flat ends, and a column with base and
 # capital.
 _VASE = (
-    (0.34, 0.0), (0.36, 0.06), (0.22, 0.14), (0.20, 0.22), (0.34, 0.48), (0.44, 0.78),
-    (0.42, 1.02), (0.28, 1.26), (0.17, 1.40), (0.16, 1.50), (0.28, 1.63),
-)  # fmt: skip
+    *((0.34, 0.0), (0.36, 0.06), (0.22, 0.14), (0.20, 0.22), (0.34, 0.48), (0.44, 0.78)),
+    *((0.42, 1.02), (0.28, 1.26), (0.17, 1.40), (0.16, 1.50), (0.28, 1.63)),
+)
 _COLUMN = (
-    (0.0, 0.0), (0.34, 0.0), (0.34, 0.12), (0.22, 0.2), (0.2, 1.94), (0.3, 1.99), (0.3, 2.14), (0.0, 2.14),
-)  # fmt: skip
+    *((0.0, 0.0), (0.34, 0.0), (0.34, 0.12), (0.22, 0.2)),
+    *((0.2, 1.94), (0.3, 1.99), (0.3, 2.14), (0.0, 2.14)),
+)
 
 # Where the ground's vertices are beyond the floor's edge, world units from the middle: the farther the
 # coarser, as the light changes less from place to place. The camera sees no farther than 17; cameras that

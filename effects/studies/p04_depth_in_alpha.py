@@ -128,9 +128,8 @@ def checks(table):
 def plot(axes, table):
     """Acne by slope, measured and by the law."""
     (axis,) = axes
-    shown = (((8, 0), BLUE), ((8, 1), SKY), ((8, 2), GREEN), ((12, 2), ORANGE), ((16, 2), RED),
-             ((16, 512), PURPLE))  # fmt: skip
-    for coding, color in shown:
+    codings = ((8, 0), (8, 1), (8, 2), (12, 2), (16, 2), (16, 512))
+    for coding, color in zip(codings, (BLUE, SKY, GREEN, ORANGE, RED, PURPLE), strict=True):
         name = _name(*coding)
         axis.plot(*table.curves[name], color=color)
         axis.plot(

@@ -109,8 +109,7 @@ class Study:
 
 
 # Colours of plots that people with any colour vision tell apart.  Source: Okabe, Ito 2008.
-BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK = (
-    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000",
-)  # fmt: skip
+BLUE, ORANGE, GREEN, RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
+PURPLE, SKY, BLACK = "#CC79A7", "#56B4E9", "#000000"
 # How a plot marks a number that the catalogue expects.
 EXPECTED = {"color": BLACK, "marker": "D", "linestyle": "none", "markersize": 6, "markerfacecolor": "white"}

@@ -26,9 +26,9 @@ _FACES, _STRIPS = ("face", "faces", "polygon"), ("tristrips", "tristrip")
 # Assumed: no mesh of more faces is drawn within a minute, and no header is longer.
 MOST_FACES, _LONGEST_HEADER = 500_000, 1 << 16
 _SIZES = {
-    "char": 1, "uchar": 1, "int8": 1, "uint8": 1, "short": 2, "ushort": 2, "int16": 2, "uint16": 2, "int": 4,
-    "uint": 4, "int32": 4, "uint32": 4, "float": 4, "float32": 4, "double": 8, "float64": 8,
-}  # fmt: skip
+    **{"char": 1, "uchar": 1, "int8": 1, "uint8": 1, "short": 2, "ushort": 2, "int16": 2, "uint16": 2},
+    **{"int": 4, "uint": 4, "int32": 4, "uint32": 4, "float": 4, "float32": 4, "double": 8, "float64": 8},
+}
 
 
 def read_ply(path: Path) -> Corners:

@@ -64,8 +64,9 @@ def _converted(colors, matrix):
 
 # Which axis changes from line to line, which along a line, and the orientation (``picture_files.turned``).
 _TURNS = {
-    b"-Y+X": 1, b"-Y-X": 2, b"+Y-X": 3, b"+Y+X": 4, b"+X-Y": 5, b"-X-Y": 6, b"-X+Y": 7, b"+X+Y": 8,
-}  # fmt: skip
+    **{b"-Y+X": 1, b"-Y-X": 2, b"+Y-X": 3, b"+Y+X": 4},
+    **{b"+X-Y": 5, b"-X-Y": 6, b"-X+Y": 7, b"+X+Y": 8},
+}
 _LONGEST_LINE, _LONGEST_HEADER = 1 << 16, 1 << 20
 
 

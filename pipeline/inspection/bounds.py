@@ -22,9 +22,9 @@ from fixedpipe.raster.columns import numbers
 
 _CONSTANTS = Register.CONSTANT_COLOR0, Register.CONSTANT_COLOR1
 _READ = (
-    Register.PRIMARY_COLOR, Register.SECONDARY_COLOR, Register.FOG,
-    Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3,
-)  # fmt: skip
+    *(Register.PRIMARY_COLOR, Register.SECONDARY_COLOR, Register.FOG),
+    *(Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, Register.TEXTURE3),
+)
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,10 @@ _NEHALEM = ("cx16", "popcnt", "sse4.2", "ssse3")
 _HASWELL = (*_NEHALEM, "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
 _SKYLAKE = (*_HASWELL, "adx", "avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl", "clflushopt")
 _ZEN_4 = (
-    *_SKYLAKE, "avx512bf16", "avx512bitalg", "avx512ifma", "avx512vbmi", "avx512vbmi2", "avx512vnni",
-    "avx512vpopcntdq", "gfni", "sha", "sse4a", "vaes", "vpclmulqdq",
-)  # fmt: skip
+    *_SKYLAKE,
+    *("avx512bf16", "avx512bitalg", "avx512ifma", "avx512vbmi", "avx512vbmi2", "avx512vnni"),
+    *("avx512vpopcntdq", "gfni", "sha", "sse4a", "vaes", "vpclmulqdq"),
+)
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from fixedpipe.pipeline.vertices.lighting import cosine_of_degrees
 _SPREAD, _LAST_EXPONENT = 0.02, 1024.0  # of the curves: the spacing of their values, and their end
 # Two curves over the exponent e, each by 15 values at equal steps of 1 - 1/(1 + _SPREAD e).
 _B = (
-    -3.80e-05, -1.77, -2.41, -2.71, -2.88, -2.98, -3.06, -3.11, -3.17, -3.23, -3.28, -3.37, -3.47, -3.83,
-    -5.11,
-)  # fmt: skip
+    *(-3.80e-05, -1.77, -2.41, -2.71, -2.88, -2.98, -3.06, -3.11),
+    *(-3.17, -3.23, -3.28, -3.37, -3.47, -3.83, -5.11),
+)
 _C = (-0.01, 1.77, 2.39, 2.70, 2.87, 2.98, 3.06, 3.10, 3.16, 3.23, 3.27, 3.37, 3.47, 3.83, 5.11)
 
 

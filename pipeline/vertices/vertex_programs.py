@@ -29,9 +29,9 @@ from fixedpipe.raster.floats import LEAST_SINGLE
 TEMPORARIES, CONSTANTS = 12, 192
 # The number of each input register. Source: NV097_SET_VERTEX_DATA_ARRAY_FORMAT's order.
 INPUTS = {
-    "OPOS": 0, "WGHT": 1, "NRML": 2, "COL0": 3, "COL1": 4, "FOGC": 5, "PSIZ": 6, "BFC0": 7, "BFC1": 8,
-    "TEX0": 9, "TEX1": 10, "TEX2": 11, "TEX3": 12,
-}  # fmt: skip
+    **{"OPOS": 0, "WGHT": 1, "NRML": 2, "COL0": 3, "COL1": 4, "FOGC": 5, "PSIZ": 6, "BFC0": 7, "BFC1": 8},
+    **{"TEX0": 9, "TEX1": 10, "TEX2": 11, "TEX3": 12},
+}
 OUTPUTS = ("HPOS", "COL0", "COL1", "FOGC", "PSIZ", "BFC0", "BFC1", "TEX0", "TEX1", "TEX2", "TEX3")
 _COMPONENTS = {"x": 0, "y": 1, "z": 2, "w": 3}
 _DEFAULT = (0.0, 0.0, 0.0, 1.0)  # the components that an input lacks, and the missing inputs

@@ -204,9 +204,8 @@ def argument(source, operand, known):
 
 def combined(half, known, four, scale=None):
     """Red, green and blue of a half, by table 3.20 of OpenGL 1.3 and NV_texture_env_combine4's."""
-    a, b, c, d = (
-        *[argument(*each, known) for each in zip(half.sources, half.operands, strict=True)], None, None, None
-    )[:4]  # fmt: skip
+    read = [argument(*each, known) for each in zip(half.sources, half.operands, strict=True)]
+    a, b, c, d = (*read, None, None, None)[:4]
     if four:
         value = a * b + c * d - 0.5 * (half.function == FUNCTION.ADD_SIGNED)
     else:

@@ -125,9 +125,9 @@ THREE_SPOTS = ambient_only(
 )
 DARK, BY_RED, BY_GREEN, BY_BLUE = 0x333333, 0xFF3333, 0x33FF33, 0x3333FF
 SPOTTED = {
-    (0, 15): BY_RED, (15, 0): DARK, (30, 15): BY_BLUE, (15, 30): BY_GREEN,
-    (0, 0): DARK, (0, 30): BY_GREEN, (30, 0): DARK, (30, 30): BY_GREEN,
-}  # fmt: skip
+    **{(0, 15): BY_RED, (15, 0): DARK, (30, 15): BY_BLUE, (15, 30): BY_GREEN},
+    **{(0, 0): DARK, (0, 30): BY_GREEN, (30, 0): DARK, (30, 30): BY_GREEN},
+}
 SPOTS = Case(
     "spots of three directions, exponents and cutoffs",
     (

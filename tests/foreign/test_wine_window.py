@@ -241,9 +241,9 @@ def shown():
 
 
 COUNTED = {
-    (16, 42): 0x30, (16, 30): 0x80, (48, 42): 0x90, (48, 30): 0x30,
-    (16, 18): 0x80, (16, 6): 0x30, (48, 18): 0x90, (48, 6): 0x80,
-}  # fmt: skip
+    **{(16, 42): 0x30, (16, 30): 0x80, (48, 42): 0x90, (48, 30): 0x30},
+    **{(16, 18): 0x80, (16, 6): 0x30, (48, 18): 0x90, (48, 6): 0x80},
+}
 STENCIL = Case(
     "stencil counts by facing",
     (
@@ -370,8 +370,9 @@ def point(name, x, state, reach):
 RISING = [[-1, -1, 0], [-1, 1, 0], [1, -1, 1], [1, 1, 1]]
 BIASES = ((0xFFFF0000, -0.2), (0xFF00FF00, 0.0), (0xFF0000FF, 0.2), (0xFFFFFFFF, 0.4))
 BIASED = (
-    (61, WHITE), (65, BLUE), (190, BLUE), (194, GREEN), (318, GREEN), (322, RED), (446, RED), (450, 0),
-)  # fmt: skip
+    *((61, WHITE), (65, BLUE), (190, BLUE), (194, GREEN)),
+    *((318, GREEN), (322, RED), (446, RED), (450, 0)),
+)
 
 
 def biased(bits):

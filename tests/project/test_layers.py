@@ -197,8 +197,9 @@ def test_nobody_asks_which_machine_it_is():
 # What register combiners are made of, and who makes it in effects: the words of techniques, and suites, which
 # transcribe the fields that a capture's program set.
 COMBINERS = {
-    "RGBPortion", "AlphaPortion", "CombinerInput", "CombinerLookup", "GeneralCombiner", "FinalCombiner",
-}  # fmt: skip
+    *("RGBPortion", "AlphaPortion", "CombinerInput"),
+    *("CombinerLookup", "GeneralCombiner", "FinalCombiner"),
+}
 MAKERS = {"effects/passes", "effects/conformance"}
 
 

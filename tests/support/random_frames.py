@@ -128,9 +128,9 @@ _ZERO = CombinerInput()
 _DEPTH = FogCoordinateSource.FRAGMENT_DEPTH
 _ONE = CombinerInput(Register.ZERO, Mapping.UNSIGNED_INVERT)
 _READ_FORMATS = (
-    "RGBA", "RGB", "RED", "GREEN", "BLUE", "ALPHA", "LUMINANCE", "LUMINANCE_ALPHA", "DEPTH_COMPONENT",
-    "STENCIL_INDEX",
-)  # fmt: skip
+    *("RGBA", "RGB", "RED", "GREEN", "BLUE"),
+    *("ALPHA", "LUMINANCE", "LUMINANCE_ALPHA", "DEPTH_COMPONENT", "STENCIL_INDEX"),
+)
 # Edges of textures, narrow ones frequent; the last are left to frames whose machine takes them.
 _EDGES = (1, 1, 2, 4, 8, 16, 32, 64)
 _OTHER_WORDS = (  # signed ones, and words of sixteen bits
@@ -1148,9 +1148,9 @@ class _Maker:
 
     def shape(self):
         kinds = (
-            self.screen, self.screen, self.large, self.any, self.any, self.lattice, self.lattice,
-            self.exact, self.slivers, self.tiny, self.fan, self.far, self.degenerate, self.strip,
-        )  # fmt: skip
+            *(self.screen, self.screen, self.large, self.any, self.any, self.lattice, self.lattice),
+            *(self.exact, self.slivers, self.tiny, self.fan, self.far, self.degenerate, self.strip),
+        )
         if not self.plain:
             kinds += (self.listed, self.strokes)
         made = self.one_of(kinds)()

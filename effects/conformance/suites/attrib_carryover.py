@@ -38,10 +38,10 @@ DIFFUSE, POINT_SIZE = 2, 5
 
 # By name in the cases: the attribute's number, its input, and how many components a vertex gives.
 ATTRIBUTES = {
-    "w": (0, "WGHT", 1), "n": (1, "NRML", 3), "d": (DIFFUSE, "COL0", 4), "s": (3, "COL1", 4),
-    "fc": (4, "FOGC", 1), "ps": (POINT_SIZE, "PSIZ", 1), "bd": (6, "BFC0", 4), "bs": (7, "BFC1", 4),
-    "t0": (8, "TEX0", 2), "t1": (9, "TEX1", 2), "t2": (10, "TEX2", 2), "t3": (11, "TEX3", 2),
-}  # fmt: skip
+    **{"w": (0, "WGHT", 1), "n": (1, "NRML", 3), "d": (DIFFUSE, "COL0", 4), "s": (3, "COL1", 4)},
+    **{"fc": (4, "FOGC", 1), "ps": (POINT_SIZE, "PSIZ", 1), "bd": (6, "BFC0", 4), "bs": (7, "BFC1", 4)},
+    **{"t0": (8, "TEX0", 2), "t1": (9, "TEX1", 2), "t2": (10, "TEX2", 2), "t3": (11, "TEX3", 2)},
+}
 # How the vertices are sent: arrays, one by one, in the command stream, by index. And the last vertex's value.
 VALUES = {
     "da": (0.05, 0.0, 1.0, 1.0),

@@ -19,12 +19,12 @@ COPIED = vertex_program("MOV o[HPOS], v[OPOS]; MOV o[COL0], v[COL0];")
 MULTIPLIED = vertex_program("MOV o[HPOS], v[OPOS]; MUL o[COL0], v[COL0], c[120];")
 # By name, the bit patterns of a gradient's ends.
 ENDS = {
-    "0_1": (0x00000000, 0x3F800000), "-1_1": (0xBF800000, 0x3F800000), "-8_1": (0xC1000000, 0x3F800000),
-    "0_8": (0x00000000, 0x41000000), "-NaNq_NaNq": (0xFFC00000, 0x7FC00000),
-    "-NaNs_NaNs": (0xFF800001, 0x7F800001), "-INF_INF": (0xFF800000, 0x7F800000),
-    "-Max_Max": (0xFF7FFFFF, 0x7F7FFFFF), "-MinN_MinN": (0x80800000, 0x00800000),
-    "-MaxSN_MaxSN": (0x807FFFFF, 0x007FFFFF), "-Min_Min": (0x80000001, 0x00000001),
-}  # fmt: skip
+    **{"0_1": (0x00000000, 0x3F800000), "-1_1": (0xBF800000, 0x3F800000), "-8_1": (0xC1000000, 0x3F800000)},
+    **{"0_8": (0x00000000, 0x41000000), "-NaNq_NaNq": (0xFFC00000, 0x7FC00000)},
+    **{"-NaNs_NaNs": (0xFF800001, 0x7F800001), "-INF_INF": (0xFF800000, 0x7F800000)},
+    **{"-Max_Max": (0xFF7FFFFF, 0x7F7FFFFF), "-MinN_MinN": (0x80800000, 0x00800000)},
+    **{"-MaxSN_MaxSN": (0x807FFFFF, 0x007FFFFF), "-Min_Min": (0x80000001, 0x00000001)},
+}
 MULTIPLIERS = (1.0, 0.0, -np.inf, np.inf, np.copysign(np.nan, -1.0), np.nan)  # after a gradient as it is
 INSET = 0.2
 

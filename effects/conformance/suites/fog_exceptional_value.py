@@ -28,10 +28,10 @@ PROGRAMS = {
 # Bit patterns: 0, 1, 10, 100, 1000, -1.24, -10.75; and with both signs infinity, a quiet and a signalling
 # NaN, the largest, the least normal, the largest and the least denormal number.
 VALUES = (
-    0x00000000, 0x3F800000, 0x41200000, 0x42C80000, 0x447A0000, 0xBF9EB852, 0xC12C0000,
-    0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC00000, 0x7F800001, 0xFF800001, 0x7F7FFFFF, 0xFF7FFFFF,
-    0x00800000, 0x80800000, 0x007FFFFF, 0x807FFFFF, 0x00000001, 0x80000001,
-)  # fmt: skip
+    *(0x00000000, 0x3F800000, 0x41200000, 0x42C80000, 0x447A0000, 0xBF9EB852, 0xC12C0000),
+    *(0x7F800000, 0xFF800000, 0x7FC00000, 0xFFC00000, 0x7F800001, 0xFF800001, 0x7F7FFFFF, 0xFF7FFFFF),
+    *(0x00800000, 0x80800000, 0x007FFFFF, 0x807FFFFF, 0x00000001, 0x80000001),
+)
 PARAMETERS = {"INF-": np.inf, "NaN-": np.nan}  # one value, with every bias and multiplier below
 BIASES = (-1.0, 1.0, 1.5, 1000.0)
 MULTIPLIERS = (-1 / (200 - 1), -0.025 / (2 * fog.LN_256), -0.025 / (2 * fog.SQRT_LN_256), 1.0, 0.0, -1000.0)

@@ -29,15 +29,15 @@ RED, GREEN, BLUE, GREY = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.5
 
 # Columns x, y, w and colour: a counter-clockwise pair of triangles, a clockwise one, and two without area.
 PAIRS = (
-    (LEFT, TOP, INFINITE, RED), (310.0, BOTTOM, 0.980578, BLUE), (310.0, TOP, 0.0, GREY),
-    (LEFT, TOP, INFINITE, RED), (LEFT, BOTTOM, INFINITE, GREEN), (310.0, BOTTOM, INFINITE, BLUE),
-    (330.0, TOP, 1.0, BLUE), (RIGHT, TOP, 1.0, GREEN), (RIGHT, BOTTOM, 1.0, RED),
-    (330.0, TOP, 1.0, BLUE), (RIGHT, BOTTOM, 1.0, RED), (330.0, BOTTOM, 1.0, GREY),
-)  # fmt: skip
+    *((LEFT, TOP, INFINITE, RED), (310.0, BOTTOM, 0.980578, BLUE), (310.0, TOP, 0.0, GREY)),
+    *((LEFT, TOP, INFINITE, RED), (LEFT, BOTTOM, INFINITE, GREEN), (310.0, BOTTOM, INFINITE, BLUE)),
+    *((330.0, TOP, 1.0, BLUE), (RIGHT, TOP, 1.0, GREEN), (RIGHT, BOTTOM, 1.0, RED)),
+    *((330.0, TOP, 1.0, BLUE), (RIGHT, BOTTOM, 1.0, RED), (330.0, BOTTOM, 1.0, GREY)),
+)
 FLAT = (
-    (133.0, TOP, 1.0, RED), (133.0, CENTER, 1.0, BLUE), (133.0, BOTTOM, 1.0, GREEN),
-    (507.0, TOP, 1.0, BLUE), (507.0, BOTTOM, 1.0, GREY), (507.0, CENTER, 1.0, RED),
-)  # fmt: skip
+    *((133.0, TOP, 1.0, RED), (133.0, CENTER, 1.0, BLUE), (133.0, BOTTOM, 1.0, GREEN)),
+    *((507.0, TOP, 1.0, BLUE), (507.0, BOTTOM, 1.0, GREY), (507.0, CENTER, 1.0, RED)),
+)
 
 
 def _case(mode, winding, face):

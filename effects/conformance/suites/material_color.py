@@ -20,10 +20,10 @@ from fixedpipe.pipeline.state import Light, Lighting, Material
 SUITE = "Material_color"
 
 COLORS = {
-    "R": (1.0, 0.0, 0.0), "r": (0.5, 0.0, 0.0), "G": (0.0, 1.0, 0.0), "g": (0.0, 0.5, 0.0),
-    "B": (0.0, 0.0, 1.0), "b": (0.0, 0.0, 0.5),
-    "0": (0.0,) * 3, "1": (1.0,) * 3, "3": (0.33,) * 3,
-}  # fmt: skip
+    **{"R": (1.0, 0.0, 0.0), "r": (0.5, 0.0, 0.0), "G": (0.0, 1.0, 0.0), "g": (0.0, 0.5, 0.0)},
+    **{"B": (0.0, 0.0, 1.0), "b": (0.0, 0.0, 0.5)},
+    **{"0": (0.0,) * 3, "1": (1.0,) * 3, "3": (0.33,) * 3},
+}
 LEFT, TOP, RIGHT, BOTTOM = -2.75, 1.75, 2.75, -1.75  # of the quad, in the world
 CORNERS = [(LEFT, TOP), (RIGHT, TOP), (RIGHT, BOTTOM), (LEFT, TOP), (RIGHT, BOTTOM), (LEFT, BOTTOM)]
 

@@ -41,17 +41,18 @@ COEFFICIENTS = tuple(  # power 125
 
 # Which parts the nine quads take from the vertices' colour, row by row.
 PARTS = (
-    ("diffuse",), ("diffuse", "specular"), ("specular",),
-    ("diffuse", "emission"), ("diffuse", "specular", "emission", "ambient"), ("specular", "ambient"),
-    ("emission",), ("emission", "ambient"), ("ambient",),
-)  # fmt: skip
+    *(("diffuse",), ("diffuse", "specular"), ("specular",)),
+    *(("diffuse", "emission"), ("diffuse", "specular", "emission", "ambient"), ("specular", "ambient")),
+    *(("emission",), ("emission", "ambient"), ("ambient",)),
+)
 M, D, S = ColorSource.MATERIAL, ColorSource.PRIMARY, ColorSource.SECONDARY
 EMISSIVE_PARTS = ((D, D), (S, D), (D, S), (S, S), (M, S), (S, M), (M, D), (D, M), (M, M))  # emission, ambient
 
 LEFT, TOP, WIDTH, HEIGHT, GAP = 126.0, 100.0, 128.0, 96.0, 4.0  # pixels, of the quads
 LEGEND = (
-    VERTEX_DIFFUSE[:3], VERTEX_SPECULAR[:3], SCENE_AMBIENT, DIFFUSE, SPECULAR, EMISSIVE_COLOR, AMBIENT,
-)  # fmt: skip
+    *(VERTEX_DIFFUSE[:3], VERTEX_SPECULAR[:3], SCENE_AMBIENT, DIFFUSE),
+    *(SPECULAR, EMISSIVE_COLOR, AMBIENT),
+)
 LEGEND_LEFT, LEGEND_TOP, LEGEND_RIGHT, LEGEND_STEP = 16.0, 120.0, 110.0, 25.0
 
 

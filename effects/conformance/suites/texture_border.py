@@ -23,17 +23,16 @@ SUITE = "Texture_border"
 OPEN = "ties between texels of the border"
 
 SIZE, CELL = 32, 2
-COLORS = (
-    0xFFFF0000, 0x66FF0000, 0xFF00FF00, 0x6600FF00, 0xFF4444FF, 0x664444FF, 0xFFFFFFFF, 0x66FFFFFF,
-)  # fmt: skip
+COLORS = (0xFFFF0000, 0x66FF0000, 0xFF00FF00, 0x6600FF00, 0xFF4444FF, 0x664444FF, 0xFFFFFFFF, 0x66FFFFFF)
 LEFT, RIGHT, TOP, BOTTOM, SPACING, DEPTH = -2.75, 2.75, 1.75, -1.75, 0.1, 1.0
 PANEL = (RIGHT - LEFT - 2 * SPACING) / 3, (TOP - BOTTOM - SPACING) / 2
 TOPS = (TOP + PANEL[1] / 4 + SPACING, -2 * SPACING)  # of the panels' two rows
 
 # A cube's faces, four corners each: +x, -x, +y, -y, +z, -z.
 _POINTS = (
-    (-1, -1, -1), (-1, -1, 1), (1, -1, 1), (1, -1, -1), (-1, 1, -1), (-1, 1, 1), (1, 1, 1), (1, 1, -1),
-)  # fmt: skip
+    *((-1, -1, -1), (-1, -1, 1), (1, -1, 1), (1, -1, -1)),
+    *((-1, 1, -1), (-1, 1, 1), (1, 1, 1), (1, 1, -1)),
+)
 _FACES = (3, 7, 6, 2, 1, 5, 4, 0, 4, 5, 6, 7, 1, 0, 3, 2, 2, 6, 5, 1, 0, 4, 7, 3)
 CUBE = np.array([_POINTS[k] for k in _FACES], np.float64)
 BORDERING = replace(
@@ -66,9 +65,7 @@ MODES = {
 BORDER = 4  # texels around
 SIZES = ((1, 1), (2, 2), (4, 4), (8, 8), (16, 16), (32, 32), (16, 1), (8, 2), (4, 8))
 AT_THE_THRESHOLD = "blocks whose lambda is within 14/256 of 0, or that lie over an edge of the cube"
-WORDS = (
-    0xFF0000FF, 0x660000FF, 0xFF00FF00, 0x6600FF00, 0xFFFF4444, 0x66FF4444, 0xFFFFFFFF, 0x66FFFFFF,
-)  # fmt: skip
+WORDS = (0xFF0000FF, 0x660000FF, 0xFF00FF00, 0x6600FF00, 0xFFFF4444, 0x66FF4444, 0xFFFFFFFF, 0x66FFFFFF)
 MASKS = (0xFFFF0000, 0xFF00FF00, 0xFF0000FF, 0xFFFF00FF, 0xFFFFFF00, 0xFF00FFFF)
 LAYERS = 4
 DEPTHS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 2.75)  # of LAYERS

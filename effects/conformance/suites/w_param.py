@@ -26,16 +26,16 @@ LEAST, MOST = np.float32(5.421011e-20), np.float32(1.8446744e19)  # about what R
 INFINITE = 2.0**65  # beyond what the chip tells from infinity
 # By name, the factor that the last corner's w is multiplied with and the first one's divided by.
 FACTORS = {
-    "0.00": 0.0, "0.25": 0.25, "0.50": 0.5, "1.00": 1.0, "2.00": 2.0, "4.00": 4.0, "inf": np.inf,
-    "-inf": -np.inf, "-4.00": -4.0, "-2.00": -2.0, "-1.00": -1.0, "-0.50": -0.5, "-0.25": -0.25,
+    **{"0.00": 0.0, "0.25": 0.25, "0.50": 0.5, "1.00": 1.0, "2.00": 2.0, "4.00": 4.0, "inf": np.inf},
+    **{"-inf": -np.inf, "-4.00": -4.0, "-2.00": -2.0, "-1.00": -1.0, "-0.50": -0.5, "-0.25": -0.25},
     "-0.00": -0.0,
 } | {
     name: -LEAST * (np.float32(steps) * LEAST)
     for name, steps in (
-        ("-3.08e-33", 1048576), ("-0.96e-34", 32768), ("-1.50e-36", 512), ("-7.52e-37", 256),
-        ("-3.76e-37", 128), ("-1.88e-37", 64),
+        *(("-3.08e-33", 1048576), ("-0.96e-34", 32768), ("-1.50e-36", 512), ("-7.52e-37", 256)),
+        *(("-3.76e-37", 128), ("-1.88e-37", 64)),
     )
-}  # fmt: skip
+}
 SHAPES = ("_bitri", "_quad")
 RECIPROCAL = vertex_program("""
     RCC R0.x, v[OPOS].z; MUL o[HPOS].xy, v[OPOS], R0.x; MOV o[HPOS].z, R0.x; MOV o[HPOS].w, v[OPOS].w;
@@ -147,15 +147,21 @@ def _fixed(shape, factor):
 
 
 POSITIVE = (
-    (STRIP_LEFT, STRIP_BOTTOM, 0.0, (0.75, 0.75, 0.75)), (STRIP_LEFT, STRIP_TOP, INFINITE, (0.0, 1.0, 0.0)),
-    (STRIP_MIDDLE, STRIP_BOTTOM, 0.1, (1.0, 0.0, 0.0)), (STRIP_MIDDLE, STRIP_TOP, 0.5, (0.0, 0.0, 1.0)),
-    (STRIP_RIGHT, STRIP_BOTTOM, 1.5, (0.0, 0.5, 0.75)), (STRIP_RIGHT, STRIP_TOP, 10.5, (0.7, 0.9, 0.2)),
-)  # fmt: skip
+    (STRIP_LEFT, STRIP_BOTTOM, 0.0, (0.75, 0.75, 0.75)),
+    (STRIP_LEFT, STRIP_TOP, INFINITE, (0.0, 1.0, 0.0)),
+    (STRIP_MIDDLE, STRIP_BOTTOM, 0.1, (1.0, 0.0, 0.0)),
+    (STRIP_MIDDLE, STRIP_TOP, 0.5, (0.0, 0.0, 1.0)),
+    (STRIP_RIGHT, STRIP_BOTTOM, 1.5, (0.0, 0.5, 0.75)),
+    (STRIP_RIGHT, STRIP_TOP, 10.5, (0.7, 0.9, 0.2)),
+)
 NEGATIVE = (
-    (STRIP_LEFT, STRIP_BOTTOM, 1.0, (0.75, 0.75, 0.75)), (STRIP_LEFT, STRIP_TOP, 1.0, (1.0, 1.0, 1.0)),
-    (STRIP_MIDDLE, STRIP_BOTTOM, 1.0, (0.5, 0.5, 0.5)), (STRIP_MIDDLE, STRIP_TOP, 1.0, (0.0, 1.0, 0.0)),
-    (STRIP_MIDDLE, STRIP_TOP, -0.1, (1.0, 0.0, 0.0)), (STRIP_RIGHT, STRIP_BOTTOM, 1.0, (0.0, 0.5, 0.5)),
-)  # fmt: skip
+    (STRIP_LEFT, STRIP_BOTTOM, 1.0, (0.75, 0.75, 0.75)),
+    (STRIP_LEFT, STRIP_TOP, 1.0, (1.0, 1.0, 1.0)),
+    (STRIP_MIDDLE, STRIP_BOTTOM, 1.0, (0.5, 0.5, 0.5)),
+    (STRIP_MIDDLE, STRIP_TOP, 1.0, (0.0, 1.0, 0.0)),
+    (STRIP_MIDDLE, STRIP_TOP, -0.1, (1.0, 0.0, 0.0)),
+    (STRIP_RIGHT, STRIP_BOTTOM, 1.0, (0.0, 0.5, 0.5)),
+)
 # Of w_gaps: a visible quad's last colour, and w of the two corners before the next one.
 VISIBLE = ((0, 1, 1), (0.75, 0.75, 0.1), (0, 1, 0), (0, 0, 1), (0, 0.5, 1), (0.5, 0.5, 0.5), (0.3, 1, 0.3))
 GAPS = ((0.0, 0.0), (0.9, 0.0), (10.9, 0.0), (-0.9, 0.0), (-10.9, 10.0), (INFINITE, INFINITE))

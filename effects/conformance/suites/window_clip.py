@@ -19,10 +19,10 @@ SUITE = "Window_clip"
 SIZE = 256  # pixels: the quad's, and the texture's that it is drawn to
 # x, y, width and height of the two rectangles, in device pixels.
 FIRST = (
-    (0, 0, 0, 0), (0, 0, SIZE, SIZE), (8, 16, 0xF00, 0xF00), (0, 0, SIZE - 1, SIZE - 1),
-    (1, 1, SIZE - 2, SIZE - 2), (1, 1, SIZE - 3, SIZE - 3), (0, 0, SIZE // 2, SIZE // 2), (0, 0, 1, 1),
-    (SIZE - 1, SIZE - 1, 1, 1), (SIZE, SIZE, 1, 1), (96, 96, 64, 64),
-)  # fmt: skip
+    *((0, 0, 0, 0), (0, 0, SIZE, SIZE), (8, 16, 0xF00, 0xF00), (0, 0, SIZE - 1, SIZE - 1)),
+    *((1, 1, SIZE - 2, SIZE - 2), (1, 1, SIZE - 3, SIZE - 3), (0, 0, SIZE // 2, SIZE // 2), (0, 0, 1, 1)),
+    *((SIZE - 1, SIZE - 1, 1, 1), (SIZE, SIZE, 1, 1), (96, 96, 64, 64)),
+)
 SECOND = ((0, 0, 0, 0), (16, 16, 8, 8))
 SWAPPED = ((60, 60, 64, 64), (0, 0, 64, 64))
 TEXTURE = "texture"

@@ -157,9 +157,9 @@ def _sun(elevation, azimuth):
 # Of the checks: degrees above the horizon, and round it from the right.
 _ELEVATIONS, _AZIMUTHS = (15.0, 30.0, 45.0, 60.0), (20.0, 110.0, 200.0, 290.0)
 _MASK = {
-    "light": _WHITE, "light_low": _WHITE, "ambient": _BLACK, "ambient_low": _BLACK,
-    "sky": _BLACK, "sky_low": _BLACK, "texels": 128,
-}  # fmt: skip
+    **{"light": _WHITE, "light_low": _WHITE, "ambient": _BLACK, "ambient_low": _BLACK},
+    **{"sky": _BLACK, "sky_low": _BLACK, "texels": 128},
+}
 # (n.l)+ from which bytes tell light from none. Where it is zero nothing is lit by either.
 _TOLD = 0.08
 

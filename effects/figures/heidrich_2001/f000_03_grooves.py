@@ -21,9 +21,9 @@ ASPECT = (2, 3)
 # In half heights of a panel: the radius of both bodies, and how far above and below the middle they are.
 RADIUS, PLACE = 0.46, 0.49
 MACHINES = (
-    "OPENGL_1_2", "OPENGL_1_2_IMAGING", "MULTITEXTURE", "GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE",
-    "INFINITE_REALITY", "G400", "TEXRAM", "FUTURE",
-)  # fmt: skip
+    *("OPENGL_1_2", "OPENGL_1_2_IMAGING", "MULTITEXTURE", "GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE"),
+    *("INFINITE_REALITY", "G400", "TEXRAM", "FUTURE"),
+)
 _VIEWER = np.array([0.0, 0.0, 1.0])
 
 

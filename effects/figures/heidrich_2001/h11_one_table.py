@@ -22,9 +22,9 @@ DATA = figure_data(__file__, "H11")
 
 RADIUS = 0.9
 MACHINES = (
-    "OPENGL_1_2", "OPENGL_1_2_IMAGING", "MULTITEXTURE", "GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE",
-    "INFINITE_REALITY", "G400", "TEXRAM", "FUTURE",
-)  # fmt: skip
+    *("OPENGL_1_2", "OPENGL_1_2_IMAGING", "MULTITEXTURE", "GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE"),
+    *("INFINITE_REALITY", "G400", "TEXRAM", "FUTURE"),
+)
 _VIEWER = np.array([0.0, 0.0, 1.0])
 
 

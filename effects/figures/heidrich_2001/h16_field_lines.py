@@ -20,9 +20,9 @@ CHARGES = ((-0.44, -0.2, 0.12, 1.0), (0.44, 0.2, -0.12, -1.0))
 BALL, HALF_HEIGHT = 1.0, 1.03
 # Those of eight bits, whose lines the executable specification draws.
 MACHINES = (
-    "OPENGL_1_2", "OPENGL_1_2_IMAGING", "MULTITEXTURE", "GEFORCE_256", "GEFORCE_3", "NV2A", "OCTANE", "G400",
-    "TEXRAM",
-)  # fmt: skip
+    *("OPENGL_1_2", "OPENGL_1_2_IMAGING", "MULTITEXTURE", "GEFORCE_256", "GEFORCE_3"),
+    *("NV2A", "OCTANE", "G400", "TEXRAM"),
+)
 _VIEWER = np.array([0.0, 0.0, 1.0])
 
 

@@ -43,12 +43,12 @@ def ground(edge):
     along_s, along_t = height_fields.slopes(height_fields.pebbles(edge, edge, max(2, edge // 16 * 2), 7))
     mean = np.sqrt((along_s * along_s + along_t * along_t).mean())
     quarters = (
-        (t < 0.5) & (s < 0.5), (across, zero),
-        (t < 0.5) & (s >= 0.5), (0.7 * aslant, 0.7 * aslant),
-        (t >= 0.5) & (s >= 0.5), (-0.7 * along_s / mean, -0.7 * along_t / mean),
-    )  # fmt: skip
+        ((t < 0.5) & (s < 0.5), (across, zero)),
+        ((t < 0.5) & (s >= 0.5), (0.7 * aslant, 0.7 * aslant)),
+        ((t >= 0.5) & (s >= 0.5), (-0.7 * along_s / mean, -0.7 * along_t / mean)),
+    )
     out = np.zeros((edge, edge, 2))
-    for here, offsets in zip(quarters[0::2], quarters[1::2], strict=True):
+    for here, offsets in quarters:
         out = np.where(here[..., None], np.stack(offsets, axis=-1), out)
     return np.clip(out, -1.5, 1.5)
 

@@ -43,9 +43,9 @@ _LAID_OUT = (0.14, 0.2, 0.81, 0.14)
 _NEAR, _FAR = 0.90, 1.62
 # Of the picture's points: (shape, edge, part of the edge).
 _POINTS = (
-    ("floor", 2, 0.887), ("floor", 2, 0.42), ("floor", 2, 0.185), ("box", 2, 0.45), ("box", 1, 0.5),
-    ("ball", 8, 0.5),
-)  # fmt: skip
+    *(("floor", 2, 0.887), ("floor", 2, 0.42), ("floor", 2, 0.185)),
+    *(("box", 2, 0.45), ("box", 1, 0.5), ("ball", 8, 0.5)),
+)
 
 
 def points():

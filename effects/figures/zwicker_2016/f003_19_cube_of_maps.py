@@ -23,9 +23,9 @@ DATA = figure_data(__file__, "F003-19")
 CHECKED_SIZE = 256
 # Of the faces +x, -x, +y, -y, +z, -z.
 TINTS = (
-    (0.95, 0.35, 0.30), (0.25, 0.75, 0.85), (0.40, 0.80, 0.30),
-    (0.80, 0.35, 0.80), (0.35, 0.42, 0.90), (0.95, 0.85, 0.25),
-)  # fmt: skip
+    *((0.95, 0.35, 0.30), (0.25, 0.75, 0.85), (0.40, 0.80, 0.30)),
+    *((0.80, 0.35, 0.80), (0.35, 0.42, 0.90), (0.95, 0.85, 0.25)),
+)
 
 
 # Half the edge of the cube that is drawn round the lamp, and the colour of its lines.

@@ -26,10 +26,10 @@ def _nrrd(name):
 
 
 KINDS = (
-    "a.png", "deep.png", "a.tiff", "deep.tiff", "whole.tiff", "a.jpg", "a.npy", "a.asc", "a.pgm", "text.ply",
-    "binary.ply", "a.obj", "raw.nrrd", "text.nrrd", "gzip.nrrd", "bzip2.nrrd", "a.hdr", "old.hdr", "a.exr",
-    "chroma.exr", "a.npz", "a.binary",
-)  # fmt: skip
+    *("a.png", "deep.png", "a.tiff", "deep.tiff", "whole.tiff", "a.jpg", "a.npy", "a.asc"),
+    *("a.pgm", "text.ply", "binary.ply", "a.obj", "raw.nrrd", "text.nrrd", "gzip.nrrd", "bzip2.nrrd"),
+    *("a.hdr", "old.hdr", "a.exr", "chroma.exr", "a.npz", "a.binary"),
+)
 LIBRARIES = ("nrrd", "plyfile", "OpenImageIO", "OpenEXR", "tifffile")
 
 

@@ -12,9 +12,9 @@ from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 from tests.reference import vertex_programs as reference
 
 ARITY = {
-    "MOV": 1, "MUL": 2, "ADD": 2, "MAD": 3, "DP3": 2, "DP4": 2, "DPH": 2, "DST": 2, "MIN": 2, "MAX": 2,
-    "SLT": 2, "SGE": 2, "RCP": 1, "RCC": 1, "RSQ": 1, "EXP": 1, "LOG": 1, "LIT": 1,
-}  # fmt: skip
+    **{"MOV": 1, "MUL": 2, "ADD": 2, "MAD": 3, "DP3": 2, "DP4": 2, "DPH": 2, "DST": 2, "MIN": 2, "MAX": 2},
+    **{"SLT": 2, "SGE": 2, "RCP": 1, "RCC": 1, "RSQ": 1, "EXP": 1, "LOG": 1, "LIT": 1},
+}
 ordinary = st.floats(-8, 8, width=32).filter(lambda x: abs(x) > 1e-30)
 numbers = ordinary | st.sampled_from([1.0, -1.0, 2.0**100, -(2.0**-100), 3.4e38])
 
