@@ -34,21 +34,20 @@ WITHOUT = "light without scattering"
 EYE = (0.0, -2.7, 2.7)
 
 
-def _domes(size, texels, count, height, albedo, directions):
+def _domes(size, texels, domes, height, albedo, directions):
     """The field, half a panel's edge at most, so that small pictures are cheap; and its visibility."""
     edge = scattering_ways.largest_power(size // 2, texels)
     whole = tuple(map(tuple, spiral(directions).tolist()))
-    return texture_space.domes_and_visibility(edge, count, height, albedo, whole)
+    return texture_space.domes_and_visibility(edge, domes, height, albedo, whole)
 
 
 def scene_by(way):
     """The scene by a machine's PathPasses."""
 
     def scene(
-        profile, size, *, texels, domes, height, albedo, specular, directions, paths, lookups, light,
-        accumulation, exposure, bits,
-    ):  # fmt: skip
-        field, visibility = _domes(size, texels, domes, height, albedo, directions)
+        profile, size, *, specular, directions, paths, lookups, light, accumulation, exposure, bits, **domes
+    ):
+        field, visibility = _domes(size, directions=directions, **domes)
         field = replace(field, specular=specular, exponent=EXPONENT)
         setup = setup_of(profile, field, visibility, bits)
         numbers = light_transport.sequences(directions, lookups, paths)
@@ -85,10 +84,7 @@ def scene_by(way):
 REFERENCE_DIRECTIONS = 400
 
 
-def reference(
-    size, *, texels, domes, height, albedo, specular, directions, paths, lookups, light, accumulation,
-    exposure, bits,
-):  # fmt: skip
+def reference(size, *, texels, domes, height, albedo, specular, lookups, light, exposure, **_):
     """The light of many more paths in float64, shown on the same relief: RGBA, top row first."""
     field, visibility = _domes(size, texels, domes, height, albedo, REFERENCE_DIRECTIONS)
     field = replace(field, specular=specular, exponent=EXPONENT)

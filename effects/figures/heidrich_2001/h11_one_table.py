@@ -59,15 +59,11 @@ def at_pixels(size, cosine, light, exponent, coefficients, background, **colors)
     return np.where(inside[..., None], shaded, np.array(background))
 
 
-def scene(
-    profile, size, *,
-    light, exponent, lobe_exponent, coefficients, ambient, diffuse, specular, slices, background,
-):  # fmt: skip
+def scene(profile, size, *, light, exponent, lobe_exponent, coefficients, slices, background, **colors):
     """Four spheres, a pass each; the third is the host's picture."""
     panels = row_of_panels(4, size)
     views = [orthographic_view(panel) for panel in panels]
     lamp = Light(light)
-    colors = {"ambient": ambient, "diffuse": diffuse, "specular": specular}
     # As many as there are, but for a small panel, whose pixels they would be smaller than.
     count = min(slices, max(12, size // 8))
     sphere = surfaces.sphere(count, max(6, count // 2)).scaled(RADIUS)

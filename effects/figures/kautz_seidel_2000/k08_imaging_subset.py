@@ -53,14 +53,11 @@ def _smooth(size, material, light, radius, diffuse, ambient, specular, backgroun
 
 
 def scene(
-    profile, size, *, slices, stacks, spread, depth, k_s, alpha_x, alpha_y, light, radius,
-    diffuse, ambient, specular, background,
-):  # fmt: skip
+    profile, size, *, slices, stacks, light, radius, diffuse, ambient, specular, background, **brushing
+):
     """Left the float picture, in the middle K08, on the right K08 without the colour matrix's bias."""
     left, *others = row_of_panels(3, size)
-    material = material_textures.brushed(
-        128, 64, Brushing.ALONG_S, alpha_x=alpha_x, alpha_y=alpha_y, spread=spread, depth=depth, k_s=k_s
-    )
+    material = material_textures.brushed(128, 64, Brushing.ALONG_S, **brushing)
     surface, toward = surfaces.sphere(slices, stacks), Light(light)
     picture = _smooth(size, material, toward, radius, diffuse, ambient, specular, background)
     out = [

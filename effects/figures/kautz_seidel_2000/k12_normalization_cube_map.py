@@ -17,20 +17,21 @@ from fixedpipe.effects.reflectance import anisotropic_blinn_phong, brdfs, materi
 DATA = figure_data(__file__, "K12")
 
 
-def scene(
-    profile, size, *, cube_map_size, light, cells, depth, alpha_x, alpha_y,
-    diffuse, ambient, specular, background, height_field, height_scale,
-):  # fmt: skip
-    """K12: a single square under a close light; left vectors as vertex colours, right from the cube map."""
-    left, right = row_of_panels(2, size)
-    surface = surfaces.plane()
+def _pebbles(cells, depth, alpha_x, alpha_y, height_field, height_scale):
+    """The square's material: pebbles, or a height field in their place."""
     if height_field is None:
         slopes = height_fields.pebble_slopes(256, cells, depth)
     else:
         slopes = height_field.slopes(256, height_scale, repeated=False)
-    material = material_textures.from_slopes(*slopes, alpha_x, alpha_y, 0.8)
+    return material_textures.from_slopes(*slopes, alpha_x, alpha_y, 0.8)
+
+
+def scene(profile, size, *, cube_map_size, light, diffuse, ambient, specular, background, **pebbles):
+    """K12: a single square under a close light; left vectors as vertex colours, right from the cube map."""
+    left, right = row_of_panels(2, size)
+    surface = surfaces.plane()
     near = Light(light, point=True)
-    loading, names = material_textures.load(material, "pebbles", profile)
+    loading, names = material_textures.load(_pebbles(**pebbles), "pebbles", profile)
     views = [orthographic_view(panel, half_height=1.06) for panel in (left, right)]
     # The vector to a point light, and twice the halfway vector's direction, at full length.
     to_light = surface.to_local(np.array(light) - surface.positions)

@@ -24,34 +24,30 @@ def heights(cells, depth):
     return height_fields.smooth(height_fields.pebbles(MAP_SIZE, MAP_SIZE, cells, 5), 2) * depth
 
 
+def _field(square, cells, depth, height_field, height_scale):
+    """The heights that are shown: pebbles, or a height field in their place."""
+    if height_field is None:
+        return heights(cells, depth)
+    return height_field.fitted(MAP_SIZE, MAP_SIZE, height_scale, repeated=not square)
+
+
 def make_scene(passes):
     """The scene drawn by one of ``emboss``'s functions."""
 
-    def scene(
-        profile, size, *, square, cells, depth, tilt, lights, diffuse, ambient, specular, background,
-        height_field, height_scale,
-    ):  # fmt: skip
+    def scene(profile, size, *, square, tilt, lights, diffuse, ambient, specular, background, **pebbles):
         """K13: a pebbled torus, or ``square``, in a panel for each light."""
         surface = (
             surfaces.plane()
             if square
             else surfaces.torus(48, 24).with_repeats(5, 2).rotated(rotation("x", tilt))
         )
-        if height_field is None:
-            field = heights(cells, depth)
-        else:
-            field = height_field.fitted(MAP_SIZE, MAP_SIZE, height_scale, repeated=not square)
-        loading, height_map = emboss.load(field, "height map of pebbles", profile)
+        loading, height_map = emboss.load(_field(square, **pebbles), "height map of pebbles", profile)
+        colors = {"color": diffuse, "ambient": ambient, "specular": specular}
         out = list(loading)
         for panel, light in zip(row_of_panels(len(lights), size), lights, strict=True):
             view = orthographic_view(panel, half_height=1.0 if square else 1.1)
-            out += (
-                panel.clear(background),
-                *passes(
-                    surface, height_map, view, Light(light), profile,
-                    color=diffuse, ambient=ambient, specular=specular,
-                ),
-            )  # fmt: skip
+            out.append(panel.clear(background))
+            out += passes(surface, height_map, view, Light(light), profile, **colors)
         return tuple(out)
 
     return scene

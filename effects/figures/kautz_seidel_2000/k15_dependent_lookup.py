@@ -43,12 +43,9 @@ def _material(map_size, bumps, depth, alpha_x, alpha_y, exponents, height_field=
     return replace(material, exponent=exponent)
 
 
-def pixel_textures_scene(
-    profile, size, *, map_size, bumps, depth, alpha_x, alpha_y, exponents, light, extent, diffuse, specular,
-    background, height_field, height_scale,
-):  # fmt: skip
+def pixel_textures_scene(profile, size, *, light, extent, diffuse, specular, background, **pebbles):
     """K15 by the color matrix and a pixel texture."""
-    material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents, height_field, height_scale)
+    material = _material(**pebbles)
     surface, toward, out = surfaces.plane(1, 1, extent, extent), Light(light), []
     for panel, up_to in zip(row_of_panels(3, size), UpTo, strict=True):
         scene = surface, material, orthographic_view(panel), toward, profile
@@ -61,12 +58,9 @@ def pixel_textures_scene(
     return tuple(out)
 
 
-def host_scene(
-    profile, size, *, map_size, bumps, depth, alpha_x, alpha_y, exponents, light, extent, diffuse, specular,
-    background, height_field, height_scale,
-):  # fmt: skip
+def host_scene(profile, size, *, light, extent, diffuse, specular, background, **pebbles):
     """K15 by register combiners and the host."""
-    material = _material(map_size, bumps, depth, alpha_x, alpha_y, exponents, height_field, height_scale)
+    material = _material(**pebbles)
     surface, toward = surfaces.plane(1, 1, extent, extent), Light(light)
     loading, names = material_textures.load(material, "pebbles", profile)
     out = list(loading)

@@ -54,12 +54,11 @@ def halfway(x, y, light):
 
 
 def scene(
-    profile, size, *, tiles, angles, alpha_x, alpha_y, k_s, joint, light, extent, subdivisions,
-    diffuse, ambient, specular, background,
-):  # fmt: skip
+    profile, size, *, light, extent, subdivisions, diffuse, ambient, specular, background, **of_parquet
+):
     """K22: left a software renderer's picture, middle the unsigned passes, right those with halves."""
     panels = row_of_panels(3, size)
-    material = parquet(tiles, angles, alpha_x, alpha_y, k_s, joint)
+    material = parquet(**of_parquet)
     x, y = pixel_grid(size, extent)
     s, t = 0.5 * (x + 1.0), 0.5 * (y + 1.0)
     half, to_light = halfway(extent * x, extent * y, light)

@@ -12,10 +12,8 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     BRICK_COLORS,
     BRICK_NORMALS,
-    load_colors,
-    load_normals,
-    map_normals,
-    own_normals,
+    FLAT,
+    load_wall,
     silhouette_check,
     slices,
     texels,
@@ -23,45 +21,23 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
-from fixedpipe.effects.scenes import brick_wall
 
 DATA = figure_data(__file__, "F003-1")
 
-FLAT = "normal map of nothing"
 ACROSS, COURSES = 5, 10
 
 
-def scene(
-    profile, size, *, relief, tilt, turn, light, diffuse, ambient, background, shown, height_field,
-    height_scale, photograph,
-):  # fmt: skip
+def scene(profile, size, *, tilt, turn, light, diffuse, ambient, background, shown, **of_wall):
     """F003-1: the same sphere, colour map and light twice; ``shown``: the normal map of each."""
-    edge = texels(size)
     n = slices(size)
     surface = surfaces.sphere(n, n // 2).with_repeats(2, 1)
     surface = surface.rotated(rotation("y", turn)).rotated(rotation("x", tilt))
-    if height_field is None:
-        normals = map_normals(relief * brick_wall.heights(edge, ACROSS, COURSES))
-    else:
-        normals = own_normals(height_field, edge, edge, height_scale)
-    if photograph is None:
-        colors = brick_wall.colors(edge, ACROSS, COURSES)
-    else:
-        colors = photograph.fitted(edge, edge, repeated=True)
-    out = [
-        load_normals(np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0]), FLAT, profile),
-        load_normals(normals, BRICK_NORMALS, profile),
-        load_colors(colors, BRICK_COLORS, profile),
-    ]
+    colors = {"color": diffuse, "ambient": ambient, "color_map": BRICK_COLORS, "self_shadow": True}
+    out = load_wall(profile, texels(size), ACROSS, COURSES, **of_wall)
     for panel, normal_map in zip(row_of_panels(2, size), shown, strict=True):
         view = orthographic_view(panel, half_height=1.1)
-        out += (
-            panel.clear(background),
-            *diffuse_bump.diffuse_pass(
-                surface, normal_map, view, Light(light), profile,
-                color=diffuse, ambient=ambient, color_map=BRICK_COLORS, self_shadow=True,
-            ),
-        )  # fmt: skip
+        out.append(panel.clear(background))
+        out += diffuse_bump.diffuse_pass(surface, normal_map, view, Light(light), profile, **colors)
     return tuple(out)
 
 

@@ -12,11 +12,9 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     BRICK_COLORS,
     BRICK_NORMALS,
+    FLAT,
     angles,
-    load_colors,
-    load_normals,
-    map_normals,
-    own_normals,
+    load_wall,
     recovered_normals,
     silhouette_check,
     texel_combiners,
@@ -38,15 +36,11 @@ from fixedpipe.effects.scenes import brick_wall
 DATA = figure_data(__file__, "F003-2")
 
 ACROSS, COURSES = 4, 8
-FLAT = "normal map of nothing"
 # Three lights 25 degrees off the plane's normal: every normal that leans by less than 65 degrees sees them.
 LIGHTS = normalize(np.array([(0.4663, 0.0, 1.0), (-0.2332, 0.4038, 1.0), (-0.2332, -0.4038, 1.0)]))
 
 
-def scene(
-    profile, size, *, relief, light, diffuse, ambient, background, painted, frontal, maps, shown,
-    height_field, height_scale, photograph,
-):  # fmt: skip
+def scene(profile, size, *, light, diffuse, ambient, background, painted, frontal, maps, shown, **of_wall):
     """F003-2: a wall, flat and with bumps, and its normal map.
 
     ``frontal``: seen straight on and filling its panel. ``maps``: the maps' edge, None: fit for the panel.
@@ -54,20 +48,8 @@ def scene(
     """
     edge = 2 * texels(size) if maps is None else maps
     surface = surfaces.plane(8, 8)
-    if height_field is None:
-        normals = map_normals(relief * brick_wall.heights(edge, ACROSS, COURSES))
-    else:
-        normals = own_normals(height_field, edge, edge, height_scale, repeated=False)
-    if photograph is None:
-        wall = brick_wall.colors(edge, ACROSS, COURSES)
-    else:
-        wall = photograph.fitted(edge, edge, repeated=False)
-    out = [
-        load_normals(np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0]), FLAT, profile),
-        load_normals(normals, BRICK_NORMALS, profile),
-        load_colors(wall, BRICK_COLORS, profile),
-    ]
-    colors = BRICK_COLORS if painted else None
+    out = load_wall(profile, edge, ACROSS, COURSES, repeated=False, **of_wall)
+    colors = {"color": diffuse, "ambient": ambient, "color_map": BRICK_COLORS if painted else None}
     for number, panel in enumerate(row_of_panels(3, size)):
         straight = orthographic_view(panel, half_height=1.0 if frontal or number < 2 else 1.06)
         view = (
@@ -77,10 +59,7 @@ def scene(
         )
         out.append(panel.clear(background))
         if number < 2:
-            out += diffuse_bump.diffuse_pass(
-                surface, shown[number], view, Light(light), profile,
-                color=diffuse, ambient=ambient, color_map=colors,
-            )  # fmt: skip
+            out += diffuse_bump.diffuse_pass(surface, shown[number], view, Light(light), profile, **colors)
         else:
             shows = (unit(BRICK_NORMALS),)
             out.append(

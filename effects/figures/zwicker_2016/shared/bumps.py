@@ -8,10 +8,12 @@ from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import panel_of
 from fixedpipe.effects.passes.combiners import TEXTURE0, final, program
 from fixedpipe.effects.passes.encoding import factor_texels, vector_and_factor_texels
+from fixedpipe.effects.scenes import brick_wall
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.enums import InternalFormat
 from fixedpipe.pipeline.textures.images import texture_2d
 
+FLAT = "normal map of nothing"
 BRICK_NORMALS, BRICK_COLORS = "normal map of bricks", "colours of bricks"
 
 
@@ -39,6 +41,29 @@ def load_colors(colors, name, profile):
     """The command that loads colours [rows, columns, 3] in [0, 1] as a texture."""
     image = texture_2d(factor_texels(colors, profile), InternalFormat.RGB8)
     return TexImage(label=f"load {name}", texture=name, image=image)
+
+
+def load_wall(
+    profile, edge, across, courses, *, relief, height_field, height_scale, photograph, repeated=True
+):
+    """The commands that load FLAT, BRICK_NORMALS and BRICK_COLORS, maps of ``edge`` texels.
+
+    ``across``, ``courses``: how many bricks, and ``relief`` how high. A height field and a photograph of the
+    user's take the place of the bricks and of their colours, each where it is given.
+    """
+    if height_field is None:
+        normals = map_normals(relief * brick_wall.heights(edge, across, courses))
+    else:
+        normals = own_normals(height_field, edge, edge, height_scale, repeated=repeated)
+    if photograph is None:
+        colors = brick_wall.colors(edge, across, courses)
+    else:
+        colors = photograph.fitted(edge, edge, repeated=repeated)
+    return [
+        load_normals(np.zeros((1, 1, 3)) + np.array([0.0, 0.0, 1.0]), FLAT, profile),
+        load_normals(normals, BRICK_NORMALS, profile),
+        load_colors(colors, BRICK_COLORS, profile),
+    ]
 
 
 def texel_combiners():
