@@ -84,10 +84,8 @@ def load(image, profile):
 def sampler(lod=None, **settings):
     """How the panorama is read. ``lod``: the level that is set by hand, or None: the machine's own."""
     fixed = {} if lod is None else {"min_lod": float(lod), "max_lod": float(lod)}
-    return Sampler(
-        TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR, WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE,
-        **fixed, **settings,
-    )  # fmt: skip
+    filters = TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR
+    return Sampler(*filters, WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE, **fixed, **settings)
 
 
 def mesh(pipe, eye, slices, stacks):
@@ -130,11 +128,12 @@ def coordinates(ray, turn):
 
 def pipe_passes(pipes, view, read, slices=96, stacks=16):
     """A Draw for each pipe, which mirrors the loaded panorama as a sampler (``sampler``) reads it."""
+    units = (unit(PANORAMA, read, environment=REPLACE),)
+    meshes = (mesh(pipe, view.eye, slices, stacks) for pipe in pipes)
     return tuple(
-        draw(f"pipe {number}", mesh(pipe, view.eye, slices, stacks), view, None,
-             (unit(PANORAMA, read, environment=REPLACE),), depth_test=FIRST_PASS)
-        for number, pipe in enumerate(pipes, 1)
-    )  # fmt: skip
+        draw(f"pipe {number}", bent, view, None, units, depth_test=FIRST_PASS)
+        for number, bent in enumerate(meshes, 1)
+    )
 
 
 # ------------------------------------------------------------------------------------------------- the truth

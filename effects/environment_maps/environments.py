@@ -46,8 +46,8 @@ def _window(x, y, color, left, right, bottom, top, panes):
     height = (y - bottom) / (top - bottom)
     outside = np.where((height < 0.28)[..., None], _MEADOW, _mixed(_HORIZON, _ZENITH, (height - 0.28) * 1.3))
     across = (x - left) / (right - left) * panes
-    bar = np.minimum(np.abs(across - np.floor(across + 0.5)) * (right - left) / panes,
-                     np.abs(height - 0.62) * (top - bottom))  # fmt: skip
+    upright = np.abs(across - np.floor(across + 0.5)) * (right - left) / panes
+    bar = np.minimum(upright, np.abs(height - 0.62) * (top - bottom))
     glass = bar > 0.035
     inside = _within(x, left, right) & _within(y, bottom, top)
     framed = _within(x, left - 0.09, right + 0.09) & _within(y, bottom - 0.09, top + 0.09)

@@ -217,10 +217,8 @@ def solve(rectangles, things=(), *, parts=2, rest=0.002, most=_MOST_STEPS):
                 f"After {most} steps more than {rest:g} of the power is unsent; let the room reflect less."
             )
     radiosity = room.emission + room.reflectance * received
-    return Solution(
-        _by_name(rectangles, radiosity), _by_name(rectangles, received), _total(power), emitted, len(sums),
-        np.array(sums),
-    )  # fmt: skip
+    found = (_by_name(rectangles, values) for values in (radiosity, received))
+    return Solution(*found, _total(power), emitted, len(sums), np.array(sums))
 
 
 def _by_name(rectangles, values):

@@ -101,10 +101,8 @@ def load(texture, profile, exponent, cosine, *, ambient, diffuse, specular, texe
     profile.
     """
     at = np.arange(texels) / (texels - 1.0)
-    values = shade(
-        at[None, :] + 0.0 * at[:, None], at[:, None] + 0.0 * at[None, :], exponent, cosine,
-        ambient=ambient, diffuse=diffuse, specular=specular,
-    )  # fmt: skip
+    s, t = at[None, :] + 0.0 * at[:, None], at[:, None] + 0.0 * at[None, :]
+    values = shade(s, t, exponent, cosine, ambient=ambient, diffuse=diffuse, specular=specular)
     return TexImage(
         label=f"load {texture}", texture=texture, image=texture_2d(factor_texels(values, profile))
     )
@@ -170,8 +168,8 @@ def matrix_pass(surface, view, light, texture, *, texels=TEXELS):
     half = half_vector(toward_light, unit_vector(view.eye, "The direction to the viewer"))
     rows = placing(toward_light, texels), placing(half, texels), (0.0,) * 4, _LAST_ROW
     units = (unit(texture, EDGE, matrix=rows, environment=REPLACE),)
-    return draw("Blinn-Phong by a table, coordinates by the texture matrix",
-                surface.mesh(surface.normals), view, None, units, depth_test=FIRST_PASS)  # fmt: skip
+    label = "Blinn-Phong by a table, coordinates by the texture matrix"
+    return draw(label, surface.mesh(surface.normals), view, None, units, depth_test=FIRST_PASS)
 
 
 def lighting_pass(surface, view, light, exponent, *, ambient, diffuse, specular):

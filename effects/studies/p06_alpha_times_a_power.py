@@ -114,8 +114,8 @@ def plot(axes, table):
         values = table.curves[f"{bits} bits, {name}"][:8]
         axis.plot(np.arange(8), values, color=color, marker=marker, linestyle="none", label=f"times {name}")
     values = table.curves[f"{bits} bits, 2^n, bias 1 - 2^n"][-8:]
-    axis.plot(np.arange(-7, 1), values, color=ORANGE, marker="^", linestyle="none",
-              label="times 2^n, bias 1 - 2^n; from one")  # fmt: skip
+    label = "times 2^n, bias 1 - 2^n; from one"
+    axis.plot(np.arange(-7, 1), values, color=ORANGE, marker="^", linestyle="none", label=label)
     axis.set_xlabel(f"alpha before the copy, in steps of 1/{2**bits - 1} from zero (right) or one (left)")
     axis.set_ylabel("alpha after it")
     axis.legend()

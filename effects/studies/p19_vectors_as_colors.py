@@ -210,10 +210,8 @@ def plot(axes, table):
         across.plot(
             x[shown], table.curves[f"vertex {slices}"][shown], color=color, lw=1.5, label=f"{slices} slices"
         )
-        across.plot(
-            x[shown], table.curves[f"polygon {slices}"][shown], color=color, ls=":",
-            label=f"{slices} slices, a vector a polygon",
-        )  # fmt: skip
+        label = f"{slices} slices, a vector a polygon"
+        across.plot(x[shown], table.curves[f"polygon {slices}"][shown], color=color, ls=":", label=label)
     across.set_xlabel("x on a cylinder of radius 1")
     across.set_ylabel("Eq. 1, alpha = 1/4, on the machine")
     across.set_ylim(0.0, 1.6)

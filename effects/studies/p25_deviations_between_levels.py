@@ -46,10 +46,8 @@ def between_levels(pair, part, profile):
     """
     stored = [rough.deviation_bytes(rough.deviations(np.array(k)), _DEVIATION) for k in pair]
     images = [np.tile(codes, (edge, edge, 1)) for codes, edge in zip(stored, (2, 1), strict=True)]
-    read = Sampler(
-        TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR, WrapMode.REPEAT, WrapMode.REPEAT,
-        min_lod=part, max_lod=part,
-    )  # fmt: skip
+    filters = TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR
+    read = Sampler(*filters, WrapMode.REPEAT, WrapMode.REPEAT, min_lod=part, max_lod=part)
     replaced = TextureEnvironment(TextureEnvironmentMode.REPLACE)
     commands = (
         TexImage(label="D of two levels", texture="D", image=texture_of_levels(images)),

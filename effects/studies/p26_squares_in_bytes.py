@@ -97,11 +97,11 @@ def _of_stones():
 def measure(profile):
     """A row for each deviation, and one for each level of stones."""
     found = zip(SIGMAS, *read(np.array(SIGMAS), profile), strict=True)
-    rows = [
-        (f"sigma {sigma:g}", float(by_k), 100.0 * (float(by_k) / sigma - 1.0), float(by_d),
-         100.0 * (float(by_d) / sigma - 1.0), None, None)
-        for sigma, by_k, by_d in found
-    ]  # fmt: skip
+    rows = []
+    for sigma, *stored in found:
+        k, d = map(float, stored)
+        off_k, off_d = (100.0 * (value / sigma - 1.0) for value in (k, d))
+        rows.append((f"sigma {sigma:g}", k, off_k, d, off_d, None, None))
     for number, lost_k, off_k, lost_d, off_d in _of_stones():
         rows.append((f"stones, level {number}", None, off_k, None, off_d, lost_k, lost_d))
     columns = (

@@ -111,11 +111,11 @@ def plot(axes, table):
     (kept,) = axes
     for sun, color in zip(SUNS, (BLUE, GREEN, ORANGE), strict=True):
         rows = [r for r in table.records() if r["sun"] == sun]
-        kept.semilogx(
-            [r["exponent"] for r in rows], [r["kept, machine"] for r in rows], color=color, marker="o",
-            label=f"sun of {sun:g}",
-        )  # fmt: skip
-        kept.semilogx([r["exponent"] for r in rows], [r["kept, formula"] for r in rows], **EXPECTED)
+        exponents, machine, formula = (
+            [r[name] for r in rows] for name in ("exponent", "kept, machine", "kept, formula")
+        )
+        kept.semilogx(exponents, machine, color=color, marker="o", label=f"sun of {sun:g}")
+        kept.semilogx(exponents, formula, **EXPECTED)
     kept.set_xlabel("exponent of the lobe")
     kept.set_ylabel("% of the sun's image that bytes keep")
     kept.legend()

@@ -117,10 +117,8 @@ def checks(table):
                 reason="nothing is in the light's way",
             )
         elif row["square"] == "beyond" or row["light"] == "parallel":
-            yield Check(
-                name, row["lit, map empty"], at_most=0.0, on=Answer.MACHINE,
-                reason="the catalogue's unlit far pixels: r is held at the cleared map's depth",
-            )  # fmt: skip
+            reason = "the catalogue's unlit far pixels: r is held at the cleared map's depth"
+            yield Check(name, row["lit, map empty"], at_most=0.0, on=Answer.MACHINE, reason=reason)
 
 
 def plot(axes, table):

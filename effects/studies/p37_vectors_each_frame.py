@@ -141,10 +141,8 @@ def plot(axes, table):
         ("vertex program", GREEN, "^"),
     ):
         ax.loglog(triangles, table.curves[name] / 1024.0, color=color, marker=marker, label=name)
-    ax.loglog(
-        triangles, table.curves["textures"] / 1024.0, color=BLUE, linestyle="--",
-        label="material textures, once",
-    )  # fmt: skip
+    once = table.curves["textures"] / 1024.0
+    ax.loglog(triangles, once, color=BLUE, linestyle="--", label="material textures, once")
     ax.axvline(
         triangles[TESSELLATIONS.index(PAPER)], color="black", linestyle=":", label="the paper's spheres"
     )

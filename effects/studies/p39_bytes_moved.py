@@ -159,10 +159,9 @@ def plot(axes, table):
         below = below + values
     for k, r in enumerate(table.records()):
         amount = f"{r['all']:,.0f} KB" if r["all"] >= 1.0 else f"{1024 * r['all']:.0f} bytes"
-        ax.annotate(
-            f"{amount}\npasses {r['passes']}, loads {r['loads']},\ncopies {r['copies']}",
-            (k, r["all"]), (0, 4), textcoords="offset points", ha="center", fontsize="small",
-        )  # fmt: skip
+        said = f"{amount}\npasses {r['passes']}, loads {r['loads']},\ncopies {r['copies']}"
+        above = {"xytext": (0, 4), "textcoords": "offset points", "ha": "center"}
+        ax.annotate(said, (k, r["all"]), **above, fontsize="small")
     ax.set_xticks(at, [name.replace(" ", "\n", 1) for name in names])
     ax.set_ylabel(f"KB in each frame, one square of {SIZE} x {SIZE} pixels")
     ax.set_ylim(0.0, 1.25 * max(table.column("all")))

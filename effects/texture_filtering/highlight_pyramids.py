@@ -184,8 +184,8 @@ def rows_pass(surface, slopes, names, view, colors, gain=1):
         constant1=colors[1],
     )
     shader = (TEXTURE_STAGE, TEXTURE_STAGE, *dot_product_stages(0, 1))
-    return (draw("highlight by D^-1 and a table", mesh, view, combiners, units, depth_test=FIRST_PASS,
-                 texture_shader=shader),)  # fmt: skip
+    tests = {"depth_test": FIRST_PASS, "texture_shader": shader}
+    return (draw("highlight by D^-1 and a table", mesh, view, combiners, units, **tests),)
 
 
 # ------------------------------------------------------------------------------ the divide at every fragment

@@ -93,10 +93,8 @@ def load(page, profile):
 
 def sampler(**settings):
     """Trilinear; ``settings``: ``max_probes`` or ``max_anisotropy``."""
-    return Sampler(
-        TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR, WrapMode.CLAMP_TO_EDGE,
-        WrapMode.CLAMP_TO_EDGE, **settings,
-    )  # fmt: skip
+    filters = TextureFilter.LINEAR_MIPMAP_LINEAR, TextureFilter.LINEAR
+    return Sampler(*filters, WrapMode.CLAMP_TO_EDGE, WrapMode.CLAMP_TO_EDGE, **settings)
 
 
 def page_pass(label, view, read):
@@ -231,8 +229,8 @@ def strip_of(picture, panel, profile):
     surface = plane(1, 1, panel.width / panel.height).with_repeats(
         picture.shape[1] / columns, len(picture) / rows
     )
+    units = (unit("samples", NEAREST, environment=REPLACE),)
     return (
         replace(load(texels, profile), label="load 256 samples a pixel", texture="samples"),
-        draw("256 samples a pixel", surface.mesh(), view, None,
-             (unit("samples", NEAREST, environment=REPLACE),), depth_test=FIRST_PASS),
-    )  # fmt: skip
+        draw("256 samples a pixel", surface.mesh(), view, None, units, depth_test=FIRST_PASS),
+    )

@@ -83,8 +83,11 @@ def _program_sizes():
     """
     before = 0.0
     for y, eighths, size, written in (
-        (150.0, 240, 2.0, False), (210.0, 80, 50.0, False), (286.0, 240, 2.0, True), (346.0, 80, 25.0, True),
-    ):  # fmt: skip
+        (150.0, 240, 2.0, False),
+        (210.0, 80, 50.0, False),
+        (286.0, 240, 2.0, True),
+        (346.0, 80, 25.0, True),
+    ):
         shade = scenes.single(scenes.single(size) * scenes.single(1 / 64))
         for x, color, own in ((128.0, scenes.abgr(BLUE), before), (400.0, (shade, 0.0, 0.0, 1.0), size)):
             point = PointState(program_size=True) if written else PointState(size=eighths / 8)

@@ -85,8 +85,8 @@ def scene(profile, size, *, light, directions, bounces):
         if part.field:
             made, (sun_name, sky_name) = _textures(part, size, sun, profile, (directions, bounces))
             loads |= made
-            passes = ((share, (unit(sky_name, _FILTERED, environment=MODULATE),)),
-                      (np.ones(share.shape), (unit(sun_name, _FILTERED, environment=MODULATE),)))  # fmt: skip
+            sky, lit = (unit(name, _FILTERED, environment=MODULATE) for name in (sky_name, sun_name))
+            passes = ((share, (sky,)), (np.ones(share.shape), (lit,)))
         else:
             facing = np.maximum(dot(part.surface.normals, np.array(sun)), 0.0)[:, None]
             color = np.array(part.color)

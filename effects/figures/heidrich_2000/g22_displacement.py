@@ -45,18 +45,16 @@ def _surfaces(field):
     return relief(field), relief(mean)
 
 
-def _made(size, texels, exposure, **values):
+def _made(size, texels, exposure, *, domes, height, albedo, directions, bounces, light):
     """The two surfaces and their texture of light, smaller on small pictures."""
-    field, light = _light(largest_power(size // 2, texels), **values)
+    made_of = domes, height, tuple(albedo), directions, bounces, tuple(light)
+    field, light = _light(largest_power(size // 2, texels), *made_of)
     return _surfaces(field), exposure * light
 
 
-def scene(profile, size, *, texels, domes, height, albedo, directions, bounces, light, exposure):
+def scene(profile, size, *, texels, exposure, **of_domes):
     """The host computes the light of the texels; the machine draws it on the geometry and on the plane."""
-    surfaces, values = _made(
-        size, texels, exposure, domes=domes, height=height, albedo=tuple(albedo), directions=directions,
-        bounces=bounces, light=tuple(light),
-    )  # fmt: skip
+    surfaces, values = _made(size, texels, exposure, **of_domes)
     texels = factor_texels(values if profile.arithmetic.exact else np.minimum(values, 1.0), profile)
     out = [TexImage(label=f"load the {_NAME}", texture=_NAME, image=texture_2d(texels))]
     for what, panel, surface in zip(
@@ -93,12 +91,9 @@ def _seen_by_rays(surface, values, edge):
     return out.reshape(edge, edge, 3), found.reshape(edge, edge)
 
 
-def by_rays(size, *, texels, domes, height, albedo, directions, bounces, light, exposure):
+def by_rays(size, *, texels, exposure, **of_domes):
     """The same by rays, nine a pixel, at the field's triangles: RGBA, top row first."""
-    surfaces, values = _made(
-        size, texels, exposure, domes=domes, height=height, albedo=tuple(albedo), directions=directions,
-        bounces=bounces, light=tuple(light),
-    )  # fmt: skip
+    surfaces, values = _made(size, texels, exposure, **of_domes)
     out = np.ones((size, 2 * size, 4))
     for number, surface in enumerate(surfaces):
         fine, _ = _seen_by_rays(surface, values, _SAMPLES * size)

@@ -183,9 +183,9 @@ def checks(figure, renderer):
         image = renderer.window(on, figure, _SIZE, **_WHITE)[..., 0]
         panels = [image[:, k * width : (k + 1) * width] for k in range(3)]
         for k, name in enumerate(figure.panels):
-            error = (panels[k] - expected[:, k * width : (k + 1) * width])[whole]
-            yield Check(f"{name}: RMS from Eq. 4 at every pixel", root_mean_square(error), at_most=bound,
-                        on=on, reason=reason)  # fmt: skip
+            error = root_mean_square((panels[k] - expected[:, k * width : (k + 1) * width])[whole])
+            name = f"{name}: RMS from Eq. 4 at every pixel"
+            yield Check(name, error, at_most=bound, on=on, reason=reason)
         peaks = {}
         for k, name, at in ((1, "circular", toward), (2, "radial", toward + 90.0)):
             peaks[k] = _sectors(_around(panels[k], _SIZE, lean, hole, 0.5))

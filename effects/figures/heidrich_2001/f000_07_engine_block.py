@@ -130,10 +130,8 @@ def _compared(figure, renderer, on, size):
     other = differs.sum() - _understood(picture, surface, mask, differs).sum()
     pixels = max(int(both.sum()), 1)
     missing = (surface.seen != drawn).sum() / pixels
-    return (
-        float(1.0 - differs.sum() / pixels), float(other / pixels), float(missing), both & ~differs,
-        _phong(picture, surface, lit),
-    )  # fmt: skip
+    shares = (float(share) for share in (1.0 - differs.sum() / pixels, other / pixels, missing))
+    return (*shares, both & ~differs, _phong(picture, surface, lit))
 
 
 def checks(figure, renderer):

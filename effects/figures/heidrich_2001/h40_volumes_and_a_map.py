@@ -83,10 +83,9 @@ def checks(figure, renderer):
             mapped = compare(
                 masks[2 + k], truths[k], map_edge=edge, contact=CONTACT_TEXELS / edge, where=faced[k]
             )
-            yield Check(
-                f"shadow volumes: pixels that agree with rays, {place}", volumes.agreeing, at_least=least,
-                on=on, reason="vertices snapped to sixteenths of a pixel" + _MEASURED,
-            )  # fmt: skip
+            name = f"shadow volumes: pixels that agree with rays, {place}"
+            reason = "vertices snapped to sixteenths of a pixel" + _MEASURED
+            yield Check(name, volumes.agreeing, at_least=least, on=on, reason=reason)
             yield DATA.check(
                 "shadow volumes: pixels unlike the rays', not on an edge, {place}",
                 volumes.other,
@@ -99,10 +98,9 @@ def checks(figure, renderer):
                 on,
                 place=place,
             )
-            yield Check(
-                f"pixels that both draw alike, {place}", 1.0 - unlike(masks, k), at_least=alike, on=on,
-                reason=f"edges within texels of a map of {edge} by {edge}" + _MEASURED,
-            )  # fmt: skip
+            name = f"pixels that both draw alike, {place}"
+            reason = f"edges within texels of a map of {edge} by {edge}" + _MEASURED
+            yield Check(name, 1.0 - unlike(masks, k), at_least=alike, on=on, reason=reason)
             if k == 1:
                 yield DATA.check(
                     "shadow map's pixels unlike the rays', over the volumes', from near",

@@ -28,6 +28,8 @@ DATA = figure_data(__file__, "H43")
 _EYE = (0.0, 0.0, 5.4)
 _TILT = -52.0
 _REPEATS = (6.0, 2.0)
+# What of the parameters is the lighting.
+_LIGHTING = ("color", "ambient", "specular", "exponent")
 
 
 def _edge(size):
@@ -70,10 +72,8 @@ def in_float(size, p):
         v.reshape(*grid, 3)[:-1, :-1] for v in (light_vectors(fine, light), half_vectors(fine, view, light))
     )
     albedo = np.stack([blinn.interpolated(colors[..., k], s, t) for k in range(3)], axis=-1)
-    return blinn.radiance(
-        blinn.normals(heights, s, t), to_light, half, albedo,
-        color=p["color"], ambient=p["ambient"], specular=p["specular"], exponent=p["exponent"],
-    )  # fmt: skip
+    settings = {name: p[name] for name in _LIGHTING}
+    return blinn.radiance(blinn.normals(heights, s, t), to_light, half, albedo, **settings)
 
 
 def _blinn_panel(profile, size, panel, p, surface):
@@ -98,7 +98,7 @@ def scene_by(vectors):
         heights, colors = _map(_edge(size), p["scales"], p["depth"], p["height_field"], p["height_scale"])
         ring, light = _ring(around, across), Light(p["light"], point=True)
         mapped = ring.with_repeats(*_REPEATS)
-        settings = {name: p[name] for name in ("color", "ambient", "specular", "exponent")}
+        settings = {name: p[name] for name in _LIGHTING}
         out = [
             *(panel.clear(background) for panel in panels),
             *(
@@ -112,10 +112,9 @@ def scene_by(vectors):
         ]
         for number, normalized in ((0, True), (1, False), (2, True)):
             view = _view(panels[number])
-            passes = two_pass_bumps.lighting_passes(
-                mapped, vectors(mapped, view, light), "normals", view, profile,
-                color_map="colours" if number else None, normalized=normalized, **settings,
-            )  # fmt: skip
+            given = {**settings, "color_map": "colours" if number else None, "normalized": normalized}
+            lit = mapped, vectors(mapped, view, light)
+            passes = two_pass_bumps.lighting_passes(*lit, "normals", view, profile, **given)
             out += passes if number else passes[:1]
         return (*out, *_blinn_panel(profile, size, panels[3], p, _ring(2 * around, 2 * across)))
 

@@ -50,6 +50,10 @@ def domes(map_size, exponents, rim_radius, alpha_x, alpha_y, spread, k_s):
     return replace(material, exponent=np.array(exponents)[(s * len(exponents)).astype(int)])
 
 
+# How the diffuse pass comes after the highlight's.
+_ADDED = {"depth_test": LATER_PASS, "blending": ADD}
+
+
 def texture_shaders_scene(
     profile, size, *, light, extent, diffuse, ambient, specular, background, **material
 ):
@@ -59,6 +63,7 @@ def texture_shaders_scene(
     panels, made = row_of_panels(2, size), domes(**material)
     surface, toward = surfaces.plane(1, 1, extent, extent), Light(light)
     given = {"specular": specular, "gated": False, "sampler": EDGE}
+    diffuse_light = {"color": diffuse, "ambient": ambient, "sampler": EDGE, **_ADDED}
     plain, plain_names = dot_product_lookups.load_blinn_phong(made, "domes", profile, exponent=1.0)
     loading, names = dependent_lookups.load(made, "domes", profile)
     out = [panel.clear(background) for panel in panels]
@@ -71,10 +76,7 @@ def texture_shaders_scene(
             )
         else:
             out += dependent_lookups.blinn_phong_passes(surface, names, view, toward, profile, **given)
-        out += diffuse_bump.diffuse_pass(
-            surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient,
-            depth_test=LATER_PASS, blending=ADD, sampler=EDGE,
-        )  # fmt: skip
+        out += diffuse_bump.diffuse_pass(surface, names.normal, view, toward, profile, **diffuse_light)
     return tuple(out)
 
 
@@ -96,18 +98,14 @@ def host_scene(profile, size, *, light, extent, diffuse, ambient, specular, back
     """Either by register combiners and the host's lookup; the diffuse pass is added."""
     panels, made = row_of_panels(2, size), domes(**material)
     surface, toward = surfaces.plane(1, 1, extent, extent), Light(light)
+    diffuse_light = {"color": diffuse, "ambient": ambient, "sampler": EDGE, **_ADDED}
     loading, names = material_textures.load(made, "domes", profile)
     out = [*(panel.clear(background) for panel in panels), *loading]
     for panel, with_exponent in zip(panels, (False, True), strict=True):
         view = orthographic_view(panel)
-        out += blinn_phong_by_host.blinn_phong(
-            surface, names, view, toward, profile,
-            specular=specular, with_exponent=with_exponent, sampler=EDGE,
-        )  # fmt: skip
-        out += diffuse_bump.diffuse_pass(
-            surface, names.normal, view, toward, profile, color=diffuse, ambient=ambient,
-            depth_test=LATER_PASS, blending=ADD, sampler=EDGE,
-        )  # fmt: skip
+        given = {"specular": specular, "with_exponent": with_exponent, "sampler": EDGE}
+        out += blinn_phong_by_host.blinn_phong(surface, names, view, toward, profile, **given)
+        out += diffuse_bump.diffuse_pass(surface, names.normal, view, toward, profile, **diffuse_light)
     return tuple(out)
 
 

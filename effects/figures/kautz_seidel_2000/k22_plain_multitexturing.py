@@ -133,14 +133,11 @@ def checks(figure, renderer):
         whole = np.stack([(pictures[a][2] - pictures[a][0])[inside] for a in pictures])
         (true, without, _), (other_true, other_without, _) = pictures[45], pictures[135]
         lost = without - true
-        yield Check(
-            "RMS of the unsigned passes - Eq. 1, strokes along the axes", root_mean_square(on_axes),
-            at_most=unsigned_bound, on=on, reason=reason,
-        )  # fmt: skip
-        yield Check(
-            "RMS of the signed passes - Eq. 1", root_mean_square(whole), at_most=signed_bound, on=on,
-            reason=reason,
-        )  # fmt: skip
+        for name, error, bound in (
+            ("RMS of the unsigned passes - Eq. 1, strokes along the axes", on_axes, unsigned_bound),
+            ("RMS of the signed passes - Eq. 1", whole, signed_bound),
+        ):
+            yield Check(name, root_mean_square(error), at_most=bound, on=on, reason=reason)
         yield DATA.check(
             "RMS of the unsigned passes - Eq. 1, strokes along a diagonal", root_mean_square(lost[inside]), on
         )

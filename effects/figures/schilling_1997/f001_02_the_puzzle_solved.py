@@ -93,8 +93,9 @@ def checks(figure, renderer):
     footprints, exact = written.footprints(views[0], written.page_edge(size)), renderer.method is _EXACT
     counts = probes(*footprints, MOST[-1], exact=exact, diagonals=False).count
     for bound, name in (({"at_least": 4.0}, "at least"), ({"at_most": 8.0}, "at most")):
-        yield Check(f"probes a pixel, mean, {name}; so many times mip-mapping's texels", float(counts.mean()),
-                    on=Answer.IDEAL, reason="the catalogue's: 4 to 8", **bound)  # fmt: skip
+        name = f"probes a pixel, mean, {name}; so many times mip-mapping's texels"
+        reason = "the catalogue's: 4 to 8"
+        yield Check(name, float(counts.mean()), on=Answer.IDEAL, reason=reason, **bound)
 
 
 def _shimmer(figure, renderer, page):

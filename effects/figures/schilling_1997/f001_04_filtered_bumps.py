@@ -87,8 +87,10 @@ def checks(figure, renderer):
     yield DATA.check(
         "variance of slopes over four times the next level's, off one, three levels", off, Answer.IDEAL
     )
-    kept = [float(level.covariance[..., 0].mean() + level.covariance[..., 2].mean() + v.sum())
-            for level, v in zip(levels, variances, strict=True)]  # fmt: skip
+    kept = [
+        float(level.covariance[..., 0].mean() + level.covariance[..., 2].mean() + v.sum())
+        for level, v in zip(levels, variances, strict=True)
+    ]
     yield DATA.check(
         "mean trace of K + variance of f, largest change over all levels", max(kept) - min(kept), Answer.IDEAL
     )

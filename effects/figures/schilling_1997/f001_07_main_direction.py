@@ -134,9 +134,9 @@ def checks(figure, renderer):
         "e1.m": dot(first, m),
         "(m x n).e2": dot(cross(m, n), second),
     }
+    reason = "the catalogue: at right angles, e2 in the plane of n and m (E001.4)"
     for name, value in products.items():
-        yield Check(name, abs(float(value)), at_most=1e-12, on=Answer.IDEAL,
-                    reason="the catalogue: at right angles, e2 in the plane of n and m (E001.4)")  # fmt: skip
+        yield Check(name, abs(float(value)), at_most=1e-12, on=Answer.IDEAL, reason=reason)
     up, ahead, right = _axes(values["main"])
     a, b = np.radians(values["longitude"]), np.radians(values["latitude"])
     exact = np.cos(b) * (np.cos(a) * ahead + np.sin(a) * right) + np.sin(b) * up

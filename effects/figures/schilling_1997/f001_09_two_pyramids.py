@@ -27,6 +27,13 @@ BUMPS, ROUGHNESS = "bump pyramid", "roughness pyramid"
 # Levels that are drawn beside and below level 0; what follows is too small to see.
 SHOWN = 6
 _GAP = 1.0 / 96.0
+# How each level is read: a texel as it is.
+_NEAREST = (
+    TextureFilter.NEAREST_MIPMAP_NEAREST,
+    TextureFilter.NEAREST,
+    WrapMode.CLAMP_TO_EDGE,
+    WrapMode.CLAMP_TO_EDGE,
+)
 
 
 def ground(edge):
@@ -99,16 +106,13 @@ def scene(profile, size, *, height_field, height_scale, background):
         ]
         view = orthographic_view(panel)
         for number, (x, y, wide) in enumerate(places()):
-            read = Sampler(
-                TextureFilter.NEAREST_MIPMAP_NEAREST, TextureFilter.NEAREST, WrapMode.CLAMP_TO_EDGE,
-                WrapMode.CLAMP_TO_EDGE, min_lod=float(number), max_lod=float(number),
-            )  # fmt: skip
+            read = Sampler(*_NEAREST, min_lod=float(number), max_lod=float(number))
             half = 0.5 * wide * scale
             square = plane(1, 1, half, half).moved(
                 (x + 0.5 * wide - 0.75) * scale, (y + 0.5 * wide - 0.5) * scale, 0.0
             )
-            out.append(draw(f"level {number} of the {name}", square.mesh(), view, None,
-                            (unit(name, read, environment=REPLACE),), depth_test=FIRST_PASS))  # fmt: skip
+            label, units = f"level {number} of the {name}", (unit(name, read, environment=REPLACE),)
+            out.append(draw(label, square.mesh(), view, None, units, depth_test=FIRST_PASS))
     return tuple(out)
 
 

@@ -46,8 +46,8 @@ def checks(figure, renderer):
     slopes = the.slopes(plate)
     deviation = float(np.sqrt((slopes * slopes).mean()))
     for bound, name in (({"at_least": 0.2}, "at least"), ({"at_most": 0.5}, "at most")):
-        yield Check(f"deviation of the bump map's slopes, {name}", deviation, on=Answer.IDEAL,
-                    reason="the catalogue's", **bound)  # fmt: skip
+        name = f"deviation of the bump map's slopes, {name}"
+        yield Check(name, deviation, on=Answer.IDEAL, reason="the catalogue's", **bound)
     heights = _heights()
     size = 256
     image = np.asarray(renderer.window(Answer.MACHINE, figure, size))[..., 0]

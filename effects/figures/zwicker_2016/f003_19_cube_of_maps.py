@@ -86,8 +86,10 @@ def scene(profile, size, *, shading, ratio, one, background, frusta):
 def _to_wall(face):
     """How far the lamp is from the wall, floor or ceiling that a face's map looks at."""
     ends = (
-        (lit_room.HALF_WIDTH, -lit_room.HALF_WIDTH), (lit_room.HEIGHT, 0.0), (lit_room.FRONT, lit_room.BACK)
-    )  # fmt: skip
+        (lit_room.HALF_WIDTH, -lit_room.HALF_WIDTH),
+        (lit_room.HEIGHT, 0.0),
+        (lit_room.FRONT, lit_room.BACK),
+    )
     axis = cube_of_maps.FACES.index(face) // 2
     return abs(ends[axis][face[0] == "-"] - lit_room.LAMP[axis])
 

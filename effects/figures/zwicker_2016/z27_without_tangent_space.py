@@ -67,8 +67,10 @@ def flagged(surface, report):
     """The triangles' colours, float64 [k, 3]: each in that of what was found."""
     colors = np.tile(np.array(COLORS["good"]), (len(surface.triangles), 1))
     for kind, found in (
-        ("stretched", report.stretched), ("mirrored", report.mirrored), ("without area", report.zero_area),
-    ):  # fmt: skip
+        ("stretched", report.stretched),
+        ("mirrored", report.mirrored),
+        ("without area", report.zero_area),
+    ):
         colors[found] = COLORS[kind]
     return colors
 

@@ -277,8 +277,10 @@ def test_both_sides_of_a_sheet_are_lit(tmp_path):
     board = [[0, 0, 0], [1, 0, 0], [1, 1, 0.2], [0, 1, 0.2]]
     means = []
     for faces, light in (
-        ([[0, 1, 2, 3]], "0,6,6"), ([[3, 2, 1, 0]], "0,6,6"), ([[0, 1, 2, 3]], "0,6,-6"),
-    ):  # fmt: skip
+        ([[0, 1, 2, 3]], "0,6,6"),
+        ([[3, 2, 1, 0]], "0,6,6"),
+        ([[0, 1, 2, 3]], "0,6,-6"),
+    ):
         mesh = write_ply(tmp_path / "board.ply", board, faces)
         more = ("--algorithm", "alpha-multitexture", "--light", light)
         assert run(*shadows(mesh, tmp_path / "out.png", *more)).exit_code == 0
