@@ -34,7 +34,7 @@ def test_the_moon_is_two_degrees_wide_and_as_bright_as_asked():
 
 def test_calm_water_shows_the_moon_where_it_is_looked_for():
     calm = the.Lake(slope=0.0, period=0.5, moon=5.0, brightness=2.5)
-    view = the.at_origin(96)
+    view = the.SUBJECT.at_origin(96)
     picture = the.answer(calm, view, Antialiasing.NONE)
     row, column = the.mirrored_moon(view, 5.0)
     y, x = np.nonzero(picture[the.rows_of_water(view)].min(axis=-1) > 0.5)
@@ -43,7 +43,7 @@ def test_calm_water_shows_the_moon_where_it_is_looked_for():
 
 
 def test_the_column_and_fine_changes_of_known_pictures():
-    view = the.at_origin(64)
+    view = the.SUBJECT.at_origin(64)
     picture = np.zeros((64, view.panel.width, 3))
     assert the.fine_energy(picture, view) == 0.0
     picture[5:25, 30:34] = 1.0
@@ -54,7 +54,7 @@ def test_the_column_and_fine_changes_of_known_pictures():
 
 
 def test_the_water_covers_the_picture_below_the_horizon():
-    view = the.at_origin(64)
+    view = the.SUBJECT.at_origin(64)
     surface = the.water(view, 0.5)
     x, z = surface.positions[:, 0], -surface.positions[:, 2]
     half = np.tan(np.radians(0.5 * the.FIELD_OF_VIEW)) * view.panel.width / view.panel.height

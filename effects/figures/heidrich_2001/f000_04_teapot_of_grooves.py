@@ -9,23 +9,20 @@ from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
-from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.figure import Figure
+from fixedpipe.effects.figures.heidrich_2001.shared import factored_teapot as the
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.geometry.views import (
     BACKGROUND,
     Light,
     panel_width,
-    perspective_view,
     row_of_panels,
 )
-from fixedpipe.effects.passes.draws import FIRST_PASS, draw
 from fixedpipe.effects.reflectance import factored_passes, separable_factors
-from fixedpipe.effects.reflectance.factored_passes import Board, Means, Storage
 from fixedpipe.effects.scattering import goniometer, height_field, visibility
 from fixedpipe.effects.scattering.directions import spiral
 from fixedpipe.effects.scenes.teapot import framed_along, teapot
-from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 
 DATA = figure_data(__file__, "F000-4")
 
@@ -35,9 +32,6 @@ TEXELS, ROWS = 32, 2
 SIDES = (0.0, 90.0, 180.0)
 # Of the teapot's own axes the one that grooves run across.
 AXIS = (0.0, 0.0, 1.0)
-# Where the camera is, of a teapot that reaches one from its axis.
-EYE, FIELD_OF_VIEW = (0.0, 1.5, 4.2), 21.0
-ASPECT = (5, 4)
 # Directions of the reference at once: arrays of all vertices would be large.
 _AT_ONCE = 1024
 
@@ -63,14 +57,9 @@ def factors(blue, red, angle, bounces, directions, map_size, terms):
     return separable_factors.factored(table(blue, red, angle, bounces, directions, map_size), terms)
 
 
-def detail(size):
-    """Parts of a patch's edge on a panel of ``size`` pixels."""
-    return 2 if size < 64 else 8
-
-
 def turned(size, side):
     """The teapot as it is seen from a side, its tangents across the grooves."""
-    return framed_along(teapot(detail(size)), AXIS).rotated(rotation("y", 180.0 + side))
+    return framed_along(teapot(the.detail(size)), AXIS).rotated(rotation("y", 180.0 + side))
 
 
 def make_scene(board):
@@ -80,10 +69,9 @@ def make_scene(board):
         found = factors(*_grooves(grooves), map_size, terms)
         commands, loaded = factored_passes.load(found, "grooves", profile, intensity=intensity, board=board)
         out = [*commands]
-        for side, panel in zip(SIDES, row_of_panels(len(SIDES), size, ASPECT), strict=True):
-            view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
+        for side, panel in zip(SIDES, row_of_panels(len(SIDES), size, the.ASPECT), strict=True):
             out.append(panel.clear(BACKGROUND))
-            out += factored_passes.passes(turned(size, side), loaded, view, Light(light))
+            out += factored_passes.passes(turned(size, side), loaded, the.view_of(panel), Light(light))
         return tuple(out)
 
     return scene
@@ -97,9 +85,8 @@ def radiance(surface, view, light, grooves):
     """pi f_r (n.l)+ at the vertices by the goniometer, each with its own light and view: float64 [n, 3]."""
     blue, red, angle, bounces, directions = grooves
     field, seen = _simulated(blue, red, angle, directions)
-    towards = surface.to_local(light.light_vectors(surface.positions))
-    views = surface.to_local(view.view_vectors(surface.positions))
-    above = np.flatnonzero((towards[:, 2] > 1e-3) & (views[:, 2] > 1e-3))
+    towards, views, above = the.lit_and_seen(surface, view, light)
+    above = np.flatnonzero(above)
     out = np.zeros(towards.shape)
     for start in range(0, len(above), _AT_ONCE):
         some = above[start : start + _AT_ONCE]
@@ -114,21 +101,17 @@ def reference(size, *, light, intensity, map_size, terms, **grooves):
     """The grooves' own BRDF at the vertices, interpolated, without factors or textures."""
     del map_size, terms
     out = []
-    for side, panel in zip(SIDES, row_of_panels(len(SIDES), size, ASPECT), strict=True):
-        view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
+    for side, panel in zip(SIDES, row_of_panels(len(SIDES), size, the.ASPECT), strict=True):
         surface = turned(size, side)
-        colors = intensity * radiance(surface, view, Light(light), _grooves(grooves))
-        out.append(panel.clear(BACKGROUND))
-        mesh = surface.mesh(colors=np.clip(colors, 0.0, 1.0))
-        out.append(draw("the BRDF at the vertices", mesh, view, None, depth_test=FIRST_PASS))
-    picture = execute_ideal(tuple(out), len(SIDES) * panel_width(size, ASPECT), size).color
-    return np.concatenate([picture[..., :3], np.ones((*picture.shape[:2], 1))], axis=-1)
+        colors = intensity * radiance(surface, the.view_of(panel), Light(light), _grooves(grooves))
+        out += the.colored(surface, panel, colors)
+    picture = the.pictured(out, len(SIDES) * panel_width(size, the.ASPECT), size)
+    return np.concatenate([picture, np.ones((*picture.shape[:2], 1))], axis=-1)
 
 
 def mean_ratio(panel):
     """Mean blue over mean red of what is lit."""
-    covered = np.abs(panel - np.array(BACKGROUND)).max(axis=-1) > 0.02
-    red, _, blue = panel[covered].mean(axis=0)
+    red, _, blue = panel[the.covered(panel)].mean(axis=0)
     return float(blue / red)
 
 
@@ -147,7 +130,7 @@ def checks(figure, renderer):
             on,
         )
         by_vertices = figure.reference_picture(size, renderer.method)[::-1, :, :3]
-        covered = np.abs(by_vertices - np.array(BACKGROUND)).max(axis=-1) > 0.02
+        covered = the.covered(by_vertices)
         yield DATA.check(
             "RMS of the teapots - the BRDF at their vertices",
             root_mean_square((np.clip(window, 0.0, 1.0) - np.clip(by_vertices, 0.0, 1.0))[covered]),
@@ -173,42 +156,28 @@ def checks(figure, renderer):
 
 FIGURE = Figure(
     **DATA.words,
-    aspect=ASPECT,
+    aspect=the.ASPECT,
     parameters={
         "blue": word.COLOR((0.1, 0.1, 0.8), "The albedo of the flanks that look to one side."),
         "red": word.COLOR((0.8, 0.1, 0.1), "The albedo of the others."),
         "angle": word.NUMBER(45.0, "How steep the flanks are.", "degrees", low=5.0, high=75.0),
         "bounces": word.of(word.Whole(0, 16), 2, "Reflections in the grooves beyond the first."),
         "directions": word.of(word.Whole(20, 1000), 100, "Directions along which light is gathered."),
-        "map_size": word.of(word.Whole(8, 32, power=True), 32, "The edge of the factors' maps.", "texels"),
+        "map_size": the.MAP_SIZE,
         "terms": word.of(word.Whole(1, 8), 3, "Products that are added."),
         "light": word.LIGHT((0.0, 0.55, 1.0)),
-        "intensity": word.NUMBER(
-            1.0, "The light's, 1 = a white surface that faces it is full.", low=0.01, high=4.0
-        ),
+        "intensity": the.intensity(1.0),
     },
-    methods=(
-        Method(
+    methods=the.methods(
+        make_scene,
+        (
             "cube maps, register combiners on two units",
-            make_scene(Board(Means.COMBINERS, Storage.CUBE, 2, True)),
-            ("GEFORCE_256",),
-        ),
-        Method(
             "cube maps, two terms at once on four units",
-            make_scene(Board(Means.COMBINERS, Storage.CUBE, 4, True)),
-            ("GEFORCE_3", "NV2A", "FUTURE"),
-        ),
-        Method(
             "parabolic maps, texture environments and inversions",
-            make_scene(Board(Means.BLENDING, Storage.PARABOLIC, 2, False)),
-            ("MULTITEXTURE", "G400", "TEXRAM"),
-        ),
-        Method(
             "parabolic maps, one unit and the accumulation buffer",
-            make_scene(Board(Means.ACCUMULATION, Storage.PARABOLIC, 1, False)),
-            # The InfiniteReality could; with twelve bits three terms take it ten seconds (Measured).
-            ("OPENGL_1_2", "OCTANE"),
         ),
+        # The InfiniteReality could; with twelve bits three terms take it ten seconds (Measured).
+        ("OPENGL_1_2", "OCTANE"),
     ),
     acceptance=checks,
     reference=reference,

@@ -9,23 +9,20 @@ from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
-from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.figure import Figure
+from fixedpipe.effects.figures.heidrich_2001.shared import factored_teapot as the
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, perspective_view, row_of_panels
-from fixedpipe.effects.passes.draws import FIRST_PASS, draw
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, row_of_panels
 from fixedpipe.effects.reflectance import factored_passes, homomorphic_factors
 from fixedpipe.effects.reflectance.brdfs import BRDFS
-from fixedpipe.effects.reflectance.factored_passes import Board, Means, Product, Storage
+from fixedpipe.effects.reflectance.factored_passes import Product
 from fixedpipe.effects.reflectance.hemisphere_maps import AnalyticBRDF
 from fixedpipe.effects.scenes.teapot import teapot
-from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 
 DATA = figure_data(__file__, "H18")
 
 PANELS = ("p(l) q(h)", "p(v)", "their product under n.l")
-EYE, FIELD_OF_VIEW = (0.0, 1.5, 4.2), 21.0
-ASPECT = (5, 4)
 # Pairs of directions by which factors are compared with the BRDF, whatever their texels are.
 _COUNT = 4096
 
@@ -54,7 +51,7 @@ def factors(metal, map_size):
 
 def turned(size, turn):
     """The teapot, tangents round its axis."""
-    return teapot(2 if size < 64 else 8).rotated(rotation("y", turn))
+    return teapot(the.detail(size)).rotated(rotation("y", turn))
 
 
 def make_scene(board):
@@ -66,12 +63,11 @@ def make_scene(board):
         lookups = loaded.products[0].lookups
         parts = (Product(lookups[:2]),), (Product(lookups[2:]),), loaded.products
         surface, out = turned(size, turn), [*commands]
-        for part, panel in zip(parts, row_of_panels(len(PANELS), size, ASPECT), strict=True):
-            view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
+        for part, panel in zip(parts, row_of_panels(len(PANELS), size, the.ASPECT), strict=True):
             shown = loaded if part is loaded.products else replace(loaded, products=part, boost=1.0)
             lit = part is loaded.products
             out.append(panel.clear(BACKGROUND))
-            out += factored_passes.passes(surface, shown, view, Light(light), lit=lit)
+            out += factored_passes.passes(surface, shown, the.view_of(panel), Light(light), lit=lit)
         return tuple(out)
 
     return scene
@@ -80,18 +76,13 @@ def make_scene(board):
 def reference(size, *, light, intensity, turn, map_size, **metal):
     """The product's panel by the BRDF itself at the vertices; the passes have no reference."""
     del map_size
-    panel = row_of_panels(len(PANELS), size, ASPECT)[-1]
-    view = perspective_view(panel, EYE, field_of_view=FIELD_OF_VIEW)
+    panel = row_of_panels(len(PANELS), size, the.ASPECT)[-1]
     surface = turned(size, turn)
-    towards = surface.to_local(Light(light).light_vectors(surface.positions))
-    views = surface.to_local(view.view_vectors(surface.positions))
-    above = (towards[:, 2] > 1e-3) & (views[:, 2] > 1e-3)
+    towards, views, above = the.lit_and_seen(surface, the.view_of(panel), Light(light))
     colors = np.zeros(towards.shape)
     found = Metal(**metal).at(normalize(towards[above]), normalize(views[above]))
     colors[above] = np.pi * intensity * found * towards[above, 2:]
-    mesh = surface.mesh(colors=np.clip(colors, 0.0, 1.0))
-    frame = panel.clear(BACKGROUND), draw("the BRDF", mesh, view, None, depth_test=FIRST_PASS)
-    picture = execute_ideal(frame, panel.x + panel.width, size).color[..., :3]
+    picture = the.pictured(the.colored(surface, panel, colors), panel.x + panel.width, size)
     shown = np.zeros((*picture.shape[:2], 1))
     shown[:, panel.x :] = 1.0
     return np.concatenate([picture, shown], axis=-1)
@@ -118,7 +109,7 @@ def checks(figure, renderer):
     size, values = figure.size // 4, figure.values
     metal = Metal(*(values[name] for name in ("diffuse", "specular", "alpha_x", "alpha_y")))
     by_vertices = np.split(figure.reference_picture(size, renderer.method)[::-1, :, :3], 3, axis=1)[-1]
-    covered = np.abs(by_vertices - np.array(BACKGROUND)).max(axis=-1) > 0.02
+    covered = the.covered(by_vertices)
     for on in Answer:
         first, second, product = np.split(np.clip(renderer.window(on, figure, size), 0.0, 1.0), 3, axis=1)
         yield DATA.check(
@@ -162,40 +153,26 @@ def checks(figure, renderer):
 FIGURE = Figure(
     **DATA.words,
     panels=PANELS,
-    aspect=ASPECT,
+    aspect=the.ASPECT,
     parameters={
         "diffuse": word.DIFFUSE((0.30, 0.13, 0.07)),
         "specular": word.SPECULAR((0.80, 0.50, 0.34)),
         "alpha_x": word.ALPHA_X(0.18),
         "alpha_y": word.ALPHA_Y(0.5),
-        "map_size": word.of(word.Whole(8, 32, power=True), 32, "The edge of the factors' maps.", "texels"),
+        "map_size": the.MAP_SIZE,
         "turn": word.DEGREES(-25.0, "How far the teapot is turned."),
         "light": word.LIGHT((0.25, 0.5, 1.0)),
-        "intensity": word.NUMBER(
-            0.55, "The light's, 1 = a white surface that faces it is full.", low=0.01, high=4.0
-        ),
+        "intensity": the.intensity(0.55),
     },
-    methods=(
-        Method(
+    methods=the.methods(
+        make_scene,
+        (
             "cube maps, two passes on two units",
-            make_scene(Board(Means.COMBINERS, Storage.CUBE, 2, True)),
-            ("GEFORCE_256",),
-        ),
-        Method(
             "cube maps, one pass on four units",
-            make_scene(Board(Means.COMBINERS, Storage.CUBE, 4, True)),
-            ("GEFORCE_3", "NV2A", "FUTURE"),
-        ),
-        Method(
             "parabolic maps, two passes on two units",
-            make_scene(Board(Means.BLENDING, Storage.PARABOLIC, 2, False)),
-            ("MULTITEXTURE", "G400", "TEXRAM"),
-        ),
-        Method(
             "parabolic maps, three passes on one unit",
-            make_scene(Board(Means.ACCUMULATION, Storage.PARABOLIC, 1, False)),
-            ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY"),
         ),
+        ("OPENGL_1_2", "OCTANE", "INFINITE_REALITY"),
     ),
     acceptance=checks,
     reference=reference,

@@ -14,7 +14,7 @@ from fixedpipe.effects.environment_maps.environments import faces
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.schilling_1997.shared.lake import with_panels
+from fixedpipe.effects.figures.schilling_1997.shared.antialiased_panels import with_panels
 from fixedpipe.effects.geometry.height_fields import hashed
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import Panel, panel_of, perspective_view, row_of_panels

@@ -2,18 +2,16 @@
 
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
-from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
-    SUN,
     WHOLE,
-    agreements,
     edge_of,
+    machine_agreements,
     mean_footprints,
     nearest_rows,
     others,
-    panels_of,
+    parameters_of,
     parts_for,
     reference,
     scene,
@@ -22,7 +20,6 @@ from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
 )
 from fixedpipe.effects.scenes import avenue
 from fixedpipe.effects.scenes.objects_and_lamps import detail_of
-from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 DATA = figure_data(__file__, "F003-22")
@@ -40,7 +37,7 @@ def checks(figure, renderer):
         )
         for fit, ratio, slices, _ in panels[:2]
     )
-    found = agreements(renderer.machine_window(figure, size, shading=SceneShading.MASK), size, panels, sun)
+    found = machine_agreements(figure, renderer, size)
     basic, warped = (wrong(f, nearest_rows(size)) for f in found[:2])
     return (
         DATA.check(
@@ -65,19 +62,14 @@ def checks(figure, renderer):
 
 FIGURE = Figure(
     **DATA.words,
-    parameters={
-        "panels": panels_of(
-            (
-                (MapFit.BASIC, 1.0, 1, WHOLE),
-                (MapFit.LISPSM, 1.0, 1, WHOLE),
-                (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
-                (MapFit.LISPSM, 1.0, 1, NEAR_SHADOW),
-            )
+    parameters=parameters_of(
+        (
+            (MapFit.BASIC, 1.0, 1, WHOLE),
+            (MapFit.LISPSM, 1.0, 1, WHOLE),
+            (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
+            (MapFit.LISPSM, 1.0, 1, NEAR_SHADOW),
         ),
-        "background": word.BACKDROP(avenue.SKY),
-        "sun": SUN,
-        "shading": word.SHADING(SceneShading.LIT),
-    },
+    ),
     methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
     reference=reference,

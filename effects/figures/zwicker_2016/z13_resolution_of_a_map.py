@@ -2,21 +2,17 @@
 
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
-from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
-    SUN,
     WHOLE,
     others,
-    panels_of,
+    parameters_of,
     reference,
     scene,
     shown_and_whole,
     wrong,
 )
-from fixedpipe.effects.scenes import avenue
-from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 DATA = figure_data(__file__, "Z13")
@@ -44,19 +40,14 @@ def checks(figure, renderer):
 
 FIGURE = Figure(
     **DATA.words,
-    parameters={
-        "panels": panels_of(
-            (
-                (MapFit.BASIC, 0.5, 1, WHOLE),
-                (MapFit.BASIC, 0.5, 1, NEAR_SHADOW),
-                (MapFit.BASIC, 2.0, 1, NEAR_SHADOW),
-                (MapFit.BASIC, 8.0, 1, NEAR_SHADOW),
-            )
+    parameters=parameters_of(
+        (
+            (MapFit.BASIC, 0.5, 1, WHOLE),
+            (MapFit.BASIC, 0.5, 1, NEAR_SHADOW),
+            (MapFit.BASIC, 2.0, 1, NEAR_SHADOW),
+            (MapFit.BASIC, 8.0, 1, NEAR_SHADOW),
         ),
-        "background": word.BACKDROP(avenue.SKY),
-        "sun": SUN,
-        "shading": word.SHADING(SceneShading.LIT),
-    },
+    ),
     methods=(Method("depth textures", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
     reference=reference,

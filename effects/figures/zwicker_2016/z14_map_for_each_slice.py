@@ -8,21 +8,18 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
-    SUN,
     TINTED,
     WHOLE,
-    agreements,
+    machine_agreements,
     nearest_rows,
     others,
-    panels_of,
+    parameters_of,
     reference,
     sliced_scene,
     truth,
     wrong,
 )
-from fixedpipe.effects.scenes import avenue
 from fixedpipe.effects.shadows import frustum_slices
-from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 DATA = figure_data(__file__, "Z14")
@@ -46,14 +43,10 @@ def _tint_matches(picture, rays, slices, mixture):
 
 def checks(figure, renderer):
     """What slices bring, and whether each pixel is of the slice that its depth says."""
-    mixture = figure.values["mixture"]
-    size, sun, panels = CHECKED_SIZE, figure.values["sun"], figure.values["panels"]
-    shown = agreements(
-        renderer.machine_window(figure, size, shading=SceneShading.MASK), size, panels, sun, mixture
-    )
+    size, panels, mixture = CHECKED_SIZE, figure.values["panels"], figure.values["mixture"]
+    shown = machine_agreements(figure, renderer, size)
     compared = ((MapFit.BASIC, *panels[1][1:3], WHOLE), panels[1])
-    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, panels=compared)
-    found = agreements(picture, size, compared, sun, mixture)
+    found = machine_agreements(figure, renderer, size, compared)
     basic, sliced = (wrong(f, nearest_rows(size)) for f in found)
     tinted = renderer.machine_window(figure, size, panels=panels[:1])[:, :size]  # without a frame
     return (
@@ -66,7 +59,7 @@ def checks(figure, renderer):
         DATA.check("pixels that agree with rays, slices", found[1].agreeing, Answer.MACHINE),
         DATA.check(
             "ground that has its slice's tint",
-            _tint_matches(tinted, truth(size, sun), panels[0][2], mixture),
+            _tint_matches(tinted, truth(size, figure.values["sun"]), panels[0][2], mixture),
             Answer.MACHINE,
         ),
         DATA.check(
@@ -80,22 +73,15 @@ def checks(figure, renderer):
 
 FIGURE = Figure(
     **DATA.words,
-    parameters={
-        "panels": panels_of(
-            (
-                (MapFit.SLICES, 1.0, 3, TINTED),
-                (MapFit.SLICES, 1.0, 3, WHOLE),
-                (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
-                (MapFit.SLICES, 1.0, 3, NEAR_SHADOW),
-            )
+    parameters=parameters_of(
+        (
+            (MapFit.SLICES, 1.0, 3, TINTED),
+            (MapFit.SLICES, 1.0, 3, WHOLE),
+            (MapFit.BASIC, 1.0, 1, NEAR_SHADOW),
+            (MapFit.SLICES, 1.0, 3, NEAR_SHADOW),
         ),
-        "background": word.BACKDROP(avenue.SKY),
-        "mixture": word.of(
-            word.Number(0.0, 1.0), 1.0, "Where slices end: 1 logarithmic, 0 all of one length."
-        ),
-        "sun": SUN,
-        "shading": word.SHADING(SceneShading.LIT),
-    },
+        mixture=word.of(word.Number(0.0, 1.0), 1.0, "Where slices end: 1 logarithmic, 0 all of one length."),
+    ),
     methods=(Method("depth textures and clip planes", sliced_scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
     reference=reference,

@@ -2,21 +2,17 @@
 
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
-from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
     NEAR_SHADOW,
-    SUN,
     nearest_rows,
     others,
-    panels_of,
+    parameters_of,
     reference,
     scene,
     shown_and_whole,
     wrong,
 )
-from fixedpipe.effects.scenes import avenue
-from fixedpipe.effects.shadows.lit_scene import SceneShading
 from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 
 DATA = figure_data(__file__, "Z16")
@@ -84,19 +80,14 @@ def checks(figure, renderer):
 
 FIGURE = Figure(
     **DATA.words,
-    parameters={
-        "panels": panels_of(
-            (
-                (MapFit.BASIC, 0.67, 1, NEAR_SHADOW),
-                (MapFit.SLICES, 0.67, 3, NEAR_SHADOW),
-                (MapFit.LISPSM, 0.67, 1, NEAR_SHADOW),
-                (MapFit.SLICES_AND_LISPSM, 0.67, 3, NEAR_SHADOW),
-            )
+    parameters=parameters_of(
+        (
+            (MapFit.BASIC, 0.67, 1, NEAR_SHADOW),
+            (MapFit.SLICES, 0.67, 3, NEAR_SHADOW),
+            (MapFit.LISPSM, 0.67, 1, NEAR_SHADOW),
+            (MapFit.SLICES_AND_LISPSM, 0.67, 3, NEAR_SHADOW),
         ),
-        "background": word.BACKDROP(avenue.SKY),
-        "sun": SUN,
-        "shading": word.SHADING(SceneShading.LIT),
-    },
+    ),
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),
     acceptance=checks,
     reference=reference,

@@ -1,8 +1,5 @@
 """F001-10 and F001-11's lake: waves that tile to the horizon, a moon over them, and measures of the picture.
 
-There are two ways to draw it. One computes it in floats, as the paper did, and shows the picture. The other
-uses texture shaders, in passes (``rough_mirror_passes``).
-
 Assumed: 80 waves, a lower one being shorter. Assumed: a moon more than twice as bright as a pixel can be, as
 in a photograph of a night, so that its light is still visible where waves spread it. In a cube map of bytes
 the moon is one. Maps that are filtered for a roughness are filtered before.
@@ -24,11 +21,12 @@ from fixedpipe.effects.environment_maps import (
 from fixedpipe.effects.environment_maps.rough_mirrors import Antialiasing, Mirror
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.schilling_1997.shared.antialiased_panels import Subject, draws
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.surfaces import Surface, plane
 from fixedpipe.effects.geometry.vectors import cosine, dot, normalize, sine
-from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_width, perspective_view
-from fixedpipe.effects.passes.draws import REPEATED, show
+from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view
+from fixedpipe.effects.passes.draws import show
 from fixedpipe.effects.passes.encoding import factor_texels
 
 ASPECT = (4, 3)
@@ -236,27 +234,13 @@ def drawn(lake, panel, stored, antialiasing):
     """Commands that draw night and lake on a panel by texture shaders."""
     view = camera(panel)
     surface = water(view, lake.period)
-    if antialiasing is Antialiasing.ANISOTROPIC:
-        draws = rough_mirror_passes.rough_passes(surface, stored, view, bias=BIAS)
-    elif antialiasing is Antialiasing.MIP:
-        draws = (rough_mirror_passes.plain_pass(surface, stored, view),)
-    else:
-        draws = (rough_mirror_passes.plain_pass(surface, stored, view, REPEATED),)
-    return (panel.clear(BACKGROUND), *bumped_reflections.backdrop(view), *draws)
+    reflected = draws(surface, stored, view, antialiasing, BIAS)
+    return (panel.clear(BACKGROUND), *bumped_reflections.backdrop(view), *reflected)
 
+
+SUBJECT = Subject(Lake, PARAMETERS, ASPECT, camera, truth, answer, shown, load, drawn)
 
 # ------------------------------------------------------------------------------------- what is measured
-
-
-def at_origin(height):
-    """The camera of a panel alone."""
-    return camera(Panel(0, 0, panel_width(height, ASPECT), height))
-
-
-def panel(image, number):
-    """Panel ``number`` of a row: [height, width, 3]."""
-    width = panel_width(image.shape[0], ASPECT)
-    return image[:, number * width : (number + 1) * width]
 
 
 def _rises(view, places):
@@ -270,12 +254,6 @@ def _rises(view, places):
 def rows_of_water(view):
     """Rows of the picture that are water from edge to edge, as a slice: the first below, the last far."""
     return slice(0, int((_rises(view, np.arange(view.panel.height) + 1.0) < 0.0).sum()))
-
-
-def with_panels(picture, count):
-    """A picture [height, width, 3], bottom row first, in each of so many panels, as a figure's reference."""
-    rgba = np.concatenate([picture, np.ones_like(picture[..., :1])], axis=-1)
-    return np.tile(rgba[::-1], (1, count, 1))
 
 
 def far(view):

@@ -14,13 +14,14 @@ from fixedpipe.effects.environment_maps import environments, rough_mirror_passes
 from fixedpipe.effects.environment_maps.rough_mirrors import Antialiasing, Mirror
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
+from fixedpipe.effects.figures.schilling_1997.shared.antialiased_panels import Subject, draws
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.surfaces import Surface, plane
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP
-from fixedpipe.effects.geometry.views import Panel, orthographic_view, panel_width, perspective_view
+from fixedpipe.effects.geometry.views import orthographic_view, perspective_view
 from fixedpipe.effects.passes.combiners import PRIMARY, final, program
-from fixedpipe.effects.passes.draws import REPEATED, draw, show
+from fixedpipe.effects.passes.draws import draw, show
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.texture_filtering.stretched_writing import letters
 from fixedpipe.pipeline.commands import Mesh
@@ -240,17 +241,6 @@ def answer(plate, view, antialiasing):
     )
 
 
-def at_origin(height):
-    """The camera of a panel alone."""
-    return camera(Panel(0, 0, panel_width(height, ASPECT), height))
-
-
-def panel(image, number):
-    """Panel ``number`` of a row: [height, width, 3]."""
-    width = panel_width(image.shape[0], ASPECT)
-    return image[:, number * width : (number + 1) * width]
-
-
 # ------------------------------------------------------------------------------------------------- two ways
 
 
@@ -317,13 +307,8 @@ def drawn(plate, panel, stored, antialiasing):
     """Commands that draw ramp and plate on a panel by texture shaders."""
     view = camera(panel)
     surface = _mesh(plate.period, 4 if panel.height < 128 else 16)
-    if antialiasing is Antialiasing.ANISOTROPIC:
-        draws = rough_mirror_passes.rough_passes(surface, stored, view)
-    elif antialiasing is Antialiasing.MIP:
-        draws = (rough_mirror_passes.plain_pass(surface, stored, view),)
-    else:
-        draws = (rough_mirror_passes.plain_pass(surface, stored, view, REPEATED),)
-    return (panel.clear((0.0, 0.0, 0.0)), _backdrop(view), *draws)
+    reflected = draws(surface, stored, view, antialiasing)
+    return (panel.clear((0.0, 0.0, 0.0)), _backdrop(view), *reflected)
 
 
 PARAMETERS = {
@@ -333,3 +318,5 @@ PARAMETERS = {
     "height_field": own_maps.height_field("ripples and letters"),
     "height_scale": own_maps.HEIGHT_SCALE(0.05),
 }
+
+SUBJECT = Subject(Plate, PARAMETERS, ASPECT, camera, truth, answer, shown, load, drawn)

@@ -67,6 +67,17 @@ def panels_of(panels):
     )
 
 
+def parameters_of(panels, **others):
+    """The parameters of a figure that shows such panels, among them ``others`` of its own."""
+    return {
+        "panels": panels_of(panels),
+        "background": word.BACKDROP(avenue.SKY),
+        **others,
+        "sun": SUN,
+        "shading": word.SHADING(SceneShading.LIT),
+    }
+
+
 def camera_of(look, panel):
     """The viewer's camera of a panel."""
     return avenue.near_shadow_view(panel) if look == NEAR_SHADOW else avenue.avenue_view(panel)
@@ -185,17 +196,23 @@ def agreements(picture, size, panels, sun, mixture=frustum_slices.LAMBDA):
     return out
 
 
+def machine_agreements(figure, renderer, size, panels=None):
+    """``agreements`` of the machine's picture of a figure, or of other ``panels`` with its maps."""
+    changes = {} if panels is None else {"panels": panels}
+    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, **changes)
+    values = {**figure.values, **changes}
+    mixture = values.get("mixture", frustum_slices.LAMBDA)
+    return agreements(picture, size, values["panels"], values["sun"], mixture)
+
+
 def shown_and_whole(figure, renderer, size):
     """``agreements`` of the machine's panels that are magnified, and of the same maps over all that the
     viewer sees.
     """
-    panels, sun = figure.values["panels"], figure.values["sun"]
-    near = tuple(panel for panel in panels if panel[3] == NEAR_SHADOW)
+    near = tuple(panel for panel in figure.values["panels"] if panel[3] == NEAR_SHADOW)
     whole = tuple((*panel[:3], WHOLE) for panel in near)
-    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, panels=near)
-    shown = agreements(picture, size, near, sun)
-    picture = renderer.machine_window(figure, size, shading=SceneShading.MASK, panels=whole)
-    return shown, agreements(picture, size, whole, sun)
+    shown, found = (machine_agreements(figure, renderer, size, panels) for panels in (near, whole))
+    return shown, found
 
 
 def between(planes, rays):
