@@ -37,6 +37,7 @@ PACKAGES = {
     "pipeline/state_kinds": {"pipeline": "state interned_states"},
     "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums state"},
     "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
+    "pipeline/interned_commands": {"pipeline": "state interned_states commands"},
     "pipeline/profiles": {"pipeline": "enums textures"},
     "pipeline/programs": {"raster": "codes", "pipeline": "enums messages state textures"},
     "pipeline/notations": {"pipeline": "enums state programs"},
@@ -159,7 +160,10 @@ PACKAGES = {
         ),
     },
     "effects/figures": {
-        "pipeline": "enums state pixel_transfer textures commands profiles framebuffers execution ideal",
+        "pipeline": (
+            "enums state pixel_transfer textures commands interned_commands profiles framebuffers execution "
+            "ideal"
+        ),
         "effects": (
             "refusal collection geometry passes scenes bump_mapping reflectance environment_maps radiosity "
             "texture_filtering shadows volumes scattering acceptance data_files diagrams user_pictures"

@@ -129,7 +129,7 @@ def figures(
     jobs = 1 if settings else min(len(left), jobs or processors)
     if left:
         # Several processes share the compiling, and a check is drawn by both engines.
-        announce_compiling("portable" if jobs == 1 and not check else None)
+        announce_compiling("vector" if jobs == 1 and not check else None)
         own_sizes = size is None and not settings
         click.echo(_plan(left, machines, check, own_sizes, jobs), err=True)
     with _progress(sum(steps(figure, machines[figure.id], check) for figure in left)) as (step, compiling):

@@ -111,7 +111,7 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
     check_plots("--out", out)
     frame = frame_asked(what, of["profile"], of["size"], of["settings"])
     check_files(*files, of["html_file"], of["plot"], out)
-    announce_compiling("portable")  # which records what the ideal is guided by
+    announce_compiling("portable")  # from which the column engine takes coverage
     before = None if asked else frame_error_of(frame)
     if what_if is not None:
         if any(part == "combiner" for part, _ in what_if["bits"]):

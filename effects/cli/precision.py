@@ -53,7 +53,7 @@ def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
     widths, parts = _widths(bits), _parts(parts, measured.PARTS)
     of = frame_asked(what, profile, size or (None if what.endswith(".py") else _SIZE), settings)
     check_files(json_file, csv_file)
-    announce_compiling("portable")  # which records what the ideal is guided by
+    announce_compiling("portable")  # from which the column engine takes coverage
     steps = 2 * len(widths) + 1 + len(measured.clamps_of(of.machine))
     with progress_of_long(steps) as step, refusals():
         rows = measured.table(of.commands_of, of.machine, *of.size, widths, parts, step)

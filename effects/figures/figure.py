@@ -23,6 +23,7 @@ from fixedpipe.effects.refusal import nearest
 from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.ideal.result import IdealResult
+from fixedpipe.pipeline.interned_commands import in_common
 from fixedpipe.pipeline.profiles import IDEAL, PROFILES
 from fixedpipe.pipeline.profiles.profile import Profile
 
@@ -383,11 +384,14 @@ _MADE: deque[tuple[Figure, Method, Profile, int, tuple[Command, ...]]] = deque(m
 
 
 def _own_scene(figure: Figure, method: Method, machine: Profile, edge: int) -> tuple[Command, ...]:
-    """A figure's commands with its own parameters."""
+    """A figure's commands with its own parameters. Machines share those that are equal."""
+    others: tuple[Command, ...] = ()
     for made in tuple(_MADE):
-        if (made[0], made[1], made[3]) == (figure, method, edge) and made[2] is machine:
-            return made[4]
-    commands = method.scene(machine, edge, **figure.values_of(method))
+        if (made[0], made[1], made[3]) == (figure, method, edge):
+            if made[2] is machine:
+                return made[4]
+            others = made[4]
+    commands = in_common(method.scene(machine, edge, **figure.values_of(method)), others)
     _MADE.append((figure, method, machine, edge, commands))
     return commands
 

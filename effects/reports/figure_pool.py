@@ -144,9 +144,8 @@ def _tasks(orders, jobs):
     """What processes are to do, in order: (function, its argument, the Order or None)."""
     first, *rest = orders
     # One process draws the first figure without waiting for a compiler, which is another's, and has some
-    # tens of seconds to do. The portable engine tells a figure's ideal which fragments there are; the vector
-    # engine draws what a figure is checked by.
-    engines = ["portable", "vector"] if first.with_checks else ["portable"]
+    # tens of seconds to do. The vector engine draws most, the portable engine what that does not cover.
+    engines = ("vector", "portable")
     missing = [engine for engine in engines if jobs > 1 and not background_compiling.is_ready(engine)]
     tasks = deque([(_draw_at_once if missing else _draw, first, first)])
     tasks.extend((background_compiling.make_ready, engine, None) for engine in missing)

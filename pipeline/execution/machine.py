@@ -55,7 +55,7 @@ from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.framebuffers.widths import fragment_bits
 from fixedpipe.pipeline.interned_states import interned
 from fixedpipe.pipeline.native.background_compiling import chosen_engine, covers_by_kernels
-from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles, recorded_fragments
+from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles
 from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.native.queue import BATCH, KeptDraws, Queue
 from fixedpipe.pipeline.native.state_records import StateRecords
@@ -71,6 +71,8 @@ from fixedpipe.raster.primitives.bins import BAND_HEIGHT
 
 Engine = Literal["portable", "columns"]
 ENGINES = (None, *get_args(Engine))
+# Bytes of primitives that the records of a run keep, for the ideal that follows: enough for any figure's.
+_MOST_HELD = 1 << 27
 # Takes (the command that has run, a function that makes its Snapshot until the next command runs).
 Watch: TypeAlias = Callable[[Command, Callable[[], Snapshot]], None]
 
@@ -83,6 +85,7 @@ class _Frame:
     - ``kept``: Draws that the frame repeats.
     - ``engine``: the engine that draws, of ``ENGINES``.
     - ``record``: whether every Draw's fragments are kept.
+    - ``held``: bytes of the primitives that the records keep.
     """
 
     valid: ValidFrame
@@ -91,9 +94,26 @@ class _Frame:
     record: bool
     pixels: dict[str, NDArray[Any]] = field(default_factory=dict)
     snapshots: list[Snapshot] = field(default_factory=list)
-    records: list[Fragments] = field(default_factory=list)
+    records: list[Any] = field(default_factory=list)  # Fragments; None: the Draw still waits
+    held: int = 0
     dropped: int = 0
     undefined: int = 0
+
+    def next_record(self, command, primitives, size):
+        """Where the Fragments of a Draw go, a function: to the next place of ``records``.
+
+        ``size``: bytes of its primitives, or None.
+        """
+        place, self.held = len(self.records), self.held + size
+        whole = self.held <= _MOST_HELD
+        self.records.append(None)
+
+        def keep(drawn):
+            if primitives is not None:
+                drawn = replace(drawn, command=command, primitives=primitives)
+            self.records[place] = drawn if whole else drawn.without_primitives()
+
+        return keep
 
 
 @dataclass(eq=False)
@@ -225,10 +245,7 @@ class Machine:
         held = self.width, self.height, self.depth_bits, self.textures, self.surfaces, self.statistics
         valid = ValidFrame(commands, lambda read: begun(self.profile, *held, read, samples=self.samples or 1))
         self._current, self._drawn_samples = self.framebuffer, self._samples
-        # The engine that records draws everything, Clears too, so that the other is neither compiled nor
-        # loaded.
-        engine = chosen_engine("portable" if record else self.engine)
-        frame = _Frame(valid, KeptDraws(commands, self.samples), engine, record)
+        frame = _Frame(valid, KeptDraws(commands, self.samples), chosen_engine(self.engine), record)
         self._queue.fragments = 0
         try:
             while valid.waiting:
@@ -301,12 +318,11 @@ class Machine:
             target = surface.buffer(state.draw_buffer)
             if by_columns:
                 self._queue.flush()
-                drawn, lost = self._drawn_by_columns(
-                    command, state, textures, target, position, sample, frame.record
-                )
+                given = command, state, textures, target, position, sample
+                drawn, primitives, lost = self._drawn_by_columns(*given)
                 self._queue.fragments += len(drawn.x)
                 if frame.record and number == 0:
-                    frame.records.append(drawn)
+                    frame.next_record(command, primitives, primitives.size)(drawn)
                 continue
             draw = frame.kept.get(command, surface, textures)
             if draw is None:
@@ -318,15 +334,9 @@ class Machine:
                     draw = Prepared.of(primitives, state, self.profile, self._current, textures, sample)
                 frame.kept.keep(command, surface, draw)
             lost = draw.dropped
-            if frame.record:
-                self._queue.flush()
-                drawn = recorded_fragments(draw, target, self.batch)
-                if draw.primitives is not None:
-                    drawn = replace(drawn, places=draw.primitives.places())
-                self._queue.fragments += len(drawn.x)
-                frame.records += [drawn] if number == 0 else []  # a pbuffer's first sample
-            else:
-                self._queue.draw(draw, target, frame.engine)
+            recorded = frame.record and number == 0  # a pbuffer's first sample
+            keep = frame.next_record(command, draw.primitives, draw.size) if recorded else None
+            self._queue.draw(draw, target, frame.engine, keep)
         frame.dropped += lost  # every sample drops the same number
 
     def _draws_columns(self, record, engine):
@@ -335,8 +345,8 @@ class Machine:
             return True
         return record.by_columns or not (record.native or covers_by_kernels())
 
-    def _drawn_by_columns(self, command, state, textures, target, position, sample, records):
-        """Draw with the column engine; returns its Fragments and the number of dropped primitives."""
+    def _drawn_by_columns(self, command, state, textures, target, position, sample):
+        """Draw with the column engine; returns its Fragments, its primitives and how many were dropped."""
         profile, size = self.profile, (target.width, target.height)
         # Vertices' colours are rounded at the fragments' width.
         primitives = stage.process(command.mesh, state, profile, *size, position, rounded=False)
@@ -350,8 +360,7 @@ class Machine:
         passed = column_draw(*given, self.observer, replaced)
         columns = (covered.triangle, covered.x, covered.y, passed)
         triangle, x, y, passed = (np.asarray(column, np.int32) for column in columns)
-        places = primitives.places() if records else None
-        return Fragments(triangle, x, y, passed, places=places), lost
+        return Fragments(triangle, x, y, passed), primitives, lost
 
     def _clear(self, command, frame):
         for surface, _ in self._targets(command.draw_buffer):

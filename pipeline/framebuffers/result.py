@@ -1,17 +1,22 @@
 """The Result of a frame: framebuffers, textures, pixels, and on request a trace and fragments."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.pictures import Pictured, deep_picture
 from fixedpipe.pipeline.framebuffers.snapshot import Snapshot
 from fixedpipe.pipeline.framebuffers.transfer import HistogramTable, MinmaxTable
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.textures.images import Texture
+
+if TYPE_CHECKING:  # The vertex stage knows no framebuffer, and this module calls no vertex stage.
+    from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +29,8 @@ class Fragments:
     - ``passed``: 1 where the fragment passed the per-fragment tests, else 0; coverage alone says 1.
     - ``covered``: the number of the machine's samples that a smooth primitive covers; None or 0: it is not
       smooth.
-    - ``places``: the digests of the Draw's primitives, ``WindowPrimitives.places``. None: a rectangle of
-      pixels, or nothing is left to draw.
+    - ``command``, ``primitives``: the Draw, and the primitives that the machine drew. None: a rectangle of
+      pixels, nothing is left to draw, or they were too many to be kept.
     """
 
     triangle: NDArray[np.int32]
@@ -33,7 +38,22 @@ class Fragments:
     y: NDArray[np.int32]
     passed: NDArray[np.int32]
     covered: NDArray[np.int32] | None = None
-    places: tuple[bytes, bytes] | None = None
+    command: Draw | None = None
+    primitives: "WindowPrimitives | None" = None
+
+    @cached_property
+    def places(self) -> tuple[bytes, bytes] | None:
+        """The digests of the Draw's primitives, ``WindowPrimitives.places``.
+
+        None: a rectangle of pixels, or nothing is left to draw.
+        """
+        return None if self.primitives is None else self.primitives.places()
+
+    def without_primitives(self) -> "Fragments":
+        """The same Fragments, which keep no more than ``places`` of the primitives."""
+        made = replace(self, command=None, primitives=None)
+        made.__dict__["places"] = self.places
+        return made
 
 
 @dataclass(frozen=True, eq=False, repr=False)

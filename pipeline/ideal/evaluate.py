@@ -74,10 +74,10 @@ def _draw(command, written, textures, plans, size, depth_bits, guide, threads):
     record: Any = None
     if guided:
         machine, record = guide
-    primitives = primitives_of(command, machine, *size)
+    primitives = primitives_of(command, machine, size[0], size[1], record)
     if guided:
         check_primitives(command, record, primitives, machine)
-        if not writes_color(state) and not writes_depth(state):
+        if not (writes_color(state) or writes_depth(state)) or not record.passed.any():
             return
     else:
         # Coverage reads no colours, and its kernels take bytes.

@@ -4,16 +4,26 @@ from functools import lru_cache
 
 from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.profiles.sections import SECTION_OF
-from fixedpipe.pipeline.vertices.stage import process
+from fixedpipe.pipeline.vertices.stage import process, unrounded
 
 
-def primitives_of(command, machine, width, height):
+def primitives_of(command, machine, width, height, record=None):
     """WindowPrimitives of a Draw with real colours and coordinates, at the places of the Profile ``machine``.
 
     The machine decides the guard band's edge, the origin of its rows, how lines are drawn, and the largest
     point. The subpixel grid is the ideal's own, because its kernels have it built in.
+
+    ``record`` is the machine's Fragments of a Draw, or None. If it is of this Draw, its primitives are taken
+    and only their colours are computed anew.
     """
-    return process(command.mesh, command.state, _ideal_with(*_placed(machine)), width, height)
+    profile, made = _ideal_with(*_placed(machine)), None
+    if record is not None and record.command is command and _has_own_grid(machine):
+        made = unrounded(record.primitives, command.mesh, command.state, profile)
+    return process(command.mesh, command.state, profile, width, height) if made is None else made
+
+
+def _has_own_grid(machine):
+    return machine.arithmetic.subpixel_bits == IDEAL.arithmetic.subpixel_bits
 
 
 _PLACE = "guard_band", "device_origin", "diamond_exit_lines", "max_point_size"
@@ -39,6 +49,8 @@ def _ideal_with(*values):
 
 def check_primitives(command, record, primitives, machine):
     """Raise ValueError if a guide's ``record`` of a Draw has other primitives than ``primitives``."""
+    if record.command is command:
+        return
     drawn = record.triangle.max(initial=-1, where=record.passed != 0)
     if drawn >= len(primitives.triangles):
         raise ValueError(
@@ -47,8 +59,7 @@ def check_primitives(command, record, primitives, machine):
         )
     if record.places is None:  # the Draw had no primitive left to draw
         return
-    same_grid = machine.arithmetic.subpixel_bits == IDEAL.arithmetic.subpixel_bits
-    compared = slice(2 if same_grid else 1)
+    compared = slice(2 if _has_own_grid(machine) else 1)
     if record.places[compared] != primitives.places()[compared]:
         raise ValueError(
             f"{command.label}: the guide's primitives are at other places than this mesh's; guide a frame by "

@@ -1,6 +1,5 @@
-"""Fragments of primitives: from a recorded Draw, or the pixels that primitives cover."""
+"""Fragments of primitives that nothing is drawn of: the pixels that they cover."""
 
-import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -12,8 +11,9 @@ from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
 from fixedpipe.pipeline.framebuffers.result import Fragments
 from fixedpipe.pipeline.native.background_compiling import covers_by_kernels
 from fixedpipe.pipeline.native.pack_fragments import asks_for_depth
-from fixedpipe.pipeline.native.prepared_draw import NO_RECORD, Prepared
+from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.native.queue import BATCH, buffers_of
+from fixedpipe.pipeline.native.recording import recorded_fragments
 from fixedpipe.pipeline.state import ColorMask, DepthTest, LineState, PassState
 from fixedpipe.raster.columns import interpolate
 from fixedpipe.raster.primitives.vertices import W_LARGEST, W_SMALLEST
@@ -52,48 +52,6 @@ def _covered(primitives, polygon, box, profile):
     return Covered(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-# Rows of a recording, of 20 bytes each: a first guess, and the most for a bound. Unwritten rows take no
-# memory.
-_USUAL, _MOST = 1 << 16, 1 << 24
-
-
-def recorded_fragments(draw, framebuffer, batch):
-    """Draw a prepared Draw with the portable engine, and return its Fragments."""
-    if draw.area == 0:
-        return _fragments(NO_RECORD)
-    most = _most_fragments(draw.primitives, framebuffer.width, framebuffer.height)
-    fits = most <= _MOST
-    recording, buffers = np.empty((int(most) if fits else _USUAL, 5), np.int32), buffers_of(framebuffer)
-    saved = () if fits else [buffer.copy() for buffer in buffers]
-    count = draw.bands(0, 1, batch, buffers, recording)
-    if not fits and count > len(recording):  # too small: draw again
-        for buffer, before in zip(buffers, saved, strict=True):
-            buffer[:] = before
-        recording = np.empty((count, 5), np.int32)
-        draw.bands(0, 1, batch, buffers, recording)
-    return _fragments(recording[:count])
-
-
-def _most_fragments(primitives, width, height):
-    """An upper bound of the number of fragments that primitives make in a framebuffer.
-
-    It is the area of their bounding boxes, each a pixel wider.
-    """
-    p = primitives
-    if len(p.strokes) or not p.orderly:
-        return math.inf
-    vertices = p.triangles[:, :3]
-    wide, high = (
-        np.minimum(np.ptp(column[vertices].astype(np.float64), axis=1) / 16.0 + 2.0, most)
-        for column, most in ((p.x, width), (p.y, height))
-    )
-    return math.ceil((wide * high).sum())
-
-
-def _fragments(rows):
-    return Fragments(*rows.T.copy())
-
-
 def covered_pixels(primitives, state, profile, width, height, sample=None):
     """The pixels that a state's primitives cover, whatever they write: (Fragments, primitives dropped).
 
@@ -121,7 +79,7 @@ def covered_pixels(primitives, state, profile, width, height, sample=None):
     framebuffer = _unwritten(width, height)
     prepared = Prepared.of(uncolored, plain, profile, framebuffer, {}, sample)
     drawn, smooth = (
-        recorded_fragments(prepared, framebuffer, BATCH),
+        recorded_fragments(prepared, buffers_of(framebuffer), BATCH),
         state.polygon.smooth or state.line.smooth,
     )
     return (drawn if smooth and sample is None else replace(drawn, covered=None)), prepared.dropped
@@ -147,7 +105,7 @@ def rasterize(primitives, profile, polygon, scissor, width, height, *, line=_THI
         return Fragments(*(column.astype(np.int32) for column in columns))
     state, framebuffer = _coverage_state(polygon, scissor, line), _unwritten(width, height)
     prepared = Prepared.of(primitives, state, profile, framebuffer, {})
-    return recorded_fragments(prepared, framebuffer, BATCH)
+    return recorded_fragments(prepared, buffers_of(framebuffer), BATCH)
 
 
 def _without_kernels(primitives, polygon):

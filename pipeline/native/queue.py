@@ -9,6 +9,7 @@ from collections import Counter
 import numpy as np
 
 from fixedpipe.pipeline.commands import Draw
+from fixedpipe.pipeline.native.recording import Recording, no_fragments, recorded_fragments
 from fixedpipe.pipeline.native.threads import Threads
 from fixedpipe.raster.arrays import Buffers
 from fixedpipe.raster.vector.arrays import JOB_SIZE, scratch
@@ -63,16 +64,26 @@ class Queue:
 
     def _empty(self):
         self._target, self._count, self._draws, self._area, self._size = None, 0, [], 0, 0
+        self._records = []
 
-    def draw(self, draw, target, engine):
-        """Add a prepared Draw."""
+    def draw(self, draw, target, engine, keep=None):
+        """Add a prepared Draw. ``keep``: takes its Fragments when they are drawn; or None."""
         if draw.area == 0:
+            if keep is not None:
+                keep(no_fragments())
             return
         self._into(target)
         if engine == "portable":
             draw.job = False
         elif draw.job is None:
             draw.fill_job()
+        record = None if keep is None or draw.job is False else Recording.of(draw)
+        if keep is not None and record is None:
+            self.flush()
+            drawn = recorded_fragments(draw, buffers_of(target), self._batch)
+            self.fragments += len(drawn.x)
+            keep(drawn)
+            return
         if draw.job is False:
             if self._count:
                 self.flush()
@@ -80,6 +91,10 @@ class Queue:
             if self._draws and not self._count:
                 self.flush()
             self._job(target)[:] = draw.job
+        if record is not None:
+            record.of_row(self._jobs, self._count - 1)
+            self._records.append((record, keep))
+            self._size += record.rows.nbytes
         self._target = target
         self._draws.append(draw)
         self._area += draw.area
@@ -127,6 +142,7 @@ class Queue:
         if not (self._count or self._draws):
             return
         target, count, draws, area = self._target, self._count, self._draws, self._area
+        records = self._records
         self._empty()
         threads = self._threads.count if area >= _PARALLEL_FROM else 1
         buffers = buffers_of(target)
@@ -143,6 +159,8 @@ class Queue:
                 return sum([d.bands(number, threads, self._batch, buffers) for d in draws])
 
         self.fragments += share(0) if threads == 1 else self._threads.run(share)
+        for record, keep in records:
+            keep(record.fragments())
 
     def _scratch_of(self, number):
         if number not in self._scratch:

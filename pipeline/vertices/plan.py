@@ -332,6 +332,15 @@ def _pattern(pattern, components, keeps_eye):
     return sums, where.astype(np.int64), *others
 
 
+def depends_on_places_alone(mesh, state):
+    """Whether machines that agree on the places of vertices differ in no column but colours.
+
+    Clipped triangles differ in none either; fog coordinates, and coordinates from normals, may.
+    """
+    own, linear, _ = _way_of(state.texture_units)
+    return state.fog is None and (own is not None or linear) and is_covered(mesh, state)
+
+
 # Keyed by the widths of a mesh's arrays and the parts of the state, for any mesh: the Formula, and the
 # objects whose ids are in the key.
 _formulas = {}

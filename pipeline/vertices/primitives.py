@@ -97,6 +97,12 @@ class WindowPrimitives:
         near = all(((column > -_FARTHEST) & (column < _FARTHEST)).all() for column in (self.x, self.y))
         return bool(in_range and near and ((w >= W_SMALLEST) & (w <= W_LARGEST)).all())
 
+    @property
+    def size(self):
+        """Bytes of all columns."""
+        columns = self.x, self.y, self.z, self.inverse_w, self.colors, self.coordinates, self.fog
+        return sum([column.nbytes for column in (*columns, self.triangles, self.strokes)])
+
     def places(self):
         """Two digests of the places of all primitives' corners.
 

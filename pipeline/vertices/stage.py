@@ -30,7 +30,7 @@ from fixedpipe.pipeline.vertices.colors import (
     vertex_colors,
 )
 from fixedpipe.pipeline.vertices.fog import iterated_fog
-from fixedpipe.pipeline.vertices.plan import mesh_columns, plan_of
+from fixedpipe.pipeline.vertices.plan import depends_on_places_alone, mesh_columns, plan_of
 from fixedpipe.pipeline.vertices.primitives import WindowPrimitives
 from fixedpipe.pipeline.vertices.projection import (
     composite_coordinates,
@@ -82,6 +82,19 @@ def process(mesh, state, profile, width, height, sample=(0, 0), *, rounded=True)
         return _seen_from(
             _planned(mesh, columns, plan, state, profile, bits), sample, profile.arithmetic.subpixel_bits
         )
+
+
+def unrounded(primitives, mesh, state, profile):
+    """What ``process`` gives for an exact profile, from its ``primitives`` for a machine that has the same
+    places of vertices.
+
+    None where more than colours may differ, or where colours are computed.
+    """
+    lit, clipped = state.vertex.lighting is not None, len(primitives.x) != len(mesh.positions)
+    if lit or clipped or not depends_on_places_alone(mesh, state):
+        return None
+    colors, _ = given_colors(mesh, mesh_columns(mesh), state.vertex, profile, None)
+    return replace(primitives, colors=colors)
 
 
 def _planned(mesh, columns, plan, state, profile, bits):

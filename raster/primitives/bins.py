@@ -57,6 +57,33 @@ def band_range(triangles, strokes, t, x, y, inverse_w, kind, draw):
     return top >> BAND_SHIFT, bottom >> BAND_SHIFT
 
 
+@kernel("i8(i4[::1],i4[::1],i4[:,::1],i4[::1],i4[::1],i8[::1],i8[::1])")
+def most_fragments(order, ends, triangles, x, y, draw, firsts):
+    """The most fragments that triangles make which are sorted into bands: ``order`` and ``ends`` are those of
+    ``fill_bins`` or ``sort_triangles``. They are the pixels of the triangles' boxes.
+
+    ``firsts`` int64[bands] takes how many of them the bands before each have.
+    """
+    total, begin = int64(0), int64(0)
+    for band in range(ends.shape[0]):
+        firsts[band] = total
+        first = max(int64(band) << BAND_SHIFT, draw[R.Y0])
+        last = min(int64(band + 1) << BAND_SHIFT, draw[R.Y1]) - 1
+        for k in range(begin, int64(ends[band])):
+            t = order[k]
+            v0, v1, v2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+            corners = Corners(
+                int64(x[v0]), int64(y[v0]), int64(x[v1]), int64(y[v1]), int64(x[v2]), int64(y[v2])
+            )
+            left, top, right, bottom = triangle_box(draw, corners)
+            rows = min((bottom - 8) >> 4, last) - max((top + 7) >> 4, first) + 1
+            columns = min((right - 8) >> 4, draw[R.X1] - 1) - max((left + 7) >> 4, draw[R.X0]) + 1
+            if rows > 0 and columns > 0:
+                total += rows * columns
+        begin = int64(ends[band])
+    return total
+
+
 @kernel("i8(i4[:,::1],i4[:,::1],i4[::1],i4[::1],f8[::1],i8[::1],i4[::1],i4[:,::1])")
 def count_bins(triangles, strokes, x, y, inverse_w, draw, counts, spans):
     """Bands of every primitive into ``spans`` int32[primitives, 2] and primitives per band into ``counts``.

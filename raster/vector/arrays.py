@@ -68,13 +68,30 @@ class Pass(NamedTuple):
     textures: Textures
 
 
+class Record(NamedTuple):
+    """Where a recorded Draw's fragments go: those of band b to ``rows`` from ``firsts[b]`` on.
+
+    firsts  int64[bands]
+    counts  int64[bands]: how many fragments a band has
+    rows    int32[n, 4]: triangle, x, y, and 1 where the fragment passed the per-fragment tests, else 0
+    """
+
+    firsts: np.ndarray
+    counts: np.ndarray
+    rows: np.ndarray
+
+
 JOB, JOBS = types.int64[::1], types.int64[:, ::1]
 SCRATCH = typeof(scratch(0))
 PASS = type_of(Pass, STATE, types.int32[:, ::1], types.int32[:, ::1], VERTICES, TEXTURES)
-# Where a job has its Draw's bands and pass, and how long its row is. Kernels take a pass from its job: handed
-# on from one to the next its arrays cost more (Measured: 5 per cent of one bilinear texture, AMD EPYC).
+RECORD = type_of(Record, types.int64[::1], types.int64[::1], types.int32[:, ::1])
+# Where a job has its Draw's bands, pass and record, and how long its row is. Kernels take a pass from its
+# job: handed on from one to the next its arrays cost more (Measured: 5 per cent of one bilinear texture, AMD
+# EPYC).
 _PASS = R.JOB_ARRAYS + places(BANDS)
-JOB_SIZE = _PASS + places(PASS)
+_RECORD = _PASS + places(PASS)
+JOB_SIZE = _RECORD + places(RECORD)
 keep_bands, bands_of = kept_arrays(BANDS, R.JOB_ARRAYS)
 keep_pass, pass_of = kept_arrays(PASS, _PASS)
+keep_record, record_of = kept_arrays(RECORD, _RECORD)
 as_pass = named(PASS)

@@ -75,9 +75,9 @@ class Band(NamedTuple):
     capacity     fragments that a batch holds
     low, high    the limits of depths, in units
     mixes        whether small triangles share segments
-    one_color    whether one colour is all that fragments have, or none is needed
+    one_color    whether one colour is all that fragments have, or none is needed; not in a recorded Draw
     iterates     whether the primary or the secondary colour is needed
-    early        whether fragments are left out that are hidden (``hidden.tests_early``)
+    early        whether fragments are left out that are hidden (``hidden.tests_early``); likewise
     """
 
     left: int
@@ -131,6 +131,7 @@ def band_of(job, p, number, capacity, buffers):
     draw = p.state.draw
     low, high = depth_range(draw, p.state.draw_float)
     needs_color, equal = draw[R.NEEDS_COLOR] != 0, job[R.JOB_ONE_COLOR] != 0
+    recorded = job[R.JOB_RECORDED] != 0
     iterates = draw[R.DIRECT] != 0 or draw[R.NEEDS_PRIMARY] != 0 or draw[R.NEEDS_SECONDARY] != 0
     return Band(
         left=draw[R.X0],
@@ -142,9 +143,9 @@ def band_of(job, p, number, capacity, buffers):
         low=low,
         high=high,
         mixes=capacity >= SMALL * BAND_HEIGHT,
-        one_color=not needs_color or (draw[R.DIRECT] != 0 and equal),
+        one_color=not recorded and (not needs_color or (draw[R.DIRECT] != 0 and equal)),
         iterates=needs_color and iterates,
-        early=tests_early(draw),
+        early=not recorded and tests_early(draw),
     )
 
 

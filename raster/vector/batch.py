@@ -25,6 +25,7 @@ from fixedpipe.raster.vector.interpolate import (
 )
 from fixedpipe.raster.vector.lanes import i16x16, store
 from fixedpipe.raster.vector.per_fragment import Fragments, write_fragments
+from fixedpipe.raster.vector.record import record_batch
 from fixedpipe.raster.vector.unit import sample
 
 
@@ -231,5 +232,8 @@ def finish_batch(job, first, batch, buffers, scratch):
             shade(job, p, first, count, batch, scratch)
         of_rows = Runs(lists[R.RUN_STARTS], lists[R.RUN_X], lists[R.RUN_Y], runs)
         columns = Fragments(scratch.packed[R.SHADED], ints[R.PIXEL], ints[R.DEPTH_WORD], scratch.alive)
-        write_fragments(draw, p.state.factors, count, of_rows, batch.solid, columns, buffers)
+        recorded = job[R.JOB_RECORDED] != 0
+        write_fragments(draw, p.state.factors, count, of_rows, batch.solid, recorded, columns, buffers)
+        if recorded:
+            record_batch(job, batch.drawn, of_rows, ints[R.OWNER], scratch.alive)
     return empty_batch(batch.solid, batch.word, batch.drawn + position)

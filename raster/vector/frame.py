@@ -55,7 +55,7 @@ def fill_vertices(job, p, facts):
     draw, textures, inverse_w = p.state.draw, p.textures, p.vertices.inverse_w
     if not plan_units(job, draw, textures, facts):
         return False
-    job[R.JOB_ROW_RUNS] = 0
+    job[R.JOB_ROW_RUNS] = job[R.JOB_RECORDED] = 0
     for u in range(4):
         path = job[R.JOB_UNIT_PATH + u]
         if path == C.PATH_MIPMAPPED or path == C.PATH_FOOTPRINT:

@@ -437,8 +437,8 @@ class Operations(NamedTuple):
 
 
 @kernel(inlined=True)
-def operations_of(draw):
-    """The Operations of a Draw."""
+def operations_of(draw, tells):
+    """The Operations of a Draw. ``tells``: as in ``write_fragments``."""
     mode, mask = draw[R.BLEND], uint32(draw[R.COLOR_MASK])
     writes, surface = draw[R.NEEDS_COLOR] != 0 and mask != uint32(0), draw[R.SURFACE] != 0
     tests_stencil, tests_depth = draw[R.STENCIL_TEST] != 0, draw[R.NEEDS_DEPTH] != 0
@@ -446,7 +446,7 @@ def operations_of(draw):
     adds_factors = blends and draw[R.BLEND_EQUATION] == C.EQUATION_FUNC_ADD
     untested = not (limits_fragments(draw) or tests_depth or tests_stencil)
     plain = not (surface or mode == C.BLEND_LOGIC or blends)
-    fused = tests_depth and writes and not tests_stencil and plain
+    fused = tests_depth and writes and not (tests_stencil or tells) and plain
     stores = untested and mode == C.BLEND_REPLACE and not surface and mask == uint32(0xFFFFFFFF)
     return Operations(tests_stencil, tests_depth, writes, surface, blends, adds_factors, fused, stores, mask)
 
@@ -522,8 +522,8 @@ def write_run(draw, factors, asked, run, fragments, buffers):
         portable.write_run(color, run, packed, alive, asked.mask)
 
 
-@kernel(void(_I64, _FACTORS, int64, RUNS, int64, FRAGMENTS, BUFFERS))
-def write_fragments(draw, factors, count, runs, solid, fragments, buffers):
+@kernel(void(_I64, _FACTORS, int64, RUNS, int64, int64, FRAGMENTS, BUFFERS))
+def write_fragments(draw, factors, count, runs, solid, tells, fragments, buffers):
     """Alpha, stencil and depth test, blending or logic operation, and masks, of a batch, like
     ``portable.per_fragment``.
 
@@ -532,12 +532,14 @@ def write_fragments(draw, factors, count, runs, solid, fragments, buffers):
     solid      1: the first color and depth word are those of every fragment, runs tell no more than each
                run's length, and ``count`` is the length of the longest: the columns need hold no more.
                Nothing is mixed then, nor discarded
+    tells      1: ``alive`` is afterwards which fragments passed; not together with ``solid``
     fragments  nothing reads the colors unless draw[NEEDS_COLOR], or the depth words unless draw[NEEDS_DEPTH];
-               ``alive`` is what shading left where it DISCARDS; all but ``pixel`` are undefined afterwards
+               ``alive`` is what shading left where it DISCARDS; all but ``pixel``, and ``alive`` where it
+               ``tells``, are undefined afterwards
     """
     separate_function()
     packed, pixel, depth, alive = fragments
-    asked, width = operations_of(draw), int64(buffers.color.shape[1])
+    asked, width = operations_of(draw, tells != 0), int64(buffers.color.shape[1])
     if solid:
         spread_first(packed, depth, count)
     if not draw[R.DISCARDS]:

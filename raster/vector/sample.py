@@ -72,14 +72,14 @@ def row_pairs(texels, levels, count, faces=1):
     height; ``faces``: images of each level, one behind another. The levels returned have their offsets in
     ``pairs``. Twice the texels' memory and two elements more for each row.
     """
-    found = np.array(levels, np.int32)
-    found[:count, 0] = 0
-    sizes = 2 * faces * (found[:count, 1].astype(np.int64) + 1) * found[:count, 2]
-    found[1:count, 0] = np.cumsum(sizes)[:-1]
-    pairs = np.empty(int(sizes.sum()), np.uint32)
-    for k in range(count):
-        offset, width, height = (int(v) for v in levels[k])
-        _pair_rows(texels, offset, width, height, faces, pairs, int(found[k, 0]))
+    found, places, size = np.array(levels, np.int32), [], 0
+    for k, (offset, width, height) in enumerate(levels[:count].tolist()):
+        found[k, 0] = size
+        places.append((offset, width, height, size))
+        size += 2 * faces * (width + 1) * height
+    pairs = np.empty(size, np.uint32)
+    for offset, width, height, place in places:
+        _pair_rows(texels, offset, width, height, faces, pairs, place)
     return pairs, found
 
 

@@ -5,15 +5,34 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fixedpipe.pipeline.commands import Clear, Draw, Mesh
-from fixedpipe.pipeline.enums import PrimitiveType, WindowOrigin
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import (
+    ComparisonFunction,
+    PolygonMode,
+    PrimitiveType,
+    TexGenMode,
+    WindowOrigin,
+)
 from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.ideal import evaluate, primitives
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.ideal.primitives import primitives_of
 from fixedpipe.pipeline.inspection.stage_errors import stage_errors
 from fixedpipe.pipeline.notations.programs import parse_program
-from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A
-from fixedpipe.pipeline.state import PassState, VertexState, Viewport
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, NV2A, OCTANE
+from fixedpipe.pipeline.state import (
+    DepthTest,
+    Fog,
+    Light,
+    Lighting,
+    PassState,
+    PolygonState,
+    TexGen,
+    TextureUnit,
+    VertexState,
+    Viewport,
+)
+from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.vertices.stage import process
 
 SIZE = 32
@@ -96,6 +115,101 @@ def test_every_engine_records_the_same_places(engine):
     guide = execute(far_floor(), NV2A, SIZE, SIZE, record=True, engine=engine)
     draw = far_floor()[1]
     assert guide.records[0].places == process(draw.mesh, draw.state, NV2A, SIZE, SIZE).places()
+
+
+def wholes(count, seed=2):
+    """A mesh inside the view with all that vertices have, and its Draw's state."""
+    random = np.random.default_rng(seed)
+    corners = np.column_stack([random.uniform(-0.5, 0.5, (count, 3)), np.ones(count)])
+    return Mesh(
+        corners,
+        colors=random.uniform(-0.2, 1.2, (count, 4)),
+        secondary_colors=random.random((count, 3)),
+        normals=random.normal(0, 1, (count, 3)),
+        texture_coordinates=(random.uniform(0, 3, (count, 2)),),
+        fog_coordinates=random.random(count),
+    )
+
+
+def counted_processing(monkeypatch):
+    """How often the ideal transforms vertices itself."""
+    calls = []
+
+    def counted(*given):
+        calls.append(given)
+        return process(*given)
+
+    monkeypatch.setattr(primitives, "process", counted)
+    return calls
+
+
+SHEAR = ((1.0, 0.5, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.5))
+SPHERES = (TexGen(TexGenMode.SPHERE_MAP),) * 2 + (TexGen(),) * 2
+TAKEN = {
+    "as given": (PassState(), True),
+    "transformed": (PassState(vertex=VertexState(modelview=SHEAR)), True),
+    "texture matrix": (PassState(texture_units=(TextureUnit("t", matrix=SHEAR),)), True),
+    "depth test": (PassState(depth_test=DepthTest(ComparisonFunction.LESS)), True),
+    "lit": (PassState(vertex=VertexState(lighting=Lighting(lights=(Light(),)))), False),
+    "fog": (PassState(fog=Fog()), False),
+    "sphere map": (PassState(texture_units=(TextureUnit("t", gen=SPHERES),)), False),
+    "outlines": (
+        PassState(polygon=PolygonState(front_mode=PolygonMode.LINE, back_mode=PolygonMode.LINE)),
+        False,
+    ),
+}
+
+
+@pytest.mark.parametrize("machine", [NV2A, GEFORCE_256, OCTANE], ids=lambda machine: machine.name)
+@pytest.mark.parametrize(("state", "taken"), TAKEN.values(), ids=TAKEN)
+def test_the_ideal_takes_the_machine_s_primitives_where_colours_alone_differ(
+    monkeypatch, machine, state, taken
+):
+    calls = counted_processing(monkeypatch)
+    image = texture_2d(np.random.default_rng(3).random((8, 8, 4)), mipmaps=True)
+    commands = (
+        TexImage(label="t", texture="t", image=image),
+        Clear(label="black", color=(0, 0, 0, 0), depth=1.0),
+        Draw(label="all of it", mesh=wholes(60), state=state),
+    )
+    guide = execute(commands, machine, SIZE, SIZE, record=True)
+    assert guide.records[0].passed.any()
+    ideal = execute_ideal(commands, SIZE, SIZE, guide=guide)
+    assert len(calls) == (not taken)
+    anew = (*commands[:2], replace(commands[2]))  # an equal Draw, but no more the one that was drawn
+    expected = execute_ideal(anew, SIZE, SIZE, guide=guide)
+    assert len(calls) == (not taken) + 1
+    np.testing.assert_array_equal(ideal.color, expected.color)
+    draw, record = commands[2], guide.records[0]
+    made, own = primitives_of(draw, machine, SIZE, SIZE, record), primitives_of(draw, machine, SIZE, SIZE)
+    for name in ("x", "y", "z", "inverse_w", "colors", "coordinates", "fog", "triangles", "strokes"):
+        one, other = getattr(made, name), getattr(own, name)
+        assert one.dtype == other.dtype and one.tobytes() == other.tobytes(), name
+    assert (made.two_side, made.dropped) == (own.two_side, own.dropped)
+
+
+def test_clipped_triangles_and_other_grids_are_made_anew(monkeypatch):
+    calls = counted_processing(monkeypatch)
+    for commands, machine in (
+        (far_floor(), GEFORCE_256),
+        (far_floor(), GEFORCE_256.with_precision(subpixel_bits=8)),
+        (
+            (Clear(label="c"), Draw(label="d", mesh=wholes(9), state=PassState())),
+            GEFORCE_256.with_precision(subpixel_bits=8),
+        ),
+    ):
+        guide = execute(commands, machine, SIZE, SIZE, record=True)
+        execute_ideal(commands, SIZE, SIZE, guide=guide)
+    assert len(calls) == 3
+
+
+def test_a_draw_of_which_nothing_passed_is_not_shaded(monkeypatch):
+    monkeypatch.setattr(evaluate, "shade", lambda *_: pytest.fail("it was shaded"))
+    never = PassState(depth_test=DepthTest(ComparisonFunction.NEVER))
+    commands = (Clear(label="c", color=(0.25, 0, 0, 0)), Draw(label="d", mesh=wholes(30), state=never))
+    guide = execute(commands, NV2A, SIZE, SIZE, record=True)
+    assert len(guide.records[0].x) and not guide.records[0].passed.any()
+    assert (execute_ideal(commands, SIZE, SIZE, guide=guide).color == (0.25, 0, 0, 0)).all()
 
 
 def test_on_another_subpixel_grid_depths_and_w_are_compared():

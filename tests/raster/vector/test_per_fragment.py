@@ -73,7 +73,7 @@ class Batch:
             y[first] = -1
         fragments = V.Fragments(self.packed.copy(), self.pixel, self.depth.copy(), self.alive.copy())
         runs = Runs(starts, x, y, len(x))
-        V.write_fragments(draw, factors, self.count, runs, 0, fragments, buffers)
+        V.write_fragments(draw, factors, self.count, runs, 0, 0, fragments, buffers)
         return buffers
 
 
@@ -250,5 +250,5 @@ def test_runs_of_one_color_and_one_depth(word, depth, stencil, blend):
             np.zeros(columns, np.uint8),
         )
         of_rows = Runs(batch.starts, batch.x, batch.y, len(runs))
-        V.write_fragments(draw, PLAIN, WIDTH, of_rows, 1, fragments, buffers)
+        V.write_fragments(draw, PLAIN, WIDTH, of_rows, 1, 0, fragments, buffers)
         assert_same(buffers, batch.portable(draw, PLAIN))
