@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
-from bench import draws, factors, ideals, starting, tex_images, wide
+from bench import draws, factors, ideals, lit, starting, tex_images, wide
 from bench.measure import Ours, Repeated, clock_of, spread_of, take_turns
 from bench.scenes import SCENES
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -132,6 +132,14 @@ def _per_tex_image(threads):
     return Measured.median(found.pop("texture"), found)
 
 
+def _lit(threads):
+    """Microseconds that lighting adds to a Draw of 100 vertices: the most of two machines and one or two
+    lights; each beside it.
+    """
+    found = lit.measure()
+    return Measured.median(found[lit.dearest(found)], found)
+
+
 def _ideals(threads):
     """Processor seconds of four figures' ideals; each, and its machine's picture, beside it."""
     found, details = ideals.measure(), {}
@@ -249,6 +257,7 @@ FIGURES = {
         Figure("states", "the same in states not seen before", "µs", True, _per_new_state),
         Figure("draws", "a Draw of a new mesh (100 vertices) in a new state", "µs", True, _per_draw),
         Figure("teximage", "a TexImage of 16² by the imaging subset", "µs", True, _per_tex_image),
+        Figure("lit", "what lighting adds to a Draw of 100 vertices", "µs", True, _lit),
         Figure("frames", "F004-4 at 512², textures in place", "frames/s", False, _frames),
         Figure("wide", "frames of twelve bits, by kernels", "Mfragments/s", False, _wide),
         Figure("first", "fixedpipe figures, empty kernel cache: a picture", "s", True, _first_picture),

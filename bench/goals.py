@@ -21,6 +21,8 @@ _ZEN_5_WHOLE = {"b": 2.2, "b2": 2.2}
 _FIGURES = {
     # A sixteenth of the 240 µs that it was on a Zen 2 when this was asked for.
     "teximage": 15,
+    # What lighting may add to a Draw of 100 vertices.
+    "lit": 50,
     # Ten times the column engine's 0.85 when this was asked for.
     "wide": 8.5,
     "cold": 25,

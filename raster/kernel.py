@@ -55,7 +55,7 @@ numba.config.CACHE_DIR = str(CACHE_FOLDER)
 _of_one_signature = []  # kernels of the modules that are imported
 
 
-def kernel(signature=None, *, allocates=False, inlined=False):
+def kernel(signature=None, *, allocates=False, inlined=False, in_loops=False):
     """Compile to machine code: ``@kernel`` or ``@kernel("signature")``.
 
     No ``fastmath``: it would let LLVM reorder sums and fuse multiply-adds, and either changes bits. ``numpy``
@@ -64,9 +64,12 @@ def kernel(signature=None, *, allocates=False, inlined=False):
     and the atomic counting of every slice would cost a batch more than its arithmetic.
     ``inlined``: a step of the kernels that call it. Numba copies its statements into each of them and never
     compiles it alone. So a long kernel is written as short steps, and its machine code is that of one.
+    ``in_loops``: a function of numbers for loops over arrays. LLVM puts its code into each loop, however long
+    it is, because a loop with a call is not vectorized.
     """
     options = {"fastmath": False, "error_model": "numpy", "nogil": True, "_nrt": allocates}
     options["inline"] = "always" if inlined else "never"
+    options["forceinline"] = in_loops
     if inspect.isfunction(signature):
         return _compiled_by_one_process(numba.njit(signature, **options))
 

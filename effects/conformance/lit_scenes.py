@@ -18,7 +18,6 @@ from fixedpipe.effects.conformance.scenes import single
 from fixedpipe.effects.passes.combiners import PRIMARY, SECONDARY, SPARE0, program, shown, stage, total
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.state import Light, Spot
-from fixedpipe.pipeline.vertices.arithmetic import columns_of
 from fixedpipe.pipeline.vertices.lighting_unit import light_vertices
 
 MODELS = ("cone", "cylinder", "sphere", "suzanne", "torus")
@@ -167,15 +166,15 @@ def lit_colors(vertex, points, normals, sides):
     Measured: ControlFlagsNoLight captures; where specular colour is not separate, each side keeps its own
     secondary colour.
     """
-    position = columns_of(single(points), (0.0, 0.0, 0.0, 1.0))
-    normal = columns_of(single(normals), (0.0, 0.0, 1.0))
-    own = [[columns_of(single(array), WHITE) for array in side] for side in sides]
-    lit = light_vertices(vertex, position, normal, *own[0])
+    own = [[single(array) for array in side] for side in sides]
+    colors, secondary_colors = own[0]
+    mesh = Mesh(single(points), colors=colors, secondary_colors=secondary_colors, normals=single(normals))
+    lit = light_vertices(vertex, mesh, clamped=False)
     result = []
-    for side, (_, secondary) in zip(lit[: len(sides)], own, strict=True):
-        given = side[4:] if vertex.lighting.separate_specular_color else [*secondary[:3], side[7]]
-        shape = np.zeros(len(points))
-        result.append(tuple(np.stack([c + shape for c in colors], axis=1) for colors in (side[:4], given)))
+    for side, (_, secondary) in zip((lit[:8], lit[-8:]), own, strict=False):
+        separate = vertex.lighting.separate_specular_color
+        given = side[4:].T if separate else np.column_stack([secondary[:, :3], side[7]])
+        result.append((side[:4].T, given))
     return result
 
 

@@ -59,33 +59,6 @@ def positive(column):
     return np.fmax(column, ZERO)
 
 
-def power(base, exponent):
-    """Raise base >= 0 to a finite exponent >= 0, the same bits on every processor; 0 to the power 0 is 1.
-
-    The result is a product of one factor for each binary digit 1 of the exponent. The digits of the whole
-    part, from the lowest up, take base^1, base^2, base^4, ... from repeated squaring. The digits of the
-    fraction, from the highest down, take base^(1/2), base^(1/4), ... from repeated square roots.
-
-    Up to an exponent of 128 the relative error is below 1e-13 where the result is a normal number. Squaring
-    doubles an error and a square root halves it, so all errors add up to some 130 roundings of 2^-53, 2e-14.
-    """
-    result = None
-    factor, whole = base, int(exponent)
-    while whole:
-        if whole & 1:
-            result = factor if result is None else result * factor
-        whole >>= 1
-        if whole:
-            factor = factor * factor
-    factor, fraction = base, exponent - int(exponent)
-    while fraction:
-        factor, fraction = np.sqrt(factor), fraction * 2
-        if fraction >= 1:
-            result = factor if result is None else result * factor
-            fraction -= 1
-    return ONE if result is None else result
-
-
 def invert_upper_left(matrix):
     """Inverse of the upper left 3x3 of a 4x4 matrix, by cofactors (docs/numbers.md), as 3 rows of np.float64.
 
@@ -118,6 +91,16 @@ def filled(count, column, dtype=np.float64):
     """A C-contiguous array of ``count`` elements that holds the column."""
     result = np.empty(count, dtype=dtype)
     result[:] = column
+    return result
+
+
+def filled_rows(count, columns):
+    """float64 [k, count] from k columns."""
+    if isinstance(columns, np.ndarray):
+        return columns
+    result = np.empty((len(columns), count))
+    for index, column in enumerate(columns):
+        result[index] = column
     return result
 
 

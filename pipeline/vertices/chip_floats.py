@@ -12,17 +12,14 @@ from math import isqrt
 import numpy as np
 
 from fixedpipe.pipeline.vertices.arithmetic import ONE, ZERO
-from fixedpipe.raster.floats import LEAST_SINGLE, SINGLE_BITS, keep_significant_bits
+from fixedpipe.raster.floats import LEAST_SINGLE, keep_significant_bits
+from fixedpipe.raster.primitives import chip_floats as seeds
+from fixedpipe.raster.primitives.chip_floats import LIGHTING_BITS, SUM_GUARD_BITS, TRANSFORM_BITS
 
-TRANSFORM_BITS, LIGHTING_BITS = SINGLE_BITS, 14  # significant bits
-SUM_GUARD_BITS = 5  # a sum keeps this many bits below the last bit of its largest term
-
-# Seeds of 7 bits. For 1/x, x in [1, 2), they are the values at the middle of each 64th. For 1/sqrt(x), x in
-# [1, 2) comes first, then x in [2, 4). Source: envytools' tables are these values, truncated or rounded.
-LIGHTING_RECIPROCALS = np.array([16384 // (129 + 2 * k) for k in range(64)], np.uint64)
-TRANSFORM_RECIPROCALS = np.array([(32768 // (129 + 2 * k) + 1) // 2 for k in range(64)], np.uint64)
-_ROOTS = [(isqrt((65536 * scale) // (129 + 2 * k)) + 1) // 2 for scale in (128, 64) for k in range(64)]
-TRANSFORM_ROOTS = np.minimum(np.array(_ROOTS, np.uint64), np.uint64(127))
+# Seeds of 7 bits, as integers.
+LIGHTING_RECIPROCALS = seeds.LIGHTING_RECIPROCALS.astype(np.uint64)
+TRANSFORM_RECIPROCALS = seeds.TRANSFORM_RECIPROCALS.astype(np.uint64)
+TRANSFORM_ROOTS = seeds.TRANSFORM_ROOTS.astype(np.uint64)
 # Measured: truncated, like the lighting unit's reciprocals (Point_params Detailed_FF).
 LIGHTING_ROOTS = np.array(
     [isqrt((16384 * scale) // (129 + 2 * k)) for scale in (128, 64) for k in range(64)], np.uint64

@@ -5,19 +5,11 @@ import numpy as np
 from fixedpipe.pipeline.enums import Clamp, LightingArithmetic, SecondaryColor
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.vertices import lighting_unit
-from fixedpipe.pipeline.vertices.arithmetic import (
-    ONE,
-    columns_of,
-    invert_upper_left,
-    length,
-    normalize,
-    positive,
-    weighted_sum,
-)
-from fixedpipe.pipeline.vertices.lighting import light_vertices
+from fixedpipe.pipeline.vertices.arithmetic import ONE, columns_of, filled_rows, positive
+from fixedpipe.pipeline.vertices.lighting import eye_normals, light_vertices
 from fixedpipe.pipeline.vertices.primitives import is_constant
-from fixedpipe.pipeline.vertices.weighting import weight_of, weighted
 from fixedpipe.raster.floats import SIGNIFICANT_BITS, keep_significant_bits, kept
+from fixedpipe.raster.primitives.lighting_columns import rounded_colors
 from fixedpipe.raster.primitives.meshes import color_bytes
 
 COLOR_REACH = 1 << 10  # without a clamp, colours are limited to this magnitude; 1.0 is full intensity
@@ -25,40 +17,41 @@ _NONE = np.zeros((0, 0))  # stands for an array that a mesh lacks
 
 
 def eye_normal(mesh, vertex):
-    """Normals in eye coordinates (section 2.10.3); with two modelview matrices, EXT_vertex_weighting's."""
-    given = columns_of(mesh.normals, (0.0, 0.0, 1.0))
-    normals = []
-    for matrix in vertex.modelviews:
-        inverse = invert_upper_left(matrix)
-        normal = [weighted_sum([inverse[row][j] for row in range(3)], given) for j in range(3)]
-        if vertex.rescale_normal:
-            factor = ONE / length(inverse[2])
-            normal = [component * factor for component in normal]
-        normals.append(normal)
-    normal = weighted(normals, weight_of(mesh))
-    if vertex.normalize:
-        normal = normalize(normal)
-    return normal
+    """Normals in eye coordinates (section 2.10.3), float64 [3, n]; with two modelview matrices,
+    EXT_vertex_weighting's.
+    """
+    _, normals, _, _, weights = lighting_unit.arrays_of(mesh)
+    return eye_normals(vertex, len(mesh.positions), normals, weights)
 
 
-def vertex_colors(mesh, vertex, position, eye, normal, profile):
+def lit_colors(mesh, vertex, eye, normal, profile):
+    """Front and back colours of lit vertices, float64 [16, n], or [8, n] if they are the same.
+
+    They are clamped to [0, 1] (section 2.13.6) on a machine that does so.
+    """
+    clamped = _clamps_colors(profile)
+    if profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT:
+        return lighting_unit.light_vertices(vertex, mesh, clamped=clamped)
+    _, _, colors, _, _ = lighting_unit.arrays_of(mesh)
+    eye = filled_rows(len(mesh.positions), eye)
+    return light_vertices(vertex, eye, _NONE if normal is None else normal, colors, clamped=clamped)
+
+
+def vertex_colors(mesh, vertex, eye, normal, profile):
     """Front and back colours, 8 columns each; one list for both if they are the same.
 
     They are clamped to [0, 1] (section 2.13.6) on a machine that does so.
     """
+    if vertex.lighting is not None:
+        lit = [*lit_colors(mesh, vertex, eye, normal, profile)]
+        front, back = lit[:8], lit[8:]
+        return front, back or front
     color = columns_of(mesh.colors, (1.0, 1.0, 1.0, 1.0))
     secondary = columns_of(mesh.secondary_colors, (0.0, 0.0, 0.0, 0.0))
-    if vertex.lighting is None:
-        front = back = color + secondary
-        if vertex.two_side:
-            black = (0.0, 0.0, 0.0, 1.0)
-            back = columns_of(mesh.back_colors, black) + columns_of(mesh.back_secondary_colors, black)
-    elif profile.arithmetic.lighting == LightingArithmetic.LIGHTING_UNIT:
-        given = columns_of(mesh.normals, (0.0, 0.0, 1.0))
-        unit = position, given, color, secondary, weight_of(mesh)
-        front, back = lighting_unit.light_vertices(vertex, *unit)
-    else:
-        front, back = light_vertices(vertex.lighting, eye, normal, color)
+    front = back = color + secondary
+    if vertex.two_side:
+        black = (0.0, 0.0, 0.0, 1.0)
+        back = columns_of(mesh.back_colors, black) + columns_of(mesh.back_secondary_colors, black)
     if vertex.secondary_color != SecondaryColor.FROM_VERTEX:
         both = back is front
         front = lighting_unit.secondary_output(front, vertex.secondary_color)
@@ -86,7 +79,7 @@ def given_colors(mesh, columns, vertex, profile, bits):
         colors = np.empty((len(mesh.positions), 2, 8), np.uint8)
         columns.colors[key] = colors, color_bytes(*given, kept(bits), colors)
     elif key not in columns.colors:
-        front, back = vertex_colors(mesh, vertex, None, None, None, profile)
+        front, back = vertex_colors(mesh, vertex, None, None, profile)
         both = [*front, *back] if vertex.two_side else front
         colors = stacked_colors(len(mesh.positions), both, bits)
         columns.colors[key] = colors, is_constant(colors)
@@ -97,7 +90,7 @@ def unrounded_colors(mesh, columns, vertex, profile):
     """The colours of ``given_colors`` before they become bytes, in MeshColumns' form."""
     key = vertex.two_side, vertex.secondary_color, _clamps_colors(profile)
     if key not in columns.unrounded:
-        front, back = vertex_colors(mesh, vertex, None, None, None, profile)
+        front, back = vertex_colors(mesh, vertex, None, None, profile)
         both = [*front, *back] if vertex.two_side else front
         columns.unrounded[key] = np.stack(np.broadcast_arrays(*both, np.zeros(1))[:-1], axis=1)
     return columns.unrounded[key]
@@ -131,13 +124,13 @@ def stacked_colors(count, columns, significant_bits):
     ``significant_bits`` is the number of mantissa bits that a colour in [0, 1] keeps before it becomes a byte
     (section 2.13.9). None: the colours stay float64.
     """
-    stacked = np.empty((count, len(columns)))
-    for index, column in enumerate(columns):
-        stacked[:, index] = column
-    if significant_bits is not None:
-        stacked = color_byte(stacked, significant_bits)
-    result = np.empty((count, 2, 8), dtype=np.float64 if significant_bits is None else np.uint8)
-    result[:, 0], result[:, 1] = stacked[:, :8], stacked[:, -8:]
+    rows = filled_rows(count, columns)
+    if significant_bits is None:
+        result = np.empty((count, 2, 8))
+        result[:, 0], result[:, 1] = rows[:8].T, rows[-8:].T
+    else:
+        result = np.empty((count, 2, 8), np.uint8)
+        rounded_colors(rows, kept(significant_bits), result)
     return result
 
 

@@ -1,22 +1,14 @@
-"""OpenGL 1.2.1 lighting (section 2.13.1) on vertex columns, in the order of docs/numbers.md section 2."""
+"""OpenGL 1.2.1 lighting (section 2.13.1): a state's numbers, and the kernels that light vertices by them."""
 
-from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from itertools import chain
 
 import numpy as np
 
 from fixedpipe.pipeline.enums import ColorMaterialParameter, Face
-from fixedpipe.pipeline.vertices.arithmetic import (
-    ONE,
-    ZERO,
-    Column,
-    dot,
-    length,
-    normalize,
-    positive,
-    power,
-    weighted_sum,
-)
+from fixedpipe.pipeline.vertices.arithmetic import ONE, invert_upper_left, length, normalize
+from fixedpipe.raster.primitives import lighting as G
+from fixedpipe.raster.primitives.lighting_columns import CHUNK
 
 _PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459")
 _TRACKS = {
@@ -26,6 +18,7 @@ _TRACKS = {
     ColorMaterialParameter.SPECULAR: ("specular",),
     ColorMaterialParameter.EMISSION: ("emission",),
 }
+_COLORS = ("ambient", "diffuse", "specular", "emission")
 
 
 def cosine_of_degrees(angle):
@@ -45,114 +38,95 @@ def cosine_of_degrees(angle):
         return float(round(total, 40))
 
 
-@dataclass(frozen=True)
-class _Illumination:
-    """One light at every vertex: attenuation times spotlight factor, and the signed dot products."""
+def eye_normals(vertex, count, normals, weights):
+    """Normals in eye coordinates (section 2.10.3), float64 [3, n]; with two modelview matrices,
+    EXT_vertex_weighting's.
 
-    strength: Column
-    n_dot_l: Column
-    n_dot_h: Column | None
+    - ``vertex``: VertexState.
+    - ``count``: the number of vertices.
+    - ``normals``, ``weights``: of a mesh, as kernels take arrays (``arrays_of``).
 
-
-@dataclass(frozen=True)
-class _SurfaceMaterial:
-    """A face's material as columns. ``specular_tracks``: the specular colour follows the vertex colour."""
-
-    ambient: list
-    diffuse: list
-    specular: list
-    emission: list
-    shininess: float
-    specular_tracks: bool
-
-
-def light_vertices(lighting, eye, normal, color):
-    """Light every vertex.
-
-    - ``eye``: eye coordinates, 4 columns.
-    - ``normal``: in eye coordinates, 3 columns; None without lights.
-    - ``color``: the vertex colour, 4 columns.
-
-    Returns two lists, front and back, of 8 columns each: red, green, blue and alpha of the primary colour,
-    then of the secondary (its alpha is 0). They are not clamped. Without two-sided lighting both are the same
-    list.
+    Raises ValueError if float64 cannot hold a modelview matrix's determinant.
     """
-    front = _surface_material(lighting, lighting.front, Face.FRONT, color)
-    back = _surface_material(lighting, lighting.back, Face.BACK, color)
-    materials = (front, back) if lighting.two_side else (front,)
-    point = [component / eye[3] for component in eye[:3]]
-    to_eye = normalize([-component for component in point]) if lighting.local_viewer else (ZERO, ZERO, ONE)
-    illuminations = [
-        _illuminate(light, point, normal, to_eye, any(_shines(light, material) for material in materials))
-        for light in lighting.lights
-    ]
-    front_colors = _lit_colors(lighting, front, illuminations, 1)
-    return front_colors, _lit_colors(lighting, back, illuminations, -1) if lighting.two_side else front_colors
+    matrices, flags = _kept(_normal_numbers, vertex)
+    out = np.empty((3, count))
+    G.eye_normals(normals, weights, flags, matrices, np.empty((G.NORMAL_ROWS, CHUNK)), out)
+    return out
 
 
-def _surface_material(lighting, material, side, color):
-    """Apply color material (section 2.13.3)."""
-    tracking = lighting.color_material
-    tracked = ()
-    if tracking is not None and tracking.face in (side, Face.FRONT_AND_BACK):
-        tracked = _TRACKS[tracking.parameter]
-    colors = {
-        name: color if name in tracked else [np.float64(value) for value in getattr(material, name)]
-        for name in ("ambient", "diffuse", "specular", "emission")
-    }
-    return _SurfaceMaterial(**colors, shininess=material.shininess, specular_tracks="specular" in tracked)
+def _normal_numbers(vertex):
+    """``matrices`` and ``flags`` of ``fixedpipe.raster.primitives.lighting.eye_normals``."""
+    matrices = []
+    for matrix in vertex.modelviews:
+        inverse = invert_upper_left(matrix)
+        matrices.append([*inverse[0], *inverse[1], *inverse[2], ONE / length(inverse[2])])
+    return np.array(matrices), np.array([vertex.normalize, vertex.rescale_normal], np.int64)
 
 
-def _shines(light, material):
-    """Whether the light's specular term needs computing; it does not where the state alone makes it zero."""
-    products = (m * s for m, s in zip(material.specular[:3], light.specular[:3], strict=True))
-    return material.specular_tracks or any(product != 0 for product in products)
+def light_vertices(vertex, eye, normal, colors, *, clamped):
+    """Colours of all vertices, float64 [8 or 16, n]: colour and secondary colour, of the front or both sides.
+
+    - ``vertex``: VertexState.
+    - ``eye``: eye coordinates, float64 [4, n].
+    - ``normal``: in eye coordinates, float64 [3, n]; of any size without lights.
+    - ``colors``: of a mesh, as kernels take arrays.
+    - ``clamped``: colours are limited to [0, 1], and NaN becomes 0.
+
+    There are 16 rows with two-sided lighting. The secondary colour's alpha is 0.
+    """
+    flags, numbers = _kept(_pack, vertex, clamped)
+    out = np.empty((8 * int(flags[0, G.SIDES]), eye.shape[1]))
+    G.light_vertices((eye, normal, colors), flags, numbers, np.empty((G.ROWS, CHUNK)), out)
+    return out
 
 
-def _illuminate(light, point, normal, to_eye, shiny):
-    """Direction, attenuation and spotlight of one light: equations 2.2 to 2.6."""
+_states = {}  # by a function, the identity of a VertexState and what else is given: the result, and the state
+_STATES_KEPT = 1024
+
+
+def _kept(function, vertex, *more):
+    """What a function makes of a VertexState, from a cache."""
+    key = function, id(vertex), *more
+    found = _states.get(key)
+    if found is None:
+        with np.errstate(all="ignore"):
+            made = function(vertex, *more)
+        if len(_states) >= _STATES_KEPT:
+            _states.clear()
+        found = _states[key] = made, vertex
+    return found[0]
+
+
+def _pack(vertex, clamped):
+    """``flags`` and ``numbers`` of ``fixedpipe.raster.primitives.lighting.light_vertices``."""
+    lighting = vertex.lighting
+    rows = G.FIRST_LIGHT + len(lighting.lights)
+    flags, numbers = np.zeros((rows, G.FLAGS), np.int64), np.zeros((rows, G.NUMBERS))
+    flags[0] = lighting.local_viewer, lighting.separate_specular_color, clamped, 1 + lighting.two_side
+    for at, side in enumerate((Face.FRONT, Face.BACK), G.FIRST_SIDE):
+        material = lighting.front if side == Face.FRONT else lighting.back
+        tracking = lighting.color_material
+        if tracking is not None and tracking.face in (side, Face.FRONT_AND_BACK):
+            flags[at] = [name in _TRACKS[tracking.parameter] for name in _COLORS]
+        colors = chain.from_iterable(getattr(material, name) for name in _COLORS)
+        numbers[at] = *colors, material.shininess, *lighting.model_ambient[:3]
+    for at, light in enumerate(lighting.lights, G.FIRST_LIGHT):
+        flags[at, : G.SPOT + 1] = light.position[3] != 0, light.spot_cutoff != 180
+        numbers[at] = _light_numbers(light)
+    return flags, numbers
+
+
+def _light_numbers(light):
     position = [np.float64(component) for component in light.position]
-    strength = ONE
     if position[3] == 0:
-        direction = normalize(position[:3])
+        place = normalize(position[:3])
     else:
-        difference = [position[axis] / position[3] - point[axis] for axis in range(3)]
-        distance = length(difference)
-        direction = normalize(difference, distance)
-        constants = (light.constant_attenuation, light.linear_attenuation, light.quadratic_attenuation)
-        strength = ONE / weighted_sum(constants, (ONE, distance, distance * distance))
+        place = [position[axis] / position[3] for axis in range(3)]
+    axis, cutoff = (0.0, 0.0, 0.0), 0.0
     if light.spot_cutoff != 180:
         axis = normalize([np.float64(component) for component in light.spot_direction])
-        cosine = -dot(direction, axis)
         # The test uses the signed cosine, so that a 90 degree cutoff is a half-space.
-        lit = cosine >= cosine_of_degrees(light.spot_cutoff)
-        strength = strength * np.where(lit, power(positive(cosine), light.spot_exponent), ZERO)
-    n_dot_h = None
-    if shiny:
-        half = [a + b for a, b in zip(direction, to_eye, strict=True)]
-        n_dot_h = dot(normal, normalize(half))
-    return _Illumination(strength, dot(normal, direction), n_dot_h)
-
-
-def _lit_colors(lighting, material, illuminations, sign):
-    """The lighting equation for one face; sign -1 reverses the normal."""
-    scene = [np.float64(value) for value in lighting.model_ambient]
-    primary = [material.emission[c] + material.ambient[c] * scene[c] for c in range(3)]
-    secondary = [ZERO, ZERO, ZERO]
-    for light, illumination in zip(lighting.lights, illuminations, strict=True):
-        diffuse = positive(sign * illumination.n_dot_l)
-        specular = None
-        if _shines(light, material):
-            highlight = power(positive(sign * illumination.n_dot_h), material.shininess)
-            specular = np.where(diffuse > 0, highlight, ZERO)
-        for c in range(3):
-            ambient_term = material.ambient[c] * np.float64(light.ambient[c])
-            term = ambient_term + diffuse * (material.diffuse[c] * np.float64(light.diffuse[c]))
-            if specular is not None:
-                shine = specular * (material.specular[c] * np.float64(light.specular[c]))
-                if lighting.separate_specular_color:
-                    secondary[c] = secondary[c] + illumination.strength * shine
-                else:
-                    term = term + shine
-            primary[c] = primary[c] + illumination.strength * term
-    return [*primary, material.diffuse[3], *secondary, ZERO]
+        cutoff = cosine_of_degrees(light.spot_cutoff)
+    attenuation = light.constant_attenuation, light.linear_attenuation, light.quadratic_attenuation
+    colors = *light.ambient[:3], *light.diffuse[:3], *light.specular[:3]
+    return *place, *attenuation, *axis, cutoff, light.spot_exponent, *colors

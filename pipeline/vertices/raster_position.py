@@ -101,7 +101,7 @@ def process_raster_position(mesh, state, profile, width, height):
         if not np.isfinite(window).all():
             return None
         normal = eye_normal(mesh, vertex) if needs_normals(state) else None
-        colors, _ = vertex_colors(mesh, vertex, position, eye, normal, profile)
+        colors, _ = vertex_colors(mesh, vertex, eye, normal, profile)
         coordinates = unit_coordinates(mesh, state, position, eye, normal, profile)
         fog = np.broadcast_to(iterated_fog(mesh, state, eye, profile), 1)[0]
         return RasterVertex(

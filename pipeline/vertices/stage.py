@@ -25,6 +25,7 @@ from fixedpipe.pipeline.vertices.colors import (
     eye_normal,
     given_colors,
     kept_color_bits,
+    lit_colors,
     stacked_colors,
     unrounded_colors,
     vertex_colors,
@@ -119,14 +120,12 @@ def _planned(mesh, columns, plan, state, profile, bits):
     elif plan.coordinates is not None:
         coordinates, known["projective"] = plan.coordinates
     fog, lit, two_side = columns.no_fog, state.vertex.lighting is not None, state.vertex.two_side
-    both = None
     if plan.keeps_eye:
         position = columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0))
         normal = eye_normal(mesh, state.vertex) if needs_normals(state) else None
         if lit:
-            front, back = vertex_colors(mesh, state.vertex, position, eye, normal, profile)
-            two_side = back is not front
-            both = [*front, *back] if two_side else front
+            both = lit_colors(mesh, state.vertex, eye, normal, profile)
+            two_side = len(both) == 16
             colors = stacked_colors(count, both, bits)
         if state.fog is not None:
             fog = filled(count, iterated_fog(mesh, state, eye, profile))
@@ -147,17 +146,16 @@ def _planned(mesh, columns, plan, state, profile, bits):
         two_side=two_side,
     )
     if len(clipped):
-        if not lit:
-            both = unrounded_colors(mesh, columns, state.vertex, profile)
-        primitives, known = _clipped(primitives, known, plan, clipped, both, bits)
+        unrounded = both.T if lit else unrounded_colors(mesh, columns, state.vertex, profile)
+        primitives, known = _clipped(primitives, known, plan, clipped, unrounded, bits)
     return primitives.knowing(**known)
 
 
 def _clipped(primitives, known, plan, chosen, colors, color_bits):
     """The primitives after clipping the ``chosen`` triangles, and what is known of them.
 
-    ``colors`` are those before they became bytes of ``color_bits``: columns, or an array with one row for all
-    vertices or one for each.
+    ``colors`` are those before they became bytes of ``color_bits``: an array with one row for all vertices or
+    one for each.
     """
     vertices, count = plan.triangles[chosen, :3].ravel(), len(chosen)
     n = len(vertices)
@@ -167,15 +165,10 @@ def _clipped(primitives, known, plan, chosen, colors, color_bits):
     sums = plan.sums, plan.coefficients, plan.clip, plan.parameters
     made = x, y, z, inverse_w, np.empty((n, 0, 4)), clip_coordinates
     transform_vertices(given, sums, made, np.empty((plan.rows, CHUNK)))
-    units, in_columns = primitives.coordinates.shape[1], isinstance(colors, list)
-    fog = 4 + (len(colors) if in_columns else colors.shape[1])
+    units, fog = primitives.coordinates.shape[1], 4 + colors.shape[1]
     corners = np.empty((n, fog + 1 + 4 * units))
     corners[:, :4] = clip_coordinates.T
-    if in_columns:
-        for index, column in enumerate(colors):
-            corners[:, 4 + index] = column[vertices] if column.ndim else column
-    else:
-        corners[:, 4:fog] = colors if len(colors) == 1 else colors[vertices]
+    corners[:, 4:fog] = colors if len(colors) == 1 else colors[vertices]
     corners[:, fog] = primitives.fog[vertices]
     corners[:, fog + 1 :] = primitives.coordinates[vertices].reshape(n, 4 * units)
 
@@ -251,7 +244,7 @@ def _vertex_columns(mesh, state, profile, position):
     vertex = state.vertex
     eye, clip_coordinates = eye_and_clip(vertex, position, weight_of(mesh))
     normal = eye_normal(mesh, vertex) if needs_normals(state) else None
-    front, back = vertex_colors(mesh, vertex, position, eye, normal, profile)
+    front, back = vertex_colors(mesh, vertex, eye, normal, profile)
     two_side = back is not front
     columns = [
         *clip_coordinates,

@@ -1,5 +1,6 @@
 """On what the bench measures, what it asks for there, and what it makes of runs. Nothing measures a time."""
 
+import dataclasses
 import json
 import os
 import select
@@ -17,6 +18,7 @@ from bench import (
     history,
     ideals,
     limits,
+    lit,
     processor,
     starting,
     tables,
@@ -120,8 +122,8 @@ def test_every_scene_and_figure_has_its_goal_on_every_kind_of_processor():
         "h": 2.0,
     }
     both = {
-        "draws": 100,
         "teximage": 15,
+        "lit": 50,
         "wide": 8.5,
         "cold": 25,
         "cached": 1.2,
@@ -131,8 +133,24 @@ def test_every_scene_and_figure_has_its_goal_on_every_kind_of_processor():
         "factors": 5,
         "probes": 0.5,
     }
-    zen_5 = both | {"passes": 60, "states": 120, "frames": 300, "first": 20, "ideal": 0.33, "all": 60}
-    other = both | {"passes": 100, "states": 200, "frames": 120, "first": 30, "ideal": 0.66, "all": 120}
+    zen_5 = both | {
+        "draws": 15,
+        "passes": 15,
+        "states": 120,
+        "frames": 300,
+        "first": 20,
+        "ideal": 0.33,
+        "all": 60,
+    }
+    other = both | {
+        "draws": 30,
+        "passes": 30,
+        "states": 200,
+        "frames": 120,
+        "first": 30,
+        "ideal": 0.66,
+        "all": 120,
+    }
     zen_5["fresh"], other["fresh"] = 180, 360
     assert goals.goals(XEON) == goals.goals(HASWELL, "avx2") == scenes | other
     assert goals.goals(ZEN_5, "avx2") == scenes | zen_5
@@ -222,6 +240,7 @@ def test_every_figure_has_a_unit_and_a_direction():
         "states": ("µs", True, False),
         "draws": ("µs", True, False),
         "teximage": ("µs", True, False),
+        "lit": ("µs", True, False),
         "frames": ("frames/s", False, False),
         "wide": ("Mfragments/s", False, False),
         "first": ("s", True, False),
@@ -281,6 +300,16 @@ def test_tex_images_go_through_every_step_and_no_two_are_the_same():
         ):  # fmt: skip
             assert getattr(command.transfer, name) != getattr(INITIAL_TRANSFER, name)
     assert OCTANE.arithmetic.clamps_color_matrix
+
+
+def test_lit_draws_are_the_same_but_for_their_lights():
+    for profile, lights in lit.KINDS:
+        plain, shone = lit.state(()), lit.state(lights)
+        assert dataclasses.replace(shone, vertex=plain.vertex) == plain
+        validate([Draw(label="lit", mesh=lit.mesh(), state=shone)], profile, lit.EDGE, lit.EDGE)
+    assert {(profile.name, len(lights)) for profile, lights in lit.KINDS} == {
+        (name, count) for name in ("NV2A", "GeForce 256") for count in (1, 2)
+    }
 
 
 def test_the_figures_whose_ideals_are_timed_can_be_drawn_on_their_machines():

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from fixedpipe.pipeline.commands import Mesh
 from fixedpipe.pipeline.enums import Face
 from fixedpipe.pipeline.state import Light, Lighting, Material, Spot, VertexState
 from fixedpipe.pipeline.vertices import lighting
-from fixedpipe.pipeline.vertices.arithmetic import columns_of, invert_upper_left
+from fixedpipe.pipeline.vertices.arithmetic import columns_of, filled_rows, invert_upper_left
 from fixedpipe.pipeline.vertices.lighting_unit import light_vertices
 from fixedpipe.pipeline.vertices.spot_registers import spot_of
 from tests.reference import lighting_unit as reference
@@ -41,9 +42,9 @@ def test_colours_are_the_specification_s_to_the_last_bit(light):
     )
     vertex = VertexState(lighting=lighting)
     inverse = invert_upper_left(vertex.modelview)
-    given = columns_of(positions, (0.0, 0.0, 0.0, 1.0)), columns_of(normals, (0.0, 0.0, 1.0))
-    front, _ = light_vertices(vertex, *given, columns_of(None, WHITE), columns_of(None, WHITE))
-    got = np.stack([np.broadcast_to(column, 60) for column in front], axis=1)
+    white = np.ones((60, 4))
+    mesh = Mesh(positions, normals=normals, colors=white, secondary_colors=white)
+    got = light_vertices(vertex, mesh, clamped=False).T
     wanted = [
         reference.light_vertex(vertex, Face.FRONT, [inverse], (*p, 1.0), n, 1.0, WHITE, WHITE, None)
         for p, n in zip(positions.tolist(), normals.tolist(), strict=True)
@@ -76,11 +77,12 @@ def cone(exponent, cutoff):
     )
     state = Lighting((light,), Material(ambient=WHITE, diffuse=BLACK), model_ambient=BLACK)
     vertex = VertexState(lighting=state)
-    points = columns_of(np.stack([np.sin(angles), 0 * angles, -np.cos(angles)], 1), (0.0, 0.0, 0.0, 1.0))
-    normal, white = columns_of(None, (0.0, 0.0, 1.0)), columns_of(None, WHITE)
-    with np.errstate(invalid="ignore"):  # 0 times infinity, x/x at the edge
-        unit = light_vertices(vertex, points, normal, white, white)[0][0]
-    return np.cos(angles), unit, lighting.light_vertices(state, points, normal, white)[0][0]
+    mesh = Mesh(np.stack([np.sin(angles), 0 * angles, -np.cos(angles)], 1))
+    unit = light_vertices(vertex, mesh, clamped=False)[0]
+    eye = filled_rows(len(angles), columns_of(mesh.positions, (0.0, 0.0, 0.0, 1.0)))
+    normal = filled_rows(len(angles), columns_of(None, (0.0, 0.0, 1.0)))
+    white = np.ones((len(angles), 4))
+    return np.cos(angles), unit, lighting.light_vertices(vertex, eye, normal, white, clamped=False)[0]
 
 
 @pytest.mark.parametrize(
