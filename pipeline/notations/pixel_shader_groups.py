@@ -131,7 +131,9 @@ class Writer:
         for half, portion in (("rgb", stage.rgb), ("a", stage.alpha)):
             if not self.operands.exact and getattr(portion, "ab_blue_to_alpha", False):
                 raise _unsayable(number, half, "its blue goes to alpha as well")
-            if outputs(portion) and not (half == "a" and self._copies(portion)):
+            if half == "a" and self._copies(portion):
+                self.operands.in_blue.discard(_COPIES[portion])  # from now on its alpha holds the dot product
+            elif outputs(portion):
                 group.choices[half] = self._instructions(number, half, portion)
         return group, 1
 
@@ -186,6 +188,8 @@ class Writer:
         }
         if not tested or (len(choices) == 2 and not _in_common(*choices.values())):
             return None
+        if self._copies(second.alpha):
+            self.operands.in_blue.discard(_COPIES[second.alpha])
         return Group(number, choices, True, [("a", first.alpha.a, False)])
 
     # ------------------------------------------------------------------------- what is read and written

@@ -190,6 +190,11 @@ def with_coordinates(text):
     return text.replace("tex t1", "texcoord t1")
 
 
+def test_blue_that_is_read_after_it_was_copied_to_alpha_is_read_as_blue():
+    # "mov r0.rgb" replaces the color, so the dot product is copied to r0's alpha before.
+    check_same("ps.1.3\ndp3_sat r0, v0, v1\nmov r0.rgb, r0\n+ mov r1.a, 1-r0.b\n")
+
+
 @settings(max_examples=150)
 @given(st.one_of(pixel_shaders(), pixel_shaders().map(with_coordinates)))
 def test_random_shaders_read_back_as_the_very_same_state(text):
