@@ -12,7 +12,7 @@ from fixedpipe.pipeline.enums import Clamp, SecondaryColor
 from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, widths_of
 from fixedpipe.pipeline.native.pack_combiners import pack_constants
 from fixedpipe.pipeline.native.prepared_draw import Prepared, make_job, texels_and_levels
-from fixedpipe.pipeline.native.state_rows import rows_of, texture_kind
+from fixedpipe.pipeline.native.state_rows import have_same_constants, rows_of, texture_kind
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
 from fixedpipe.pipeline.state_kinds import kind_of
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
@@ -45,7 +45,7 @@ from fixedpipe.raster.vector.submit import (
 )
 from fixedpipe.raster.vector.unit import coordinate_facts
 
-_MOST = 4096  # records of a machine; then all are forgotten
+_MOST = 4096  # records that a machine makes; then all are forgotten
 _MOST_KEPT = 1 << 16  # vertices, or triangles, of the scratch that stays
 # What a record depends on of a state's vertices' part.
 _OF_VERTEX = attrgetter(
@@ -65,7 +65,7 @@ class StateRecords:
         self._forget()
 
     def _forget(self):
-        self._of_state, self._of_kind, self._readers = {}, {}, {}
+        self._of_state, self._of_kind, self._readers, self._made = {}, {}, {}, 0
 
     def of(self, mesh, state, framebuffer, textures):
         """The StateRecord for drawing a mesh; ``textures`` are the machine's, by name."""
@@ -74,8 +74,9 @@ class StateRecords:
         found = self._of_state.get(key)
         if found is not None and found.reads(textures):
             return found
-        if len(self._of_state) >= _MOST:
+        if self._made >= _MOST:
             self._forget()
+        self._made += 1
         kind = kind_of(state), beside
         first = found or self._of_kind.get(kind)
         if first is None or not first.is_like(state, textures):
@@ -153,7 +154,7 @@ class StateRecord:
         made.__dict__.update(self.__dict__, _of=state)
         if state is not self._of:
             made.state = state
-            if self._submits and not self._rows.has_constants_of(state.register_combiners):
+            if not have_same_constants(state.register_combiners, self.state.register_combiners):
                 made._plans = {}
         if given != self.given:
             made.given, made.textures = given, dict(zip(self.names, given, strict=True))
@@ -283,7 +284,7 @@ class StateRecord:
         if (found := self._plans.get(variant)) is None:
             of_rows = self._templates[variant][1]
             plan, program = self._rows.plan(*of_rows), self.state.register_combiners
-            if not len(plan.constants) or self._rows.has_constants_of(program):
+            if not len(plan.constants) or have_same_constants(program, self._rows.program):
                 found = self._rows.filled_plan(*of_rows)
             else:
                 constants = np.array(pack_constants(program, self._rows.bits), np.int16)

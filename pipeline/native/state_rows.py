@@ -57,6 +57,13 @@ def rows_of(state, profile, framebuffer, textures, sample=None):
 _rows, _first_rows, _MOST_ROWS = {}, {}, 1024
 
 
+def have_same_constants(one, other):
+    """Whether two combiner programs of the same stages and flags, or None, have the same constant colours."""
+    return one is other or (
+        one.constant_color0 is other.constant_color0 and one.constant_color1 is other.constant_color1
+    )
+
+
 def texture_kind(texture):
     """The properties of a texture that rows depend on."""
     formats = texture.target, texture.internal_format, texture.bits, texture.border
@@ -119,7 +126,7 @@ class StateRows:
 
     def with_constants(self, program):
         """The rows for a combiner program of the same stages and flags, with its own constant colours."""
-        if self.has_constants_of(program):
+        if have_same_constants(program, self.program):
             return self
         made = copy(self)
         stages, final, _, *others = self.shared
@@ -129,13 +136,6 @@ class StateRows:
         made.draw[R.STAGE_CONSTANTS] = has_stage_constants(constants)
         made.program, made.varied = program, {}
         return made
-
-    def has_constants_of(self, program):
-        """Whether a combiner program of the same stages and flags has the same constant colours."""
-        own = self.program
-        return program is own or (
-            program.constant_color0 is own.constant_color0 and program.constant_color1 is own.constant_color1
-        )
 
     def variant(self, two_side, strokes, constant_color, projective):
         """(draw, units, derived data) for primitives that are two-sided or not, hold strokes or not, have one

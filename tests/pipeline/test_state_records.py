@@ -8,13 +8,26 @@ import numpy as np
 import pytest
 from numba import types
 
-from fixedpipe.pipeline.commands import Draw, Mesh, TexImage
-from fixedpipe.pipeline.enums import ComparisonFunction, TexGenMode, TextureFilter
-from fixedpipe.pipeline.execution.machine import Machine
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import ComparisonFunction, Register, TexGenMode, TextureFilter
+from fixedpipe.pipeline.execution.machine import Machine, execute
+from fixedpipe.pipeline.native import state_records
 from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.pipeline.native.state_records import StateRecord, StateRecords
 from fixedpipe.pipeline.profiles import GEFORCE_256
-from fixedpipe.pipeline.state import DepthTest, PassState, Sampler, TexGen, TextureUnit, VertexState
+from fixedpipe.pipeline.state import (
+    CombinerInput,
+    DepthTest,
+    FinalCombiner,
+    GeneralCombiner,
+    PassState,
+    RegisterCombiners,
+    RGBPortion,
+    Sampler,
+    TexGen,
+    TextureUnit,
+    VertexState,
+)
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster import rows as R
@@ -173,3 +186,45 @@ def test_a_texture_that_is_replaced_is_read_by_later_draws_alone(by_one_call):
     np.testing.assert_array_equal(after, expected.framebuffer.color)
     assert (before != after).any()
     assert by_one_call.count(True) >= 3
+
+
+NOTHING = CombinerInput()
+PRODUCT = RGBPortion(
+    CombinerInput(Register.CONSTANT_COLOR0),
+    CombinerInput(Register.PRIMARY_COLOR),
+    ab_output=Register.SPARE0,
+    sum_output=Register.DISCARD,
+)
+FINAL = FinalCombiner(NOTHING, NOTHING, NOTHING, CombinerInput(Register.SPARE0))
+
+
+def test_constant_colors_that_alternate_in_new_states(by_one_call):
+    # Each record follows from the one before, whose plan has the other colour.
+    colors = [(0.25, 0.5, 0.75, 1.0), (1.0, 0.0, 0.5, 1.0)]
+    program = RegisterCombiners((GeneralCombiner(PRODUCT),), FINAL, constant_color0=colors[0])
+    first = PassState(register_combiners=program)
+    states = [
+        replace(first, register_combiners=replace(program, constant_color0=colors[k % 2])) for k in range(6)
+    ]
+    states += [replace(first, vertex=VertexState(modelview=DOUBLED)), first]
+    machine, mesh = Machine(GEFORCE_256, SIZE, SIZE), triangles(3)
+    for state in states:
+        commands = Clear(label="c", color=(0.0,) * 4), Draw(label="d", mesh=mesh, state=state)
+        machine.run(commands)
+        expected = execute(commands, GEFORCE_256, SIZE, SIZE, engine="portable").framebuffer.color
+        np.testing.assert_array_equal(machine.framebuffer.color, expected)
+    assert by_one_call == [True] * len(states)
+
+
+def test_records_are_bounded(monkeypatch):
+    monkeypatch.setattr(state_records, "_MOST", 8)
+    machine = Machine(GEFORCE_256, SIZE, SIZE)
+    state = PassState(texture_units=(UNIT, replace(UNIT, texture="other")))
+    for number in range(40):
+        moved = replace(state, vertex=VertexState(modelview=DOUBLED))
+        loads = LOAD, replace(LOAD, image=texture_2d(TEXELS + np.uint8(number)))
+        other = replace(loads[number % 2], texture="other")
+        machine.run((LOAD, other, Draw(label="d", mesh=triangles(2), state=moved)))
+        records = machine._records
+        assert len(records._of_state) <= 8
+        assert all(len(readers) <= 2 * 8 for _, readers in records._readers.values())
