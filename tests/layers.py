@@ -57,7 +57,7 @@ PACKAGES = {
         ),
     },
     "pipeline/native": {
-        "raster": "codes rows arrays primitives portable vector columns",
+        "raster": "codes floats rows arrays primitives portable vector columns",
         "pipeline": "enums state state_kinds textures commands profiles programs vertices framebuffers",
     },
     "pipeline/columns": {

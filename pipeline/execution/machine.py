@@ -15,7 +15,7 @@ from typing import Any, Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from fixedpipe.pipeline.columns.engine import column_draw
+from fixedpipe.pipeline.columns.engine import column_draw, needs_columns
 from fixedpipe.pipeline.columns.rectangles import draw_rectangle
 from fixedpipe.pipeline.columns.replaced_stages import ReplacedStages
 from fixedpipe.pipeline.commands import (
@@ -204,7 +204,7 @@ class Machine:
         )
         bands = -(-self.height // BAND_HEIGHT)
         self._queue: Queue = Queue(min(self.threads or default_threads(), bands), self.batch)
-        self._records: StateRecords = StateRecords(self.profile)
+        self._records: StateRecords = StateRecords(self.profile, needs_columns)
         self._current: Framebuffer = self.framebuffer
         self._samples: Samples | None = Samples(self.framebuffer, self.samples) if self.samples > 1 else None
         self._surface_samples: dict[str, Samples] = {}  # of the pbuffers with several samples

@@ -183,8 +183,11 @@ def _stored_as(internal_format):
     base, constants = BASE_FORMAT[internal_format], {"0": kernels.ZEROS, "1": kernels.ONES}
     places, bits = [], []
     for what in REGISTER_COMPONENTS[base]:
-        places.append(KEPT[base][what] if isinstance(what, int) else constants[what])
-        bits.append(own[what] if isinstance(what, int) else width)
+        place, kept_bits = (
+            (KEPT[base][what], own[what]) if isinstance(what, int) else (constants[what], width)
+        )
+        places.append(place)
+        bits.append(kept_bits)
     return np.array(places), np.array(bits), width
 
 

@@ -7,7 +7,6 @@ from operator import attrgetter
 
 import numpy as np
 
-from fixedpipe.pipeline.columns.engine import needs_columns
 from fixedpipe.pipeline.enums import Clamp, SecondaryColor
 from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, widths_of
 from fixedpipe.pipeline.native.pack_combiners import pack_constants
@@ -60,8 +59,9 @@ class StateRecords:
     colours decide. Records of a texture that was replaced are forgotten, so that none keeps it in memory.
     """
 
-    def __init__(self, profile):
-        self._profile, self._scratch = profile, _Scratch()
+    def __init__(self, profile, needs_columns):
+        """``needs_columns`` tells whether only the column engine draws a pass."""
+        self._machine = profile, needs_columns, _Scratch()
         self._forget()
 
     def _forget(self):
@@ -80,7 +80,7 @@ class StateRecords:
         kind = kind_of(state), beside
         first = found or self._of_kind.get(kind)
         if first is None or not first.is_like(state, textures):
-            first = StateRecord(mesh, state, self._profile, framebuffer, textures, self._scratch)
+            first = StateRecord(mesh, state, framebuffer, textures, *self._machine)
         made = first.in_place_of(state, textures)
         for name, texture in zip(made.names, made.given, strict=True):
             read, readers = self._readers.get(name, (None, ()))
@@ -104,7 +104,7 @@ class StateRecord:
     - ``native``: whether all components are bytes.
     """
 
-    def __init__(self, mesh, state, profile, framebuffer, textures, scratch):
+    def __init__(self, mesh, state, framebuffer, textures, profile, needs_columns, scratch):
         self._of, self.names, vertex = state, _names(state), state.vertex
         self.given = [textures[name] for name in self.names]
         state = within_viewport(mesh, state, framebuffer.width, framebuffer.height)

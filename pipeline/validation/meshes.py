@@ -7,7 +7,7 @@ import numpy as np
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.messages import shown
 from fixedpipe.pipeline.validation.types import check_int, enum_check
-from fixedpipe.raster.primitives.meshes import all_below, all_finite
+from fixedpipe.pipeline.vertices.mesh_numbers import are_finite, are_vertices
 
 _usable = WeakSet()  # meshes without a problem
 _infinite_fog = WeakSet()
@@ -35,7 +35,7 @@ def _array_problem(name, array, vertices, low, high):
 
 def finite_problem(name, array):
     """A sentence that names the first number of a vertex array that is not finite, or None."""
-    if array.dtype == np.bool_ or all_finite(array):
+    if are_finite(array):
         return None
     bad = np.argwhere(~np.isfinite(array))[0]
     value = array[tuple(bad)]
@@ -91,7 +91,7 @@ def mesh_problem(mesh):
         if mesh.indices.ndim != 1:
             return f"the mesh's indices has shape {mesh.indices.shape}; give one list of vertex numbers."
         drawn = len(mesh.indices)
-        if not all_below(mesh.indices, vertices):
+        if not are_vertices(mesh.indices, vertices):
             at = int(np.argmax((mesh.indices < 0) | (mesh.indices >= vertices)))
             return (
                 f"index {at} of the mesh is vertex {mesh.indices[at]}, but it has {vertices} vertices; give "

@@ -10,7 +10,7 @@ from math import isqrt
 import numpy as np
 from numba import float32, float64
 
-from fixedpipe.raster.floats import EXPONENT, FRACTION_BITS, LEAST_SINGLE, SINGLE_BITS, kept
+from fixedpipe.raster.floats import EXPONENT, EXPONENT_BIAS, FRACTION_BITS, LEAST_SINGLE, SINGLE_BITS, kept
 from fixedpipe.raster.kernel import bits_of, float_of, kernel
 
 TRANSFORM_BITS, LIGHTING_BITS = SINGLE_BITS, 14  # significant bits
@@ -25,7 +25,7 @@ TRANSFORM_ROOTS = np.minimum(np.array(_ROOTS, np.float64), 127.0)
 
 _INFINITY, _LIMIT = float("inf"), 2.0**128
 _SIGN = -1 << 63
-_BELOW_LIMIT = (1023 + 128 << FRACTION_BITS) - 1  # the bits of the largest float64 below _LIMIT
+_BELOW_LIMIT = (EXPONENT_BIAS + 128 << FRACTION_BITS) - 1  # the bits of the largest float64 below _LIMIT
 _SEED_PLACE = FRACTION_BITS - 6  # of the six bits of a fraction that choose a seed
 _ENTERED = FRACTION_BITS - LIGHTING_BITS + 1  # bits that a number loses as it enters the lighting unit
 
@@ -159,7 +159,7 @@ def finite_multiply_add(a, b, c):
     of_a, of_c = place_of(a), place_of(c)
     lower = of_c + 1 - (of_a + place_of(b))
     lower = 0 if (a == 0.0) | (b == 0.0) | (c == 0.0) else lower
-    places = 1023 + FRACTION_BITS - LIGHTING_BITS
+    places = EXPONENT_BIAS + FRACTION_BITS - LIGHTING_BITS
     shift_a = float_of((of_a + max(lower, 0) + places) << FRACTION_BITS)
     shift_c = float_of((of_c + max(-lower, 0) + places) << FRACTION_BITS)
     return in_range(multiple(a, shift_a) * b + multiple(c, shift_c), LIGHTING_BITS)
@@ -187,7 +187,7 @@ def whole(x):
 @kernel(in_loops=True)
 def power_of_two(e):
     """2^e as float64."""
-    return float_of((e + 1023) << FRACTION_BITS)
+    return float_of((e + EXPONENT_BIAS) << FRACTION_BITS)
 
 
 @kernel(in_loops=True)

@@ -9,6 +9,16 @@ import math
 from numba import int64, types
 
 from fixedpipe.raster.kernel import kernel, separate_loop
+from fixedpipe.raster.primitives.chip_columns import (
+    blend,
+    dot,
+    enter,
+    enter_given,
+    enter_single,
+    row3,
+    row4,
+    to_single,
+)
 from fixedpipe.raster.primitives.chip_floats import (
     LIGHTING_BITS,
     TRANSFORM_BITS,
@@ -19,7 +29,6 @@ from fixedpipe.raster.primitives.chip_floats import (
     lighting_reciprocal,
     product,
     product_and_sum,
-    single,
     to_lighting,
     total2,
     transform_inverse_root,
@@ -57,68 +66,6 @@ PLACE, AXIS, ATTENUATION, REACH, CONE, HALF_VECTOR, COLORS = 0, 3, 7, 10, 11, 14
 NUMBERS = COLORS + 18
 
 _INFINITY = float("inf")
-
-
-@kernel
-def _to_single(out):
-    separate_loop()
-    for i in range(out.shape[0]):
-        out[i] = single(out[i])
-
-
-@kernel
-def _enter(out, a):
-    separate_loop()
-    for i in range(out.shape[0]):
-        out[i] = to_lighting(a[i])
-
-
-@kernel
-def _enter_single(out):
-    separate_loop()
-    for i in range(out.shape[0]):
-        out[i] = to_lighting(single(out[i]))
-
-
-@kernel
-def _enter_given(out, a):
-    separate_loop()
-    for i in range(out.shape[0]):
-        out[i] = to_lighting(single(a[i]))
-
-
-@kernel
-def _row4(out, a, b, c, d, row):
-    separate_loop()
-    r0, r1, r2, r3 = row
-    for i in range(out.shape[0]):
-        out[i] = dot4(a[i], b[i], c[i], d[i], r0, r1, r2, r3, TRANSFORM_BITS)
-
-
-@kernel
-def _row3(out, a, b, c, row):
-    separate_loop()
-    r0, r1, r2 = row
-    for i in range(out.shape[0]):
-        out[i] = dot3(a[i], b[i], c[i], r0, r1, r2, TRANSFORM_BITS)
-
-
-@kernel
-def _dot(out, a, b):
-    separate_loop()
-    for i in range(out.shape[0]):
-        out[i] = dot3(a[0, i], a[1, i], a[2, i], b[0, i], b[1, i], b[2, i], LIGHTING_BITS)
-
-
-@kernel
-def _blend(out, b, weight):
-    """The weighted sum of two matrices' results, into the first's."""
-    separate_loop()
-    for i in range(out.shape[0]):
-        w = single(weight[i])
-        rest = total2(1.0, -w, TRANSFORM_BITS, 5)
-        shares = product(out[i], w, TRANSFORM_BITS), product(b[i], rest, TRANSFORM_BITS)
-        out[i] = total2(shares[0], shares[1], TRANSFORM_BITS, 5)
 
 
 @kernel
@@ -392,30 +339,30 @@ def _eye(columns, n, mesh_normals, flags, numbers, needs_points):
     root, distance, square = columns[_ROOT, :n], columns[_DISTANCE, :n], columns[_SQUARE, :n]
     copy_vector(given, n, mesh_normals, 0.0, 1.0)
     for c in range(3):
-        _to_single(given[c, :n])
+        to_single(given[c, :n])
     for m in range(flags[0, MATRICES]):
         row = numbers[m]
         for c in range(3):
             to = normal[c, :n] if m == 0 else other[c, :n]
             at = INVERSE + 3 * c
-            _row3(to, given[0, :n], given[1, :n], given[2, :n], (row[at], row[at + 1], row[at + 2]))
+            row3(to, given[0, :n], given[1, :n], given[2, :n], (row[at], row[at + 1], row[at + 2]))
             if flags[0, RESCALE]:
                 _scale_constant(to, row[FACTOR_OF_NORMALS])
             if m:
-                _blend(normal[c, :n], other[c, :n], weight)
+                blend(normal[c, :n], other[c, :n], weight)
     if flags[0, NORMALIZE]:
         _unit_vectors(normal, distance, square, root)
     if needs_points:
         for c in range(4):
-            _to_single(position[c, :n])
+            to_single(position[c, :n])
         for m in range(flags[0, MATRICES]):
             row = numbers[m]
             for c in range(4):
                 to = other[c, :n] if m else (root if c == 3 else point[c, :n])
                 of_row = row[4 * c], row[4 * c + 1], row[4 * c + 2], row[4 * c + 3]
-                _row4(to, position[0, :n], position[1, :n], position[2, :n], position[3, :n], of_row)
+                row4(to, position[0, :n], position[1, :n], position[2, :n], position[3, :n], of_row)
                 if m > 0 and c < 3:
-                    _blend(point[c, :n], other[c, :n], weight)
+                    blend(point[c, :n], other[c, :n], weight)
         _reciprocal(root)
         for c in range(3):
             _scale(point[c, :n], root)
@@ -425,10 +372,10 @@ def _eye(columns, n, mesh_normals, flags, numbers, needs_points):
         _unit_vectors(other[:3], distance, square, root)
     for c in range(3):
         if flags[0, LOCAL_VIEWER]:
-            _enter(viewer[c, :n], other[c, :n])
+            enter(viewer[c, :n], other[c, :n])
         else:
             fill(viewer[c, :n], numbers[0, VIEWER + c])
-        _enter(columns[_FRONT + c, :n], normal[c, :n])
+        enter(columns[_FRONT + c, :n], normal[c, :n])
         _negate(columns[_BACK + c, :n], columns[_FRONT + c, :n])
 
 
@@ -445,9 +392,9 @@ def _reach(columns, n, flags, numbers, local_viewer):
             _differences(vector[c, :n], numbers[PLACE + c], columns[_POINT + c, :n])
         _unit_vectors(vector, distance, square, root)
         for c in range(3):
-            _enter(direction[c, :n], vector[c, :n])
-        _enter_single(distance)
-        _enter_single(square)
+            enter(direction[c, :n], vector[c, :n])
+        enter_single(distance)
+        enter_single(square)
         k = numbers[ATTENUATION : ATTENUATION + 3]
         _attenuate(strength, distance, square, k[0], k[1], k[2])
         if flags[RANGE]:
@@ -467,7 +414,7 @@ def _reach(columns, n, flags, numbers, local_viewer):
     if flags[POSITIONAL] or local_viewer:
         for c in range(3):
             _sums(half[c, :n], viewer[c, :n], direction[c, :n])
-        _dot(columns[_HALF_SQUARE, :n], half, half)
+        dot(columns[_HALF_SQUARE, :n], half, half)
     else:
         for c in range(3):
             fill(half[c, :n], numbers[HALF_VECTOR + c])
@@ -482,9 +429,9 @@ def _factors(columns, n, normal, side, rational, to_half):
     unlit, strength, specular = columns[_UNLIT, :n], columns[_STRENGTH, :n], columns[_SPECULAR, :n]
     x, above, below = columns[_X, :n], columns[_ABOVE, :n], columns[_BELOW, :n]
     cosine, square, k = columns[_FACTORS, :n], columns[_HALF_SQUARE, :n], columns[_K, :n]
-    _dot(columns[_FACING, :n], normal, columns[_DIRECTION : _DIRECTION + 3])
+    dot(columns[_FACING, :n], normal, columns[_DIRECTION : _DIRECTION + 3])
     _diffuse(columns[_DIFFUSE, :n], unlit, strength, columns[_FACING, :n], columns[_DARK, :n])
-    _dot(x, normal, columns[_HALF : _HALF + 3])
+    dot(x, normal, columns[_HALF : _HALF + 3])
     coefficients = side[RATIONAL : RATIONAL + 3] if to_half else side[RATIONAL + 3 : RATIONAL + 6]
     if not rational:
         if to_half:
@@ -492,7 +439,7 @@ def _factors(columns, n, normal, side, rational, to_half):
         else:
             _cosines(cosine, x, square)
         power(above, cosine, k, side[SHININESS])
-        _enter_single(above)
+        enter_single(above)
         _where_negative(unlit, x)
         _highlight(specular, strength, above, unlit)
         return
@@ -600,8 +547,8 @@ def light_vertices(mesh, flags, numbers, columns, out):
         copy_vector(given[:4], n, colors[first:last], 1.0, 1.0)
         copy_vector(given[4:], n, secondary[first:last], 0.0, 0.0)
         for k in range(3):
-            _enter_given(columns[_ENTERED + k, :n], given[k, :n])
-            _enter_given(columns[_ENTERED + 3 + k, :n], given[4 + k, :n])
+            enter_given(columns[_ENTERED + k, :n], given[k, :n])
+            enter_given(columns[_ENTERED + 3 + k, :n], given[4 + k, :n])
         if lights:
             copy_vector(columns[_POSITION : _POSITION + 4], n, positions[first:last], 0.0, 1.0)
             copy_component(columns[_WEIGHT, :n], weights[first:last], 0, 1.0)

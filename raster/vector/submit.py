@@ -42,9 +42,9 @@ _CLIPPING = types.Tuple((_INTS, float64[:, ::1], float64[:, :, ::1], float64[:, 
 
 
 @kernel
-def _depths(z, scale, depths):
-    if scale != 0:
-        single_depths(z, float_of(scale), depths)
+def _depths(z, single_scale, depths):
+    if single_scale:
+        single_depths(z, float_of(single_scale), depths)
     else:
         for v in range(z.shape[0]):
             depths[v] = z[v]

@@ -104,7 +104,7 @@ def test_a_vertex_s_colours_are_the_same_in_every_chunk(unit, count):
             return lighting_unit.light_vertices(vertex, part, clamped=True)
         _, normals, colors, _, weights = lighting_unit.arrays_of(part)
         normal = lighting.eye_normals(vertex, len(chosen), normals, weights)
-        eye = np.concatenate([part.positions.T, np.ones((1, len(chosen)))])
+        eye = np.array([*part.positions.T, np.ones(len(chosen))])
         return lighting.light_vertices(vertex, eye, normal, colors, clamped=True)
 
     whole, order = lit(np.arange(count)), np.arange(count)[::-1]
