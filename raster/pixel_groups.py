@@ -25,7 +25,7 @@ RUN = 256  # groups: what they need stays in the first level cache
     ARITHMETIC,  # the place of four factors in ``numbers``, before the four terms
     LOOKUP,  # the place of each component's column in ``entries``, then the columns' sizes; 0 changes nothing
     MATRIX,  # the place of its sixteen numbers, by rows
-    CLAMP,
+    CLAMPING,
 ) = range(5)
 STEP = 9  # numbers of a step
 # Rows of the scratch that kernels take, float64 [PLANES, RUN], beside int32 [4, RUN]: the components, then
@@ -108,7 +108,7 @@ def _through(elements, steps, numbers, entries, planes, codes, count):
             plane = planes[k, :count]
             if step[0] == ARITHMETIC:
                 _scale(plane, numbers[step[1] + k], numbers[step[1] + 4 + k])
-            elif step[0] == CLAMP:
+            elif step[0] == CLAMPING:
                 _clamp(plane)
             elif step[5 + k] > 0:
                 column = entries[step[1 + k] : step[1 + k] + step[5 + k]]
@@ -143,13 +143,14 @@ def transfer(elements, steps, numbers, entries, planes, codes, places, groups):
         _interleave(planes, places, count, groups[first:])
 
 
-def _texels(elements, steps, numbers, entries, planes, codes, places, bits, to, registers, texels):
-    """Groups through all steps, and as texels: ``registers`` float64 [n, 4] and ``texels`` [n, 4].
+def _texels(elements, steps, numbers, entries, planes, codes, stored_as, made):
+    """Groups through all steps, and as texels.
 
-    - ``places``: int64 [4], the plane of each of a texture register's components.
-    - ``bits``: int64 [4], what the internal format keeps of each.
-    - ``to``: the bits that a texel's component has; 2**to - 1 is one.
+    - ``stored_as``: (places, bits, to): int64 [4], the plane of each component of a texture register;
+      int64 [4], what the internal format keeps of each; the bits of a texel's component: 2**to - 1 is one.
+    - ``made``: (registers, texels), which receive them: float64 [n, 4] and [n, 4].
     """
+    (places, bits, to), (registers, texels) = stored_as, made
     _fill(planes[ZEROS], 0.0)
     _fill(planes[ONES], 1.0)
     for first in range(0, len(elements), RUN):
@@ -166,7 +167,7 @@ def _texels(elements, steps, numbers, entries, planes, codes, places, bits, to, 
             stored[i, 0], stored[i, 1], stored[i, 2], stored[i, 3] = r[i], g[i], b[i], a[i]
 
 
-_STORED = f"void({_THROUGH},int64[::1],int64[::1],int64,float64[:,::1],%s[:,::1])"
+_STORED = f"void({_THROUGH},Tuple((int64[::1],int64[::1],int64)),Tuple((float64[:,::1],%s[:,::1])))"
 # For components of 8 bits, and for wider ones.
 texels_in_bytes = kernel(_STORED % "uint8")(_texels)
 texels_in_words = kernel(_STORED % "uint16")(_texels)

@@ -139,7 +139,7 @@ def _made(profile, behind, sources, matrix, held):
     look_up_table(second)
     if matrix is not None:
         rows += [[kernels.MATRIX, _MATRIX_PLACE], [kernels.ARITHMETIC, _POST_MATRIX_PLACE]]
-        rows += [[kernels.CLAMP]] * matrix
+        rows += [[kernels.CLAMPING]] * matrix
     look_up_table(third)
     steps = np.array([row + [0] * (kernels.STEP - len(row)) for row in rows])
     return _Steps(steps, np.concatenate(columns), held)
@@ -202,10 +202,9 @@ def texels_through(elements, shape, sources, transfer, profile, behind, internal
     store, kind = _STORES[width]
     real, texels = np.empty((*shape, 4)), np.empty((*shape, 4), kind)
     steps, entries, _ = _steps(transfer, profile, behind, sources[:4], False)
-    store(
-        elements.reshape(-1, sources[4]), steps, _numbers(transfer), entries, *_scratch(),
-        places, bits, width, real.reshape(-1, 4), texels.reshape(-1, 4),
-    )  # fmt: skip
+    stored_as, made = (places, bits, width), (real.reshape(-1, 4), texels.reshape(-1, 4))
+    groups = elements.reshape(-1, sources[4])
+    store(groups, steps, _numbers(transfer), entries, *_scratch(), stored_as, made)
     real.setflags(write=False)
     texels.setflags(write=False)
     return real, texels

@@ -214,14 +214,14 @@ class StateRecord:
             np.empty((added, values)),
             np.empty((4, n)),
         )
-        of_mesh = [_NONE if a is None else a for a in (mesh.colors, mesh.secondary_colors)]
+        scratch += clipping
+        arrays += tuple([_NONE if a is None else a for a in (mesh.colors, mesh.secondary_colors)])
+        formulas += (formula.clip,)
 
         def fill(job, template, plan, variant, ints):
             made = ints, floats, colors, rows, counts
             numbers = self._bands, formula.units, variant, kept(self._bits), self._scale
-            state = job, template, plan
-            given = arrays, tuple(of_mesh), formulas, formula.clip
-            return submit_clipped(*state, *given, made, numbers, scratch, clipping)
+            return submit_clipped(job, template, plan, arrays, formulas, made, numbers, scratch)
 
         size = floats.nbytes + colors.nbytes + rows.nbytes
         made = self._filled(fill, variant, 2 * most, count, (floats, colors, rows), size)

@@ -52,9 +52,8 @@ def enter_given(out, a):
 def row4(out, a, b, c, d, row):
     """The sum of four columns by the entries of a row."""
     separate_loop()
-    r0, r1, r2, r3 = row
     for i in range(out.shape[0]):
-        out[i] = dot4(a[i], b[i], c[i], d[i], r0, r1, r2, r3, TRANSFORM_BITS)
+        out[i] = dot4((a[i], b[i], c[i], d[i]), row, TRANSFORM_BITS)
 
 
 @kernel

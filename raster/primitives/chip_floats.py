@@ -133,10 +133,10 @@ def dot3(a0, a1, a2, b0, b1, b2, bits):
 
 
 @kernel(in_loops=True)
-def dot4(a0, a1, a2, a3, b0, b1, b2, b3, bits):
+def dot4(a, b, bits):
     """The dot product of two vectors of four components."""
-    first, second = product(a0, b0, bits), product(a1, b1, bits)
-    return total4(first, second, product(a2, b2, bits), product(a3, b3, bits), bits)
+    first, second = product(a[0], b[0], bits), product(a[1], b[1], bits)
+    return total4(first, second, product(a[2], b[2], bits), product(a[3], b[3], bits), bits)
 
 
 @kernel(in_loops=True)

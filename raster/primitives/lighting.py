@@ -297,8 +297,9 @@ def _shines(side_flags, side, light):
 
 
 @kernel
-def _light_side(columns, n, results, material, sign, side, light, shines, separate):
-    """One light on one side."""
+def _light_side(columns, n, results, material, sign, side, light, highlight):
+    """One light on one side; ``highlight``: whether it has one, and whether that is separate."""
+    shines, separate = highlight
     strength, diffuse, specular = columns[_STRENGTH, :n], columns[_DIFFUSE, :n], columns[_SPECULAR, :n]
     _positive(diffuse, columns[_N_DOT_L, :n], sign)
     if shines:
@@ -379,7 +380,7 @@ def light_vertices(given, flags, numbers, columns, out):
                 shines = _shines(of_side, own, values)
                 _illuminate(columns, n, light, values, shines)
                 sign = -1.0 if side else 1.0
-                _light_side(columns, n, results, material, sign, own, values, shines, separate)
+                _light_side(columns, n, results, material, sign, own, values, (shines, separate))
             _write(columns, n, out[8 * side : 8 * side + 8], first, results, material, state[CLAMPED])
 
 

@@ -60,7 +60,7 @@ POSITIONAL, RANGE, SPOT, HALF = range(4)
 # numbers of a matrix: its rows, its inverse's columns, what rescales normals; then the viewer's direction
 INVERSE, FACTOR_OF_NORMALS, VIEWER = 16, 25, 26
 # numbers of a side
-SCALE, CONSTANTS, ALPHA, SHININESS, RATIONAL = 0, 3, 6, 7, 8
+SCALE, CONSTANTS, OWN_ALPHA, SHININESS, RATIONAL = 0, 3, 6, 7, 8
 # numbers of a light: the place, or the direction to it; the last are colours of both sides
 PLACE, AXIS, ATTENUATION, REACH, CONE, HALF_VECTOR, COLORS = 0, 3, 7, 10, 11, 14, 17
 NUMBERS = COLORS + 18
@@ -138,9 +138,8 @@ def _beyond(dark, distance, reach):
 def _cone_place(out, vector, axis):
     """A cone's x."""
     separate_loop()
-    a0, a1, a2, a3 = axis
     for i in range(out.shape[0]):
-        x = to_lighting(dot4(vector[0, i], vector[1, i], vector[2, i], 1.0, a0, a1, a2, a3, TRANSFORM_BITS))
+        x = to_lighting(dot4((vector[0, i], vector[1, i], vector[2, i], 1.0), axis, TRANSFORM_BITS))
         out[i] = 1.0 if x > 1.0 else x
 
 
@@ -498,8 +497,9 @@ def _add_light(columns, n, primary, shine, flags, colors):
 
 
 @kernel
-def _write(columns, n, out, first, primary, shine, state, flags, alpha):
-    """A side's eight columns, finished."""
+def _write(columns, n, out, first, colors, state, flags, alpha):
+    """A side's eight columns, finished, from its (primary, specular) colours."""
+    primary, shine = colors
     for k in range(8):
         to, given = out[k, first : first + n], columns[_GIVEN + k, :n]
         if k >= 4 and state[SECONDARY] != AS_COMPUTED and (k == 7 or state[SECONDARY] == DISABLED):
@@ -573,5 +573,5 @@ def light_vertices(mesh, flags, numbers, columns, out):
         for side in range(state[SIDES]):
             at, of_side = _RESULTS + 6 * side, flags[FIRST_SIDE + side]
             primary, shine = columns[at : at + 3], columns[at + 3 : at + 6]
-            alpha = numbers[FIRST_SIDE + side, ALPHA]
-            _write(columns, n, out[8 * side : 8 * side + 8], first, primary, shine, state, of_side, alpha)
+            alpha = numbers[FIRST_SIDE + side, OWN_ALPHA]
+            _write(columns, n, out[8 * side : 8 * side + 8], first, (primary, shine), state, of_side, alpha)

@@ -38,7 +38,11 @@ _FORMULA = types.Tuple((int32[:, ::1], float64[:, ::1], _INTS, _FLOATS))
 _SCRATCH = types.Tuple((float64[:, ::1], _FLOATS, _LONGS, int64[:, ::1], _LONGS))
 _MADE = types.Tuple((_INTS, _FLOATS))
 _MADE_CLIPPED = types.Tuple((_INTS, _FLOATS, uint8[:, :, ::1], int32[:, ::1], _LONGS))
-_CLIPPING = types.Tuple((_INTS, float64[:, ::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1]))
+_MESH_CLIPPED = types.Tuple((*_MESH.types, _GIVEN, _GIVEN))
+_FORMULA_CLIPPED = types.Tuple((*_FORMULA.types, _INTS))
+_SCRATCH_CLIPPED = types.Tuple(
+    (*_SCRATCH.types, _INTS, float64[:, ::1], float64[:, :, ::1], float64[:, ::1], float64[:, ::1])
+)
 
 
 @kernel
@@ -145,36 +149,33 @@ def _variant_of(colors, coordinates):
         JOB,
         JOB,
         _PLAN,
-        _MESH,
-        types.UniTuple(_GIVEN, 2),
-        _FORMULA,
-        _INTS,
+        _MESH_CLIPPED,
+        _FORMULA_CLIPPED,
         _MADE_CLIPPED,
         types.UniTuple(int64, 5),
-        _SCRATCH,
-        _CLIPPING,
+        _SCRATCH_CLIPPED,
     )
 )
-def submit_clipped(job, template, plan, mesh, given_colors, formula, clip, made, numbers, scratch, clipping):
+def submit_clipped(job, template, plan, mesh, formula, made, numbers, scratch):
     """As ``submit``, for a mesh of which j triangles are clipped; N is n + MOST_VERTICES j.
 
-    given_colors  the mesh's colours and secondary colours, float64[n, 0..4] each
-    clip          int32[8]: twice the rows of clip x, y, z, w, the first four of the formula's results
-    made          (ints, floats, colors, triangles, counts), which must outlive the job: int32[2 N + bands +
-                  order]; float64[2 N + 4 N units]; uint8[N, 2, 8]; int32[t + MOST_VERTICES j, 4];
-                  int64[1]: receives how many triangles were dropped, because a position is not usable
-    numbers       bands; units whose coordinates the formula computes; the variant; the bits of a float64 that
-                  are kept of a colour; the scale of depths, as in ``submit``
-    scratch       as in ``submit``, for N vertices and t + MOST_VERTICES j triangles
-    clipping      scratch for ``clip_triangles``, a = INTERPOLATED + 4 units: int32[j];
-                  float64[3 j, a], [2, MOST_VERTICES, a], [MOST_VERTICES j, a]; clip coordinates float64[4, n]
+    mesh     as in ``submit``, then the mesh's colours and secondary colours, float64[n, 0..4] each
+    formula  as in ``submit``, then int32[8]: twice the rows of clip x, y, z, w, the first four of its results
+    made     (ints, floats, colors, triangles, counts), which must outlive the job: int32[2 N + bands +
+             order]; float64[2 N + 4 N units]; uint8[N, 2, 8]; int32[t + MOST_VERTICES j, 4]; int64[1]:
+             receives how many triangles were dropped, because a position is not usable
+    numbers  bands; units whose coordinates the formula computes; the variant; the bits of a float64 that are
+             kept of a colour; the scale of depths, as in ``submit``
+    scratch  as in ``submit``, for N vertices and t + MOST_VERTICES j triangles; then for ``clip_triangles``,
+             a = INTERPOLATED + 4 units: int32[j]; float64[3 j, a], [2, MOST_VERTICES, a], [MOST_VERTICES j,
+             a]; clip coordinates float64[4, n]
     """
-    given, triangles, mesh_colors, mesh_coordinates = mesh
+    given, triangles, mesh_colors, mesh_coordinates, primary, secondary = mesh
     ints, floats, colors, clipped, counts = made
     bands, units, variant, kept, scale = numbers
-    columns, z, points, corners_of_chunk, left = scratch
-    chosen, corners, polygons, values, clip_coordinates = clipping
-    sums, coefficients, _, parameters = formula
+    columns, z, points, corners_of_chunk, left = scratch[:5]
+    chosen, corners, polygons, values, clip_coordinates = scratch[5:]
+    sums, coefficients, results, parameters, clip = formula
     n, most, all_units = given.shape[1], colors.shape[0], max(units, mesh_coordinates.shape[1])
     x, y, ends, order = (
         ints[:most],
@@ -186,7 +187,8 @@ def submit_clipped(job, template, plan, mesh, given_colors, formula, clip, made,
     coordinates = rest[: 4 * most * all_units].reshape((most, all_units, 4))
     window = x[:n], y[:n], z[:n], inverse_w[:n]
     computed, nothing = rest[: 4 * n * units].reshape((n, units, 4)), rest[:0].reshape((n, 0, 4))
-    found = transform_vertices(given, formula, (*window, computed, columns[:0]), columns)
+    of_results = sums, coefficients, results, parameters
+    found = transform_vertices(given, of_results, (*window, computed, columns[:0]), columns)
     of_clip = sums, coefficients, clip, parameters
     transform_vertices(given, of_clip, (*window, nothing, clip_coordinates), columns)
     find_clipped(triangles, inverse_w[:n], chosen)
@@ -202,7 +204,7 @@ def submit_clipped(job, template, plan, mesh, given_colors, formula, clip, made,
             for k in range(4):
                 corner[k] = clip_coordinates[k, v]
             for k in range(8):
-                corner[4 + k] = _clamped_color(given_colors, v, k)
+                corner[4 + k] = _clamped_color((primary, secondary), v, k)
             for u in range(all_units):
                 for k in range(4):
                     corner[INTERPOLATED + 4 * u + k] = coordinates[v, u, k]
