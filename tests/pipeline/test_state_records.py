@@ -1,7 +1,9 @@
 """A Draw by one kernel call has the arrays of the Draw that the vertex stage and later steps make in turn."""
 
 import ctypes
+import gc
 import math
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -176,16 +178,17 @@ def test_a_mesh_that_is_clipped_away_or_has_no_usable_position(by_one_call):
     assert len(by_one_call) == 2
 
 
-def test_a_texture_that_is_replaced_is_read_by_later_draws_alone(by_one_call):
-    draw = Draw(label="d", mesh=triangles(30), state=PassState(texture_units=(UNIT,)))
+@pytest.mark.parametrize("moved", [False, True], ids=["the same state", "a state of its kind"])
+def test_a_texture_that_is_replaced_is_read_by_later_draws_alone(by_one_call, moved):
+    draw = Draw(label="d", mesh=triangles(3), state=PassState(texture_units=(UNIT,)))
     other = replace(LOAD, image=texture_2d(255 - TEXELS))
-    moved = replace(draw, state=replace(draw.state, vertex=VertexState(modelview=DOUBLED)))
-    before, after = drawn(draw), drawn(draw, other, draw, moved)
-    expected = Machine(GEFORCE_256, SIZE, SIZE, engine="portable")
-    expected.run((LOAD, draw, other, draw, moved))
-    np.testing.assert_array_equal(after, expected.framebuffer.color)
-    assert (before != after).any()
-    assert by_one_call.count(True) >= 3
+    later = replace(draw, state=replace(draw.state, vertex=VertexState(modelview=DOUBLED))) if moved else draw
+    commands = LOAD, draw, other, later
+    before, found = drawn(draw, later), execute(commands, GEFORCE_256, SIZE, SIZE).framebuffer.color
+    expected = execute(commands, GEFORCE_256, SIZE, SIZE, engine="portable").framebuffer.color
+    np.testing.assert_array_equal(found, expected)
+    assert (before != found).any()
+    assert by_one_call == [True] * len(by_one_call)
 
 
 NOTHING = CombinerInput()
@@ -228,3 +231,17 @@ def test_records_are_bounded(monkeypatch):
         records = machine._records
         assert len(records._of_state) <= 8
         assert all(len(readers) <= 2 * 8 for _, readers in records._readers.values())
+
+
+def test_no_record_keeps_a_replaced_texture_in_memory():
+    machine, states = Machine(GEFORCE_256, SIZE, SIZE), [PassState(texture_units=(UNIT,))]
+    states.append(replace(states[0], vertex=VertexState(modelview=DOUBLED)))
+    mesh = triangles(2)
+    for number, state in enumerate(states):
+        load = replace(LOAD, image=texture_2d(TEXELS + np.uint8(number)))
+        machine.run((load, Draw(label="d", mesh=mesh, state=state)))
+        if number == 0:
+            first = weakref.ref(machine.textures["t"])
+        del load
+    gc.collect()
+    assert first() is None
