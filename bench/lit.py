@@ -40,22 +40,22 @@ def state(lights):
     return PassState(vertex=vertex, scissor=Scissor(EDGE // 2, EDGE // 2, 1, 1))
 
 
-def _run(machine, lights):
-    draw = Draw(label="draw", mesh=mesh(), state=state(lights))
-    return Repeated(machine, (draw,) * DRAWS, clock_of(1))
+def frame(lights):
+    """``DRAWS`` Draws of one mesh in one state, each an object: a machine lights a repeated one once."""
+    return tuple(Draw(label="draw", mesh=mesh(), state=state(lights)) for _ in range(DRAWS))
 
 
 def measure():
     """name -> microseconds of the processor that lights add to a Draw, a list of ``TURNS``.
 
-    A lit Draw and the same without lighting in turn, on one thread, each again and again.
+    A frame of lit Draws and the same without lighting in turn, on one thread, each again and again.
     """
     from fixedpipe.pipeline.execution.machine import Machine
 
     found = {}
     for profile, lights in KINDS:
         machine = Machine(profile, EDGE, EDGE, threads=1)
-        plain, lit = _run(machine, ()), _run(machine, lights)
+        plain, lit = (Repeated(machine, frame(given), clock_of(1)) for given in ((), lights))
         more = [1e6 / DRAWS * (lit.turn(1) - plain.turn(1)) for _ in range(TURNS + 1)][1:]
         found[f"{profile.name}, {len(lights)}"] = more
     return found

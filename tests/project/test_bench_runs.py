@@ -306,7 +306,10 @@ def test_lit_draws_are_the_same_but_for_their_lights():
     for profile, lights in lit.KINDS:
         plain, shone = lit.state(()), lit.state(lights)
         assert dataclasses.replace(shone, vertex=plain.vertex) == plain
-        validate([Draw(label="lit", mesh=lit.mesh(), state=shone)], profile, lit.EDGE, lit.EDGE)
+        for lights_of_frame in ((), lights):
+            frame = lit.frame(lights_of_frame)
+            assert len({id(command) for command in frame}) == lit.DRAWS  # a repeated Draw is prepared once
+            validate(frame, profile, lit.EDGE, lit.EDGE)
     assert {(profile.name, len(lights)) for profile, lights in lit.KINDS} == {
         (name, count) for name in ("NV2A", "GeForce 256") for count in (1, 2)
     }
