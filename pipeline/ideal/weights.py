@@ -420,11 +420,11 @@ def share_covered(record, part, passed, samples):
     """The share of each pixel of ``fragments_of`` that a smooth primitive covers, float64 [k].
 
     It is 1 for a primitive that is not smooth. ``samples``: the number of samples that the record counts.
-    None: no primitive is smooth.
+    None: no primitive of the slice is smooth.
     """
-    if record.covered is None or not record.covered.any():
+    # Of the slice alone: a Draw may have millions of fragments, and thousands of slices.
+    if record.covered is None or not (covered := record.covered[part]).any():
         return None
-    covered = record.covered[part]
     if passed:
         covered = covered[record.passed[part] != 0]
     return np.where(covered == 0, 1.0, covered / samples)
