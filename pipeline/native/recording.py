@@ -10,9 +10,9 @@ from fixedpipe.pipeline.native.prepared_draw import Prepared
 from fixedpipe.raster.primitives.bins import most_fragments
 from fixedpipe.raster.vector.record import in_columns, record_job
 
-# Rows of a recording by the portable engine: a first guess, and the most for a bound. Unwritten rows take no
-# memory.
-_USUAL, _MOST = 1 << 16, 1 << 24
+# Rows of a recording by the portable engine: a first guess, and the most where there is a bound. Unwritten
+# rows take no memory.
+_USUAL, _MOST = 1 << 20, 1 << 24
 
 
 def no_fragments():
@@ -24,11 +24,12 @@ def recorded_fragments(draw, buffers, batch):
     """Draw a prepared Draw with the portable engine into Buffers, and return its Fragments."""
     if draw.area == 0:
         return no_fragments()
-    most = math.inf
+    most, rows = math.inf, _USUAL
     if draw.primitives.orderly and not len(draw.primitives.strokes):
         most = _bound(draw)[0]
-    fits = most <= _MOST
-    recording = np.empty((most if fits else _USUAL, 5), np.int32)
+        rows = min(most, _MOST)
+    fits = most <= rows
+    recording = np.empty((rows, 5), np.int32)
     saved = () if fits else [buffer.copy() for buffer in buffers]
     count = draw.bands(0, 1, batch, buffers, recording)
     if not fits and count > len(recording):  # too small: draw again
@@ -36,7 +37,9 @@ def recorded_fragments(draw, buffers, batch):
             buffer[:] = before
         recording = np.empty((count, 5), np.int32)
         draw.bands(0, 1, batch, buffers, recording)
-    return Fragments(*recording[:count].T.copy())
+    columns = np.empty((5, count), np.int32)
+    in_columns(np.zeros(1, np.int64), np.array([count]), recording, columns)
+    return Fragments(*columns)
 
 
 def _bound(draw):
@@ -72,5 +75,5 @@ class Recording:
         """The Fragments, when the row has been drawn."""
         columns = np.empty((5, int(self.counts.sum())), np.int32)
         columns[4] = 0
-        in_columns(self.firsts, self.counts, self.rows, columns)
+        in_columns(self.firsts, self.counts, self.rows, columns[:4])
         return Fragments(*columns)

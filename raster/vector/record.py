@@ -55,12 +55,12 @@ def record_batch(job, drawn, runs, owners, alive):
 
 @kernel(void(types.int64[::1], types.int64[::1], types.int32[:, ::1], types.int32[:, ::1]))
 def in_columns(firsts, counts, rows, columns):
-    """A Record's fragments, band after band, in ``columns`` int32[4, sum of counts]."""
+    """A Record's fragments, band after band, in ``columns`` int32[c, sum of counts], c of ``rows``."""
     separate_function()
     at = int64(0)
     for band in range(counts.shape[0]):
         first = firsts[band]
         for i in range(min(counts[band], rows.shape[0] - first)):
-            for c in range(4):
+            for c in range(columns.shape[0]):
                 columns[c, at + i] = rows[first + i, c]
         at += counts[band]
