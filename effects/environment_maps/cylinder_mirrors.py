@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.geometry.height_fields import hashed
 from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cosine, sine
@@ -54,6 +55,7 @@ def _turns(y, x):
     return np.floor(np.arctan2(y, x) / (2.0 * np.pi) / TRIGONOMETRY_STEP + 0.5) * TRIGONOMETRY_STEP
 
 
+@computed_once
 def shelves(height):
     """A panorama of shelves full of books all round: float64 [height, 2 height, 3], the mean of sixteen
     samples a texel, bottom row first. A back is 128/45 texels thin, a shelf 64/5 high, whatever the height
@@ -189,6 +191,7 @@ def _sampled(ray, eye, pipes, image, jitter, side, first, last, out):
             out[y, x, 3] = count / (side * side)
 
 
+@computed_once
 def supersampled(view, pipes, image, side=16, threads=None):
     """The truth: ``side`` squared rays a pixel: float64 [height, width, 4], bottom row first, the mean colour
     of what meets a pipe and the share of the pixel that does.

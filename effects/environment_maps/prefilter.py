@@ -20,6 +20,7 @@ import math
 
 import numpy as np
 
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.technique import Technique
@@ -222,6 +223,7 @@ def _stretched(grid, size, places):
     return sum(w[:, None] * rows[:, :, low + k] for k, w in enumerate(weights))
 
 
+@computed_once
 def phong(cube, exponent, size=None, threads=None):
     """A cube map filtered by Phong's lobe around each direction, Eq. 6: float64 [6, size, size, 3].
 

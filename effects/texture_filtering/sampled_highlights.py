@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.surfaces import plane
@@ -127,6 +128,7 @@ def _sampled(ray, eye, light, numbers, offsets, jitter, side, first, last, out):
             out[y, x, 0], out[y, x, 1] = total / (side * side), met / (side * side)
 
 
+@computed_once
 def supersampled(view, ground, offsets, side=SIDE, threads=None):
     """The truth, ``side`` squared samples a pixel: float64 [height, width, 2], bottom row first: the
     highlight's mean over the pixel, and the plane's share of it.

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 from PIL import ImageFont
 
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.vectors import cosine, sine
@@ -159,6 +160,7 @@ def _sampled(ray, eye, page, places, side, background, out):
                 out[y, x, c] /= side * side
 
 
+@computed_once
 def supersampled(view, page, background, side=16):
     """The truth: ``side`` squared samples a pixel of a page [edge, edge, 3], bilinear: float64 [height,
     width, 3], bottom row first; ``background`` where there is none. The page has two texels or more an edge.

@@ -111,12 +111,16 @@ def _outline(picture, normals, values):
     angle = np.degrees(np.arccos(np.clip(dot(normals, half), -1.0, 1.0)))
     first = unit_vector((half[2], 0.0, -half[0]), "An axis")
     azimuth = np.degrees(np.arctan2(dot(normals, np.cross(half, first)), dot(normals, first)))
+    near = angle < 40.0
+    angle, excess, azimuth = angle[near], excess[near], azimuth[near]
+    sector = np.rint(azimuth / 5.0) % 72.0
     radii = []
     for k in range(72):
-        near = (np.abs((azimuth - 5.0 * k + 180.0) % 360.0 - 180.0) < 2.5) & (angle < 40.0)
-        order = np.argsort(angle[near])
-        dark = excess[near][order] < 0.5 * values["specular"][2]
-        radii.append(angle[near][order][np.argmax(dark)])
+        within = sector == k
+        within[within] = np.abs((azimuth[within] - 5.0 * k + 180.0) % 360.0 - 180.0) < 2.5
+        order = np.argsort(angle[within])
+        dark = excess[within][order] < 0.5 * values["specular"][2]
+        radii.append(angle[within][order][np.argmax(dark)])
     return float(np.mean(radii)), float(np.std(radii) / np.mean(radii))
 
 

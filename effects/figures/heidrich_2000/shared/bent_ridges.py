@@ -12,6 +12,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.bent_caster import BentCaster
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.diagrams.drawing import project
 from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.vectors import cosine, sine
@@ -155,11 +156,13 @@ def flank_means(image, bases, texels, left=True):
     return out
 
 
+@computed_once
 def lit_by_rays(base, texels, light):
     """Which texels the light reaches, by rays, with ``FINER`` times the texels."""
     return BentCaster(ridges(FINER * texels, 1.0, 1.0), base, (2, 6)).lit(light)
 
 
+@computed_once
 def lit_by_kept(base, texels, directions, light):
     """How much of the light reaches each texel, by visibility that is kept."""
     field = ridges(texels, 1.0, 1.0)
