@@ -47,9 +47,10 @@ def figures(
     Writes a gallery, index.html, with a JSON file for each figure and its pictures. A figure that the folder
     has, whose sources, machines, size and packages are what they were, is not drawn again; what the folder
     has of another is replaced, with all of its machines. Several figures are drawn in several processes, the
-    cheapest and then the longest first. Of all figures, --profile takes those that one of the machines can
-    draw. With --set a figure is a variant, whose files have names of their own and say what was changed. PNG
-    files have 16 bits a component where the machine has more than 8; a difference of nothing has no file.
+    cheapest and then the longest first. Of all figures, each is first drawn on its first machine, without
+    reference and checks, and then on all; --profile takes those that one of the machines can draw. With --set
+    a figure is a variant, whose files have names of their own and say what was changed. PNG files have 16
+    bits a component where the machine has more than 8; a difference of nothing has no file.
 
     Where a figure fails, all others are drawn. Its card in the gallery and the command's last lines say what
     failed, and the exit status is 1. When the disc is full no other figure is begun; what is drawn stays.
@@ -109,41 +110,57 @@ def figures(
         click.echo(f"{count(former, 'record')} of an earlier version now end in .former.", err=True)
     ids = tuple(dict.fromkeys((*FIGURES, *files_of_users, *own_ids(folder))))  # of the gallery
     before = itertools.chain.from_iterable(files_of(folder, ids))
-    before, records, orders = list(before), {}, {}
+    before, records, orders, firsts = list(before), {}, {}, {}
     for figure in chosen:
         # Another value, or the figure, may be a file of the user's, whose content no digest here covers.
         made_from, file = None, files_of_users.get(figure.id)
         if not (settings or file):
             what = figure.id, machines[figure.id], size, check
             made_from = inputs_of(FIGURES.module_of(figure.id), what)
-        kept = None if again or settings or named or file else unchanged(folder, figure.id, made_from)
-        if kept:
-            records[figure.id] = kept
-        else:
+        if not (again or settings or named or file):
+            records[figure.id] = unchanged(folder, figure.id, made_from)
+        if not records.get(figure.id):
             order = figure.id, machines[figure.id], size, threads, check, folder, named, made_from, file
             orders[figure.id] = Order(*order)
-    if records:
-        click.echo(f"{count(len(records), 'figure')} did not change and stay; --again draws all.", err=True)
+    if kept := len(chosen) - len(orders):
+        click.echo(f"{count(kept, 'figure')} did not change and stay; --again draws all.", err=True)
+    # Of all figures there is a picture each before the rest is drawn.
+    for order in () if figure_ids else orders.values():
+        first = order.first()
+        if first and (again or not unchanged(folder, first.id, first.inputs)):
+            firsts[first.id] = first
     left = [figure for figure in chosen if figure.id in orders]
+    early = [figure for figure in left if figure.id in firsts]
     processors = default_threads()
     jobs = 1 if settings else min(len(left), jobs or processors)
+    own_sizes = size is None and not settings
     if left:
         # Several processes share the compiling, and a check is drawn by both engines.
         announce_compiling("vector" if jobs == 1 and not check else None)
-        own_sizes = size is None and not settings
-        click.echo(_plan(left, machines, check, own_sizes, jobs), err=True)
-    with _progress(sum(steps(figure, machines[figure.id], check) for figure in left)) as (step, compiling):
+        click.echo(_plan(left, early, machines, check, own_sizes, jobs), err=True)
+    in_order = longest_after_the_first if jobs > 1 else cheapest_first
+    inside = [of[figure.id] for of, some in ((firsts, early), (orders, left)) for figure in in_order(some)]
+    number = sum(steps(figure, machines[figure.id], check) for figure in left)
+    number += sum(steps(figure, firsts[figure.id].machines, with_references=False) for figure in early)
+    awaited, seconds = set(firsts), 0.0
+    with _progress(number) as (step, compiling, say):
         if jobs > 1:
-            inside = [orders[figure.id] for figure in longest_after_the_first(left)]
             drawn = draw_all(inside, jobs, max(1, processors // jobs), step, compiling)
         else:
-            inside = [orders[figure.id] for figure in cheapest_first(left)]
             drawn = draw_here(inside, step, changes)
-        for order, record in drawn:
+        for order, record, taken in drawn:
             records[order.id] = record
             _write_page(folder, ids)
-    missing = [figure.id for figure in chosen if figure.id not in records]
-    records = [records[figure.id] for figure in chosen if figure.id in records]
+            if not order.is_first:
+                del orders[order.id]
+            elif order.id in awaited:
+                awaited.remove(order.id)
+                seconds += taken
+                if not awaited:
+                    say(_after_the_first_round(folder, left, early, machines, own_sizes and seconds, jobs))
+    failed_early = {i for i in orders if records.get(i) and failures_of(records[i])}
+    missing = [figure.id for figure in chosen if figure.id in orders.keys() - failed_early]
+    records = [records[figure.id] for figure in chosen if records.get(figure.id)]
     failures = [f"{record['id']}: {sentence}" for record in records for sentence in in_words(record)]
     failures += [f"{i}: not begun, because the disc is full" for i in missing]
     failures += _write_page(folder, ids)
@@ -197,9 +214,9 @@ def _write_page(folder, figures):
     return []
 
 
-def _plan(chosen, machines, check, own_sizes, jobs):
-    """What is coming, in one sentence: how many figures, on how many machines, and how long it takes."""
-    from fixedpipe.effects.figures.costs import PROCESSOR, SECONDS
+def _plan(chosen, early, machines, check, own_sizes, jobs):
+    """What is coming: how many figures, on how many machines, and how long it takes."""
+    from fixedpipe.effects.figures.costs import PROCESSOR, SECONDS, seconds_of
 
     drawings = sum(len(names) for names in machines.values())
     different = len({name for names in machines.values() for name in names})
@@ -212,10 +229,33 @@ def _plan(chosen, machines, check, own_sizes, jobs):
         what += ", the cheapest first" * (len(chosen) > 1)
     if not own_sizes or not SECONDS.keys() >= machines.keys():
         return f"{what}."
-    seconds = sum(SECONDS[f.id] * len(machines[f.id]) / len(f.machines) for f in chosen) / jobs
-    time = count(round(seconds / 60), "minute") if seconds >= 90 else count(int(seconds) + 1, "second")
     cores = PROCESSOR.replace("one core", f"{jobs} cores") if jobs > 1 else PROCESSOR
-    return f"{what}: {'about' if check else 'less than'} {time} on {cores}."
+    whole = seconds_of(chosen, machines) / jobs
+    if not early:
+        return f"{what}: {'about' if check else 'less than'} {_time(whole)} on {cores}."
+    first = seconds_of(early) / jobs
+    return (
+        f"{what}. The first picture of every figure takes about {_time(first)} on {cores}, and the rest "
+        f"{'about' if check else 'less than'} {_time(whole)} more."
+    )
+
+
+def _after_the_first_round(folder, chosen, early, machines, seconds, jobs):
+    """What is there now and what is to come, in two sentences.
+
+    ``seconds``: of a processor, that the first round took; false: it tells nothing about the second.
+    """
+    from fixedpipe.effects.figures.costs import SECONDS, seconds_of
+
+    said = f"{folder / 'index.html'} has a picture of every figure. What else was asked for goes on"
+    if seconds and SECONDS.keys() >= machines.keys():
+        speed = seconds / seconds_of(early)
+        said += f", about {_time(speed * seconds_of(chosen, machines) / jobs)} at the speed of these pictures"
+    return f"{said}; Ctrl-C keeps what is there."
+
+
+def _time(seconds):
+    return count(round(seconds / 60), "minute") if seconds >= 90 else count(int(seconds) + 1, "second")
 
 
 def _machines(figure, profiles, is_named):
@@ -233,14 +273,18 @@ def _machines(figure, profiles, is_named):
 
 @contextmanager
 def _progress(steps):
-    """Two functions that say what is being done, as steps begin and as kernels are compiled by other
-    processes: a progress bar on a terminal, else a line per step.
+    """Three functions: two say what is being done, as steps begin and as kernels are compiled by other
+    processes, on a progress bar on a terminal, else by a line per step. The third says a sentence that stays.
     """
     from fixedpipe.effects.cli.compiling import said_now_and_then
 
     console = error_console()
     if not console.is_terminal:
-        yield lambda text: click.echo(text, err=True), said_now_and_then()
+
+        def say(text):
+            click.echo(text, err=True)
+
+        yield say, said_now_and_then(), say
         return
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -254,7 +298,11 @@ def _progress(steps):
             progress.update(task, description=text, advance=1 if begun else 0)
             begun = True
 
-        yield step, lambda kernel: progress.update(task, description=f"compiling {kernel}")
+        yield (
+            step,
+            lambda kernel: progress.update(task, description=f"compiling {kernel}"),
+            lambda text: progress.console.print(text, markup=False, highlight=False, soft_wrap=True),
+        )
 
 
 def _print_checks(records, only_failed):

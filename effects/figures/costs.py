@@ -90,10 +90,12 @@ SECONDS = {
     "G17": 6.1,
     "G20": 4.7,
     "G21": 4.8,
+    "G22": 7,
     "G26": 4.3,
     "G27": 2.1,
     "G28": 3.1,
     "G31": 1.8,
+    "G36": 1.4,
     "H10": 17,
     "H11": 26,
     "H13": 31,
@@ -150,12 +152,26 @@ SECONDS = {
 }
 
 
+# The share of these seconds that a figure's first picture takes: on its first machine and by the ideal.
+# Measured: as SECONDS, of 29 figures, every fifth from the dearest to the cheapest.
+_OF_THE_FIRST = 0.19
+
+
+def seconds_of(figures, machines=None):
+    """Processor seconds of figures on some of their machines, with checks; ``machines``: {id: names}. None:
+    of their first pictures.
+    """
+    if machines is None:
+        return sum(_OF_THE_FIRST * SECONDS[figure.id] for figure in figures)
+    return sum(SECONDS[f.id] * len(machines[f.id]) / len(f.machines) for f in figures)
+
+
 def longest_after_the_first(figures):
     """The cheapest figure, so that there is one soon; then from what was never measured and the longest down,
     so that several processes end at about the same time.
     """
-    first, *others = cheapest_first(figures)
-    return [first, *reversed(others)]
+    in_order = cheapest_first(figures)
+    return [*in_order[:1], *reversed(in_order[1:])]
 
 
 def cheapest_first(figures):

@@ -6,11 +6,12 @@ The files are those that one process alone would write.
 import multiprocessing
 import signal
 import sys
+import time
 from collections import deque
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import fixedpipe.effects.figures as figures
@@ -18,6 +19,7 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_record
 from fixedpipe.effects.reports.figure_failures import failure, failures_of
 from fixedpipe.effects.reports.figure_files import write_figure, write_record
+from fixedpipe.effects.reports.figure_inputs import inputs_of
 from fixedpipe.effects.reports.own_figures import own_figure
 from fixedpipe.pipeline.native import background_compiling
 from fixedpipe.pipeline.native.compiling import watch_compiling
@@ -38,6 +40,7 @@ class Order:
     named         a folder for its pictures under readable names, or None
     inputs        the digest of its inputs
     file          the user's file with the figure; None: the package's
+    is_first      whether it is of the first round: a picture on one machine, without references and checks
     """
 
     id: str
@@ -49,6 +52,19 @@ class Order:
     named: Path | None
     inputs: str | None
     file: str | None = None
+    is_first: bool = False
+
+    def first(self):
+        """The Order of the first round: the picture on the first machine alone.
+
+        None where no more is asked for than that, or where the figure is a user's.
+        """
+        figure = self.figure
+        if self.file or not (self.with_checks or len(self.machines) > 1 or figure.reference):
+            return None
+        machines = self.machines[:1]
+        inputs = inputs_of(figures.FIGURES.module_of(self.id), (self.id, machines, self.size, "first"))
+        return replace(self, machines=machines, with_checks=False, named=None, inputs=inputs, is_first=True)
 
     @property
     def figure(self):
@@ -59,7 +75,7 @@ class Order:
         """Draw it and write its files; returns its record. What goes wrong is among the record's failures."""
         how = self.machines, self.size, self.threads, self.with_checks, step, changes, self.file
         try:
-            rendered = figure_record.render(self.figure, *how)
+            rendered = figure_record.render(self.figure, *how, with_references=not self.is_first)
             step(f"{rendered.record['id']}: writing")
             return write_figure(self.folder, rendered, self.inputs, self.named, self.threads)
         except Exception as error:
@@ -80,19 +96,21 @@ class Order:
 def draw_here(orders, step, changes):
     """Draw Orders in this process, as ``draw_all`` does in others. ``changes``: of ``Order.draw``, by id."""
     for order in orders:
-        record = order.draw(step, changes[order.id])
-        yield order, record
+        record, seconds = _timed(order, step, changes[order.id])
+        yield order, record, seconds
         if _is_disc_full(record):
             return
 
 
 def draw_all(orders, jobs, threads, step, compiling):
-    """Draw Orders, one or more, as they come, in ``jobs`` processes: yields (Order, its record) as each is
-    done.
+    """Draw Orders, one or more, as they come, in ``jobs`` processes: yields (Order, its record, the seconds
+    of a processor that it took) as each is done.
 
     threads    that each process has
     step       called with a line of text at the beginning of each step
     compiling  called with the name of each kernel that one of them compiles
+
+    A figure of two Orders is drawn by one process at a time, since both write the same files.
 
     What goes wrong with a figure is in its record: an error, or a process that ended by itself, which another
     replaces. Once the disc is full no other figure is begun. However it ends, no process is left behind, and
@@ -106,8 +124,8 @@ def draw_all(orders, jobs, threads, step, compiling):
     try:
         waiting = _tasks(orders, jobs)
         while waiting or any(order for _, order in working.values()):  # not for a compiler alone
-            while waiting and free:
-                process, (function, argument, order) = free.pop(), waiting.popleft()
+            while free and (task := _next(waiting, {order.id for _, order in working.values() if order})):
+                process, (function, argument, order) = free.pop(), task
                 with background_compiling.interrupts_kept():  # the first submitted begins the process
                     working[process.submit(function, argument)] = process, order
             done, _ = wait(working, _SECONDS, FIRST_COMPLETED)
@@ -115,16 +133,17 @@ def draw_all(orders, jobs, threads, step, compiling):
             for future in done:
                 process, order = working.pop(future)
                 try:
-                    record = future.result()
+                    drawn = future.result()
                 except (BrokenProcessPool, SystemExit):  # killed, or told to end
                     process.shutdown(wait=False)
                     process = ProcessPoolExecutor(1, context, _begin, (said, threads))
-                    record = order and order.failed(_ended(order, jobs))
+                    drawn = order and (order.failed(_ended(order, jobs)), 0.0)
                 except Exception as error:  # a compiler's: who needs its kernel fails in its own name
-                    record = order and order.failed(error)
+                    drawn = order and (order.failed(error), 0.0)
                 free.append(process)
                 if order:
-                    yield order, record
+                    record, seconds = drawn
+                    yield order, record, seconds
                     if _is_disc_full(record):
                         waiting.clear()
     finally:
@@ -151,6 +170,24 @@ def _tasks(orders, jobs):
     tasks.extend((background_compiling.make_ready, engine, None) for engine in missing)
     tasks.extend((_draw, order, order) for order in rest)
     return tasks
+
+
+def _next(waiting, busy):
+    """Take the first of the waiting tasks whose figure, if it has one, is not among ``busy``; None: there is
+    none.
+    """
+    for place, task in enumerate(waiting):
+        if task[2] is None or task[2].id not in busy:
+            del waiting[place]
+            return task
+    return None
+
+
+def _timed(order, step, changes=None):
+    """An Order's record, and the seconds of a processor that it took."""
+    begun = time.process_time()
+    record = order.draw(step, changes)
+    return record, time.process_time() - begun
 
 
 def _is_disc_full(record):
@@ -202,4 +239,4 @@ def _draw_at_once(order):
 
 
 def _draw(order):
-    return order.draw(lambda text: _SAID.put(("step", text)))
+    return _timed(order, lambda text: _SAID.put(("step", text)))

@@ -91,14 +91,16 @@ def picture_name(name, machine, view):
     return f"{name}-{machine}{'' if view == 'machine' else f'-{view}'.replace('_', '-')}.png"
 
 
-def steps(figure, machines, with_checks):
+def steps(figure, machines, with_checks=False, with_references=True):
     """How many steps ``render`` takes for these machines, and one for writing what it gives."""
     methods = {figure.method(machine) for machine in machines}
     on_machines = sum(2 + with_checks - PROFILES[m].arithmetic.exact for m in machines)
-    return on_machines + len(methods) * (figure.reference is not None) + 1
+    return on_machines + len(methods) * (with_references and figure.reference is not None) + 1
 
 
-def render(figure, machines, size, threads, with_checks, step, changes=None, file=None):
+def render(
+    figure, machines, size, threads, with_checks, step, changes=None, file=None, *, with_references=True
+):
     """Render a figure.
 
     Parameters
@@ -116,16 +118,17 @@ def render(figure, machines, size, threads, with_checks, step, changes=None, fil
     changes : dict, optional
         Other values of parameters, by name: a variant, whose files and record have a name of their own and
         say what was changed. Its acceptance is nobody's: checks hold for the figure's own values.
-
     file : str, optional
         The user's file that holds the figure; None for the package's.
+    with_references : bool
+        Compute the figure's references, and compare the machines with them.
 
     What cannot be drawn or checked on one machine, for whatever reason, is among the record's ``failures``;
     the others are drawn all the same.
     """
     size = size or figure.size
     changes = changes or {}
-    drawing = _Drawing(figure, variant_name(figure, changes), size, threads, changes, step)
+    drawing = _Drawing(figure, variant_name(figure, changes), size, threads, changes, step, with_references)
     drawn, failures, kept = [], [], {}
     for machine in machines:
         try:
@@ -226,6 +229,7 @@ class _Drawing:
     threads: int | None
     changes: Mapping[str, object]
     step: Callable[[str], None]
+    with_references: bool
     pictures: Pictures = field(default_factory=Pictures)
     named: dict[str, np.ndarray] = field(default_factory=dict)
     references: dict[Method, np.ndarray | None] = field(default_factory=dict)
@@ -303,10 +307,11 @@ class _Drawing:
     def _reference(self, method):
         """The figure's reference with a method's values, computed once."""
         if method not in self.references:
-            if self.figure.reference is not None:
+            found = None
+            if self.with_references and self.figure.reference is not None:
                 self.step(f"{self.name}: the reference")
-            with refusals():
-                found = self.figure.reference_picture(self.size, method, **self.changes)
+                with refusals():
+                    found = self.figure.reference_picture(self.size, method, **self.changes)
             self.references[method] = found
         return self.references[method]
 

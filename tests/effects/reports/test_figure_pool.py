@@ -23,6 +23,7 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_inputs, figure_pool
 from fixedpipe.pipeline.native import queue
 from fixedpipe.pipeline.native.prepared_draw import Prepared
+from tests.support.few_figures import Few
 
 SMALL = "--profile", "GEFORCE_256", "--size", "8"
 
@@ -190,7 +191,7 @@ def test_other_processes_compile_what_the_first_figure_does_not_wait_for(
         def submit(self, function, what):
             given.append((function.__name__, getattr(what, "id", what)))
             done = Future()
-            done.set_result({"id": given[-1][-1]})
+            done.set_result(({"id": given[-1][-1]}, 1.0))
             return done
 
         def shutdown(self, **_):
@@ -200,7 +201,7 @@ def test_other_processes_compile_what_the_first_figure_does_not_wait_for(
     monkeypatch.setattr(figure_pool, "ProcessPoolExecutor", Pool)
     orders = [figure_pool.Order(i, (), 8, 1, checked, tmp_path, None, None) for i in ("K02", "K12")]
     drawn = list(figure_pool.draw_all(orders, jobs, 1, print, print))
-    assert sorted((order.id, record["id"]) for order, record in drawn) == [("K02", "K02"), ("K12", "K12")]
+    assert sorted((order.id, record["id"]) for order, record, _ in drawn) == [("K02", "K02"), ("K12", "K12")]
     missing = [engine for engine in ("vector", "portable") if engine not in ready and jobs > 1]
     first, *others, last = given
     assert first == ("_draw_at_once" if missing else "_draw", "K02") and last == ("_draw", "K12")
@@ -213,7 +214,98 @@ def test_the_first_figure_waits_for_no_compiler(tmp_path, monkeypatch):
     monkeypatch.setattr(queue, "draw_frame", lambda *_: pytest.fail("it was drawn by the vector engine"))
     monkeypatch.setattr(figure_pool, "_SAID", SimpleQueue())
     order = figure_pool.Order("K12", ("GEFORCE_256",), 8, 1, True, tmp_path, None, None)
-    assert figure_pool._draw_at_once(order)["id"] == "K12"
+    assert figure_pool._draw_at_once(order)[0]["id"] == "K12"
+
+
+# ------------------------------------------------------------------------------------------------- rounds
+
+
+@pytest.fixture
+def two_figures(monkeypatch):
+    """F003-7, and F003-21, which has a reference, are all figures that there are."""
+    figures = Few({name: FIGURES[name] for name in ("F003-21", "F003-7")})
+    monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", figures)
+
+
+ALL = "figures", "--size", "8", "--jobs", 1, "--out"
+
+
+def seen_records(monkeypatch, folder):
+    """What records are in a folder whenever its page is written: [{id: its machines}], a list that grows."""
+    from fixedpipe.effects.reports import figure_files
+
+    seen, write = [], figure_files.write_page
+
+    def look(folder, figures):
+        there = (json.loads(path.read_bytes()) for path in sorted(folder.glob("*.json")))
+        seen.append({record["id"]: [one["profile"] for one in record["machines"]] for record in there})
+        write(folder, figures)
+
+    monkeypatch.setattr(figure_files, "write_page", look)
+    return seen
+
+
+def test_of_all_figures_each_has_a_picture_before_any_has_all(two_figures, monkeypatch, tmp_path):
+    seen = seen_records(monkeypatch, tmp_path)
+    said = run(*ALL, tmp_path, "--check").stderr
+    machines = {name: list(FIGURES[name].machines) for name in ("F003-21", "F003-7")}
+    first = {name: names[:1] for name, names in machines.items()}
+    assert seen[1] == first and seen[-1] == machines
+    assert "has a picture of every figure. What else was asked for goes on" in said
+    record = json.loads((tmp_path / "F003-21.json").read_bytes())
+    assert all("reference" in one["pictures"] and one["checks"] for one in record["machines"])
+    # Named, they are drawn in one round; the files are the same to the byte.
+    run("figures", "F003-21", "F003-7", *ALL[1:], tmp_path / "named", "--check")
+    named = contents(tmp_path / "named")
+    both = contents(tmp_path)
+    for path in named.keys() - {Path("index.html")}:
+        assert both[path] == named[path]
+
+
+def test_a_first_round_that_was_made_is_not_made_again(two_figures, monkeypatch, tmp_path):
+    draw, drawn = figure_pool.Order.draw, []
+
+    def interrupted(order, *how):
+        if not order.is_first:
+            raise KeyboardInterrupt
+        return draw(order, *how)
+
+    monkeypatch.setattr(figure_pool.Order, "draw", interrupted)
+    CliRunner().invoke(main, [*map(str, ALL), str(tmp_path)])
+    kept = [json.loads((tmp_path / f"{name}.json").read_bytes()) for name in ("F003-21", "F003-7")]
+    assert [len(record["machines"]) for record in kept] == [1, 1]
+
+    def counted(order, *how):
+        drawn.append((order.id, order.is_first))
+        return draw(order, *how)
+
+    monkeypatch.setattr(figure_pool.Order, "draw", counted)
+    run(*ALL, tmp_path)
+    assert sorted(drawn) == [("F003-21", False), ("F003-7", False)]
+    drawn.clear()
+    run(*ALL, tmp_path)
+    assert not drawn
+
+
+def test_a_figure_is_drawn_by_one_process_at_a_time():
+    tasks = deque((None, None, order_of(name, None)) for name in ("K02", "K12", "K02"))
+    tasks.append((None, "vector", None))
+    taken = [figure_pool._next(tasks, {"K02"}) for _ in range(3)]
+    assert [task and (task[2].id if task[2] else task[1]) for task in taken] == ["K12", "vector", None]
+    assert [task[2].id for task in tasks] == ["K02", "K02"]
+
+
+def test_on_a_disc_that_fills_in_the_second_round_the_rest_is_said(two_figures, monkeypatch, tmp_path):
+    draw = figure_pool.Order.draw
+
+    def full(order, *how):
+        if order.is_first:
+            return draw(order, *how)
+        return order.failed(OSError(errno.ENOSPC, "full"))
+
+    monkeypatch.setattr(figure_pool.Order, "draw", full)
+    lines = run(*ALL, tmp_path, status=1).stderr.splitlines()[-2:]
+    assert sum(line.endswith(": not begun, because the disc is full") for line in lines) == 1
 
 
 def test_a_record_that_cannot_be_written_is_said_and_the_others_are(tmp_path):
@@ -249,7 +341,7 @@ def test_a_process_that_ends_by_itself_fails_its_own_figure_alone(tmp_path, monk
         return deque((end if order.id == "K12" else figure_pool._draw, order, order) for order in orders)
 
     monkeypatch.setattr(figure_pool, "_tasks", tasks)
-    records = {order.id: record for order, record in figure_pool.draw_all(orders, jobs, 1, print, print)}
+    records = {order.id: record for order, record, _ in figure_pool.draw_all(orders, jobs, 1, print, print)}
     assert records.keys() == {"K02", "K12", "K14", "K04"}
     (failed,) = records["K12"].pop("failures")
     assert re.search(r"ended by itself.*fixedpipe figures K12 --jobs 1", failed["what"])
@@ -278,7 +370,7 @@ def test_on_a_full_disc_no_other_figure_is_begun_and_what_is_drawn_stays(drawn, 
 
 
 def full_after_the_first(order):
-    return order.failed(OSError(errno.ENOSPC, "full")) if order.id == "K12" else order.draw(print)
+    return (order.failed(OSError(errno.ENOSPC, "full")) if order.id == "K12" else order.draw(print)), 1.0
 
 
 def test_processes_begin_no_other_figure_on_a_full_disc(tmp_path, monkeypatch):
@@ -288,7 +380,7 @@ def test_processes_begin_no_other_figure_on_a_full_disc(tmp_path, monkeypatch):
         return deque((full_after_the_first, order, order) for order in orders)
 
     monkeypatch.setattr(figure_pool, "_tasks", tasks)
-    assert [order.id for order, _ in figure_pool.draw_all(orders, 1, 1, print, print)] == ["K02", "K12"]
+    assert [order.id for order, *_ in figure_pool.draw_all(orders, 1, 1, print, print)] == ["K02", "K12"]
 
 
 def interrupted(folder, interrupt):
