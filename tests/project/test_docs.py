@@ -3,6 +3,7 @@
 import doctest
 import pkgutil
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,15 @@ def test_the_readme_example_gives_what_it_says():
 
 @pytest.mark.parametrize(
     "page",
-    ["precision", "machine-beside-ideal", "reading-guide", "pages-and-slides", "inspecting", "coming-from"],
+    [
+        "precision",
+        "machine-beside-ideal",
+        "reading-guide",
+        "from-python",
+        "pages-and-slides",
+        "inspecting",
+        "coming-from",
+    ],
 )
 def test_a_page_s_example_gives_what_it_says(page):
     results = doctest.testfile(str(ROOT / "docs" / f"{page}.md"), module_relative=False)
@@ -56,6 +65,27 @@ def test_the_readme_shows_the_figure_as_it_is_drawn_now():
     commands = figure.commands(GEFORCE_256, 384)
     image = execute(commands, GEFORCE_256, *figure.dimensions(384)).framebuffer.color[..., :3]
     np.testing.assert_array_equal(image, picture_of_the_readme("F004-4"))
+
+
+def test_every_number_of_the_readme_s_evidence_stands_on_the_page_that_it_names():
+    readme = (ROOT / "README.md").read_text()
+    section = readme.partition("## How it is known to be right")[2].partition("\n## ")[0]
+    rows = re.findall(r"^\|[^|]+\|([^|]+)\| \[[^]]+\]\(([^)]+)\) \|$", section, re.MULTILINE)
+    numbers = [(number, page) for cell, page in rows for number in re.findall(r"\d[\d,]*", cell)]
+    assert len(rows) >= 4 and len(numbers) >= 8
+    for number, page in numbers:
+        assert re.search(rf"(?<![\d,]){number}(?![\d,])", (ROOT / page).read_text()), (number, page)
+
+
+def test_the_readme_fits_on_two_screens():
+    assert len((ROOT / "README.md").read_text().splitlines()) <= 120
+
+
+def test_the_citation_names_the_version_and_the_licence_of_the_package():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    citation = (ROOT / "CITATION.cff").read_text()
+    assert re.search(r"^version: (\S+)$", citation, re.MULTILINE)[1] == project["version"]
+    assert re.search(r"^license: (\S+)$", citation, re.MULTILINE)[1] == project["license"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))

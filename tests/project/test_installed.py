@@ -102,14 +102,15 @@ def test_the_page_names_each_extra():
 
 
 @pytest.mark.slow
-def test_the_readme_s_examples_run_there(beside_folders_of_ours):
+@pytest.mark.parametrize(("page", "fewest"), [("README.md", 5), ("docs/from-python.md", 10)])
+def test_a_page_s_examples_run_there(beside_folders_of_ours, page, fewest):
     run, _ = beside_folders_of_ours
-    examples = doctest.DocTestParser().get_examples((ROOT / "README.md").read_text())
-    assert len(examples) >= 10
+    examples = doctest.DocTestParser().get_examples((ROOT / page).read_text())
+    assert len(examples) >= fewest
     assert any(re.search(r"\bexecute\(", example.source) for example in examples)
     code = (
         "import doctest, sys\n"
-        f"results = doctest.testfile({str(ROOT / 'README.md')!r}, module_relative=False)\n"
+        f"results = doctest.testfile({str(ROOT / page)!r}, module_relative=False)\n"
         "sys.exit(results.failed)"
     )
     run("-c", code)

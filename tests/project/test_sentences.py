@@ -1,0 +1,130 @@
+"""Pages are in plain English: short sentences, and none of the phrases that a newcomer stumbles over."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+# The pages that are done. A page that is rewritten joins them.
+DONE = (
+    "README.md",
+    "docs/from-python.md",
+    "docs/gallery.md",
+    "docs/glossary.md",
+    "docs/own-data.md",
+)
+# Words of the longest sentence, and of the mean one of a page.
+LONGEST, MEAN = 35, 18
+# None of these says what is meant in any sentence of a page.
+BANNED = (
+    r"\bcame to be\b",
+    r"\b(?:is|are|was|were|be|been) told\b",
+    r"\b(?:who|which|that|nobody|somebody) asks?\b",
+    r"\bthe same of\b",
+    r"\bsuch (?:\w+ )?as of\b",
+    r"\bof whom\b",
+    r"\bthe doors? of\b",
+    r"\bdiffers? by no more than is\b",
+    r"\bstands? beside\b",
+    r"\bwhat is (?:\w+ )?(?:asked|told|said) of\b",
+)
+# What is no prose, in the order in which it goes.
+_NO_PROSE = (
+    (r"<!--[\s\S]*?-->", ""),
+    (r"^ *```[\s\S]*?^ *```", "\n\n"),  # programs
+    (r"(?<=\n\n)(?:(?: {4}.*)?\n)+", "\n\n"),  # and commands
+    (r"^#+ .*$", "\n\n"),
+    (r"^\|.*$", "\n\n"),  # tables
+    (r"^ *(?:[-*+]|\d+\.) ", "\n\n"),  # an item of a list is a paragraph
+    (r"<[^>\n]*>", ""),
+    (r"`[^`]*`", "CODE"),  # one word
+    (r"!?\[([^\]]*)\]\((?:[^()]|\([^()]*\))*\)", r"\1"),
+    (r"https?://\S+", "ADDRESS"),
+    (r"\*", ""),  # emphasis
+)
+# A full stop, what may stand behind it, a space, and how a sentence begins. Initials end none.
+_END = re.compile(r"(?<!\b[A-Z])[.!?][\"')\]]*\s+(?=[\"'(\[…]*[A-Z0-9…])")
+
+
+def sentences(text):
+    """The sentences of a Markdown page, without code, tables, headings, comments and targets of links."""
+    for pattern, instead in _NO_PROSE:
+        text = re.sub(pattern, instead, text, flags=re.MULTILINE)
+    paragraphs = (" ".join(p.split()) for p in re.split(r"\n\s*\n", text))
+    return [s.strip() for p in paragraphs for s in _END.split(p) if words(s)]
+
+
+def words(sentence):
+    """How many words a sentence has: what has a letter or a digit, between spaces."""
+    return sum(bool(re.search(r"\w", each)) for each in sentence.split())
+
+
+def faults(text):
+    """What is wrong with a page, as lines."""
+    found = sentences(text)
+    lengths = [words(each) for each in found]
+    wrong = [f"{n} words: {each}" for n, each in zip(lengths, found, strict=True) if n > LONGEST]
+    if found and sum(lengths) > MEAN * len(found):
+        wrong.append(f"{sum(lengths) / len(found):.1f} words in the mean sentence")
+    for each in found:
+        wrong += [f"{m[0]!r}: {each}" for phrase in BANNED if (m := re.search(phrase, each, re.IGNORECASE))]
+    return wrong
+
+
+@pytest.mark.parametrize("page", DONE)
+def test_a_page_is_in_plain_english(page):
+    assert faults((ROOT / page).read_text()) == []
+
+
+SENTENCE = "It has " + "so many " * 16 + "words."  # 35
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("It has more " + SENTENCE + "\n\n" + "Short. " * 4, "38 words: It has more It has so"),
+        ("- A first item\n- It has more " + SENTENCE + "\n\n" + "Short. " * 4, "38 words"),
+        ("> It has [more](there.md)\n> " + SENTENCE + "\n\n" + "Short. " * 4, "38 words"),
+        (SENTENCE + "\n\nA second one.", "19.0 words in the mean sentence"),
+        ("So it came\nto be here.", "'came to be'"),
+        ("The rule **is told** to them.", "'is told'"),
+        ("Who asks, learns.", "'Who asks'"),
+        ("It is the same of two.", "'the same of'"),
+    ],
+)
+def test_a_fault_is_seen(text, fault):
+    assert [each for each in faults(text) if fault in each]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        SENTENCE + " Short. " * 3,
+        "```text\n" + SENTENCE * 2 + "\n```\n",
+        "So:\n\n    " + SENTENCE * 2 + "\n\n        " + SENTENCE + "\n\nDone.",
+        "| " + SENTENCE * 2 + " |\n|---|\n",
+        "# " + SENTENCE * 2 + "\n",
+        "<!-- " + SENTENCE * 2 + "-->\n",
+        "See [a page](" + "so/many/" * 40 + "x.md), `" + SENTENCE + "`.\n",
+        "It came. To be is a verb.",
+    ],
+)
+def test_what_is_right_or_no_prose_is_no_fault(text):
+    assert faults(text) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        (
+            "One. Two (three). *Four.* `five` is code. Six!",
+            ["One", "Two (three)", "Four", "CODE is code", "Six!"],
+        ),
+        ("J. Kautz wrote it, n.l is 0.5. It ends.", ["J. Kautz wrote it, n.l is 0.5", "It ends."]),
+        ("- one\n- two\n  and three\n\n1. four\n", ["one", "two and three", "four"]),
+        ("Above a command:\n\n    fixedpipe figures\n\nbelow it.\n", ["Above a command:", "below it."]),
+    ],
+)
+def test_a_page_is_cut_into_sentences(text, found):
+    assert sentences(text) == found
