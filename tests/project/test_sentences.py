@@ -12,7 +12,11 @@ DONE = (
     "docs/from-python.md",
     "docs/gallery.md",
     "docs/glossary.md",
+    "docs/install.md",
+    "docs/mesa.md",
     "docs/own-data.md",
+    "docs/reading-guide.md",
+    "docs/same-bits.md",
 )
 # Words of the longest sentence, and of the mean one of a page.
 LONGEST, MEAN = 35, 18
