@@ -71,7 +71,7 @@ def test_every_number_of_the_readme_s_evidence_stands_on_the_page_that_it_names(
     readme = (ROOT / "README.md").read_text()
     section = readme.partition("## How it is known to be right")[2].partition("\n## ")[0]
     rows = re.findall(r"^\|[^|]+\|([^|]+)\| \[[^]]+\]\(([^)]+)\) \|$", section, re.MULTILINE)
-    numbers = [(number, page) for cell, page in rows for number in re.findall(r"\d[\d,]*", cell)]
+    numbers = [(number, page) for cell, page in rows for number in re.findall(r"\d+(?:,\d{3})*", cell)]
     assert len(rows) >= 4 and len(numbers) >= 8
     for number, page in numbers:
         assert re.search(rf"(?<![\d,]){number}(?![\d,])", (ROOT / page).read_text()), (number, page)
