@@ -9,12 +9,18 @@ ROOT = Path(__file__).parents[2]
 # The pages that are done. A page that is rewritten joins them.
 DONE = (
     "README.md",
+    "docs/coming-from.md",
     "docs/from-python.md",
     "docs/gallery.md",
     "docs/glossary.md",
+    "docs/golden-images.md",
+    "docs/inspecting.md",
     "docs/install.md",
+    "docs/machine-beside-ideal.md",
     "docs/mesa.md",
     "docs/own-data.md",
+    "docs/pages-and-slides.md",
+    "docs/precision.md",
     "docs/reading-guide.md",
     "docs/same-bits.md",
 )
