@@ -17,6 +17,7 @@ from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.profiles import GEFORCE_256
 
 ROOT = Path(__file__).parents[2]
+COMMANDS = main.list_commands(None)
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 
 
@@ -113,6 +114,13 @@ def test_every_link_into_a_page_names_a_part_of_it(page):
 def test_every_file_that_is_named_exists(page):
     for name in re.findall(r"`((?:raster|pipeline|effects|tests|docs|bench)/[\w/.-]+)`", page.read_text()):
         assert (ROOT / name).exists() or (ROOT / f"{name}.py").exists(), name
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_every_command_that_is_named_is_there(page):
+    text = page.read_text()
+    for name in re.findall(r"(?:^ {4}|^\$ |`)(?:\.venv/bin/)?fixedpipe\s([a-z]+)", text, re.MULTILINE):
+        assert name in COMMANDS, name
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
