@@ -81,7 +81,7 @@ class StateRecords:
         first = found or self._of_kind.get(kind)
         if first is None or not first.is_like(state, textures):
             first = StateRecord(mesh, state, framebuffer, textures, *self._machine)
-        made = first.in_place_of(state, textures)
+        made = first.in_place_of(mesh, state, textures)
         for name, texture in zip(made.names, made.given, strict=True):
             read, readers = self._readers.get(name, (None, ()))
             if read is not texture:
@@ -109,7 +109,7 @@ class StateRecord:
         self.given = [textures[name] for name in self.names]
         state = within_viewport(mesh, state, framebuffer.width, framebuffer.height)
         self.state, held = depths_as_colors(state, textures, profile)
-        self._replaced = self.state is not self._of
+        self._replaced = self.state is not state  # It reads textures that no unit names.
         self.textures = {name: held[name] for name in _names(self.state)}
         self.by_columns = needs_columns(self.state, profile, framebuffer, self.textures)
         self.native = are_native(widths_of(self.state, profile, framebuffer, self.textures))
@@ -133,7 +133,7 @@ class StateRecord:
             farthest = 1.0 if depth.is_float else DEPTH_WORDS[depth].farthest
             self._scale = int(np.float64(farthest).view(np.int64)) if rows.needs_depth else 0
             self._bands = -(-framebuffer.height // BAND_HEIGHT)
-        self._templates, self._plans, self._projective = {}, {}, 0
+        self._rows_of_variant, self._templates, self._plans, self._projective = {}, {}, {}, 0
 
     def reads(self, textures):
         """Whether these are the textures that the record was made with."""
@@ -145,15 +145,15 @@ class StateRecord:
             return False
         return all(map(_are_alike, self.given, [textures[name] for name in self.names]))
 
-    def in_place_of(self, state, textures):
-        """The record of a state that this one is like."""
+    def in_place_of(self, mesh, state, textures):
+        """The record of a state that this one is like, for a mesh of this kind of primitive."""
         given = [textures[name] for name in self.names]
         if state is self._of and given == self.given:
             return self
         made = object.__new__(StateRecord)  # as ``copy.copy``, in a fifth of its time
         made.__dict__.update(self.__dict__, _of=state)
         if state is not self._of:
-            made.state = state
+            made.state = within_viewport(mesh, state, *self._size)
             if not have_same_constants(state.register_combiners, self.state.register_combiners):
                 made._plans = {}
         if given != self.given:
@@ -267,17 +267,27 @@ class StateRecord:
         None: the vector engine does not cover it. States of a kind share it.
         """
         if variant not in self._templates:
+            of_rows, given = self._of_variant(variant)
+            texels = texels_and_levels(self._rows.reads, self.state, self.textures, len(given[-1]))
+            bands = np.empty(0, np.int32), np.empty(0, np.int32)
+            made = make_job(given, bands, *texels)
+            self._templates[variant] = made and (made[0], of_rows, made[1], given)
+        return self._templates[variant]
+
+    def _of_variant(self, variant):
+        """The rows of a variant, and what its template is made from beside textures.
+
+        States of a kind share them, with any textures that are alike.
+        """
+        if (found := self._rows_of_variant.get(variant)) is None:
             rows, units = self._rows, len(self.state.texture_units)
             varying = [bool(variant >> unit & 1) for unit in range(units)]
             of_rows = draw, unit_rows, _ = rows.variant(False, False, bool(variant & ONE_COLOR), varying)
             vertex = *_ONE_VERTEX, np.ones((1, max(units, 1), 4))
             state = draw, rows.draw_float, rows.shared[-1]
             given = state, rows.filled_plan(*of_rows), np.zeros((1, 4), np.int32), vertex, unit_rows
-            bands = np.empty(0, np.int32), np.empty(0, np.int32)
-            texels = texels_and_levels(rows.reads, self.state, self.textures, len(unit_rows))
-            made = make_job(given, bands, *texels)
-            self._templates[variant] = made and (made[0], of_rows, made[1], given)
-        return self._templates[variant]
+            found = self._rows_of_variant[variant] = of_rows, given
+        return found
 
     def _plan(self, variant):
         """The rows of the combiners' plan, with this state's constant colours."""
