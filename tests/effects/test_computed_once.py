@@ -60,7 +60,7 @@ def test_what_was_used_longest_ago_goes_first(ramps, monkeypatch):
 
 
 def test_a_result_above_the_limit_is_still_returned(ramps, monkeypatch):
-    ramp, calls = ramps
+    ramp, _ = ramps
     monkeypatch.setattr(module, "_MOST", 8)
     assert (ramp(np.arange(100.0)) == np.arange(100.0)).all()
     assert (ramp(np.arange(50.0)) == np.arange(50.0)).all()
