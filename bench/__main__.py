@@ -56,7 +56,7 @@ def _arguments(arguments):
     parser.add_argument("--peer", choices=sorted(PEERS), help="take turns with this renderer")
     parser.add_argument("--threads", type=int, default=2, help="threads for both (2)")
     parser.add_argument(
-        "--size", type=int, help="the scenes' framebuffer edge in pixels (1024; 512 for e, e2)"
+        "--size", type=int, help="the scenes' framebuffer edge in pixels (1024; 512 for e, e2, t)"
     )
     parser.add_argument("--cpu", choices=limits.LIMITS, help="limit both to a processor's vectors")
     parser.add_argument("--plot", metavar="FILE", help="also draw how scattering's costs grow")

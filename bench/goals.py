@@ -61,7 +61,7 @@ _ZEN_5 = {
 def goals(processor, limit=None):
     """name -> number asked for on a Processor that is limited as ``--cpu`` says.
 
-    Scenes e and t have none, and no scene has where the limit is "generic".
+    Scenes e, i and t have none, and no scene has where the limit is "generic".
     """
     is_zen_5 = processor.kind == ZEN_5
     scenes = {} if limit == "generic" else _SCENES

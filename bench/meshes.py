@@ -27,6 +27,25 @@ def quad(w_far=1.0, z=0.0, scale=1.0, colors=_LIGHTS, units=0):
     return Mesh(corners, PrimitiveType.TRIANGLE_STRIP, colors=colors, texture_coordinates=(st,) * units)
 
 
+def tiles(size, number=11, w_far=2.5, scale=1.0):
+    """``quad``'s surface in perspective as ``number`` x ``number`` Meshes of two triangles, row by row.
+
+    Their edges lie at whole pixels of ``size``, where no renderer's snapping moves them. z/w is 1 - 1/w. The
+    second set of coordinates is the first with s and t exchanged.
+    """
+    edges = 2 * np.rint(np.linspace(0, size, number + 1)) / size - 1
+    found = []
+    for row in range(number):
+        for column in range(number):
+            x, y = (a.ravel() for a in np.meshgrid(edges[column : column + 2], edges[row : row + 2]))
+            w = 1 / (1 - (1 - 1 / w_far) * (y + 1) / 2)
+            corners = np.stack([x * w, y * w, w - 1, w], axis=-1)
+            st = (corners[:, :2] + 1) / 2 * 0.75 * scale
+            strip = PrimitiveType.TRIANGLE_STRIP
+            found.append(Mesh(corners, strip, texture_coordinates=(st, st[:, ::-1].copy())))
+    return tuple(found)
+
+
 def grid_triangles(rows, columns):
     """Vertex numbers int64 [2 * rows * columns, 3] of a grid's triangles, two a cell, row by row.
 

@@ -145,17 +145,18 @@ def _mesh_bytes(mesh):
 
 def traffic(scene, size):
     """The Traffic of a scene's measured frame at ``size`` x ``size`` pixels."""
-    draw = scene.draw(size)
+    layer = scene.layer(size)
     units = scene.work(size) / scene.layers  # of a layer
     fragments = scene.fragments(size) / units
-    color, depth, stencil, texture, written = _fragment_bytes(draw.state)
+    color, depth, stencil, texture, written = _fragment_bytes(layer[0].state)
+    first = scene.depth_first / scene.layers  # a depth is read and written before, and its vertices read
     clear = (_COLOR_BYTES + _DEPTH_BYTES + _STENCIL_BYTES) * size * size / scene.work(size)
     return Traffic(
         clear=clear,
         color=color * fragments,
-        depth=depth * fragments,
+        depth=(depth + 2 * _DEPTH_BYTES * first) * fragments,
         stencil=stencil * fragments,
         texture=texture * fragments,
-        geometry=_mesh_bytes(draw.mesh) / units,
+        geometry=(1 + first) * sum(_mesh_bytes(draw.mesh) for draw in layer) / units,
         written=clear + written * fragments,
     )

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from bench import shadow
-from bench.meshes import look_at, perspective, quad, torus
+from bench.meshes import look_at, perspective, quad, tiles, torus
 from bench.textures import TEXTURES
-from fixedpipe.pipeline.commands import Clear, Draw, TexImage
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import (
     BlendFactor,
     ComparisonFunction,
@@ -125,7 +125,10 @@ class Scene:
     """One measured scene.
 
     name, title      the letter of the table and what is drawn
-    draw             framebuffer edge in pixels -> the Draw command
+    draw             framebuffer edge in pixels -> the Draw command, or the first of a layer's
+    meshes           framebuffer edge in pixels -> the meshes of a layer's Draws, all in ``draw``'s state, or
+                     None: ``draw``'s alone
+    depth_first      whether a frame begins with its meshes' depths alone: LESS, written, without textures
     environments     the texture environment of each unit that the combiners stand for: "MODULATE", "DOT3"
     size             the framebuffer's edge, in pixels, unless asked otherwise
     layers           how often a measured frame draws it after its one Clear
@@ -154,16 +157,24 @@ class Scene:
     aim: float | None = None
     outside: float = 0.0
     snapped: bool = False
+    meshes: Callable[[int], tuple[Mesh, ...]] | None = None
+    depth_first: bool = False
 
     def textures(self):
         """The TexImage commands that the scene's Draw needs before it."""
         names = [unit.texture for unit in self.draw(self.size).state.texture_units]
         return tuple(TexImage(label=f"texture {n}", texture=n, image=TEXTURES[n]()) for n in names)
 
+    def layer(self, size):
+        """A layer's Draws."""
+        draw = self.draw(size)
+        return tuple(replace(draw, mesh=mesh) for mesh in self.meshes(size)) if self.meshes else (draw,)
+
     def frame(self, size, layers):
-        """A frame: clear everything, then ``layers`` times the Draw."""
-        clear = Clear(label="clear", color=CLEAR_COLOR, depth=1.0, stencil=0)
-        return (clear, *(self.draw(size),) * layers)
+        """A frame: clear everything, the depths where they come first, then ``layers`` times the Draws."""
+        clear, layer = Clear(label="clear", color=CLEAR_COLOR, depth=1.0, stencil=0), self.layer(size)
+        depths = depths_alone(layer) if self.depth_first else ()
+        return (clear, *depths, *layer * layers)
 
     def fragments(self, size):
         """Fragments that a layer makes, whether or not they pass the tests."""
@@ -171,8 +182,8 @@ class Scene:
 
     def triangles(self, size):
         """Triangles that a layer submits."""
-        mesh = self.draw(size).mesh
-        return 2 if mesh.indices is None else len(mesh.indices) // 3
+        meshes = (draw.mesh for draw in self.layer(size))
+        return sum(2 if mesh.indices is None else len(mesh.indices) // 3 for mesh in meshes)
 
     def work(self, size):
         """Fragments or triangles of a measured frame, whichever ``unit`` counts."""
@@ -185,7 +196,14 @@ def _count_fragments(scene, size):
     # numba is imported with it, which a peer's process has no use for.
     from fixedpipe.pipeline.execution.machine import execute
 
-    return execute((*scene.textures(), scene.draw(size)), scene.profile, size, size).fragments
+    return execute((*scene.textures(), *scene.layer(size)), scene.profile, size, size).fragments
+
+
+def depths_alone(draws):
+    """The Draws, in one state, that leave nothing but the depths of other Draws' meshes."""
+    masked = ColorMask(False, False, False, False)
+    state = PassState(vertex=draws[0].state.vertex, depth_test=DepthTest(), color_mask=masked)
+    return tuple(replace(draw, label="depth", state=state) for draw in draws)
 
 
 def _flat(size):
@@ -226,6 +244,21 @@ def _minified(size):
     unit = TextureUnit("color, mipmapped", _TRILINEAR)
     state = PassState(texture_units=(unit,), register_combiners=MODULATE)
     return Draw(label="minify", mesh=quad(w_far=2.5, scale=size / 512 * 5, units=1), state=state)
+
+
+@cache
+def _tiles(size):
+    return tiles(size, scale=size / 512 * 3)
+
+
+def _lit_tile(size):
+    units = tuple(
+        TextureUnit(name, _TRILINEAR, coordinates=k)
+        for k, name in enumerate(("color, mipmapped", "light, mipmapped"))
+    )
+    test = DepthTest(ComparisonFunction.EQUAL, write=False)
+    state = PassState(texture_units=units, depth_test=test)
+    return Draw(label="texture x light", mesh=_tiles(size)[0], state=state)
 
 
 def _torus(cull_face):
@@ -309,6 +342,8 @@ _SHADOW_VIEW = {**_SHADOW, "layers": 1, "covers": False, "outside": 0.001}
 #     0.04 % at 1024 x 1024)
 # h   b's 4, which mixing two levels does not enlarge; one for the fraction of lambda in steps of 1/256, one
 #     for the mixture's byte, two where lambda itself differs by the hundredth of a level: 8
+# i   of either texture one for the filter's fractions and bytes, and h's four: 5; the product has both's, and
+#     two products' bytes: 12
 SCENES = {
     scene.name: scene
     for scene in (
@@ -327,5 +362,15 @@ SCENES = {
             "t", "torus by two tables (F000-2)", cache(_reflecting), ("MODULATE", "MODULATE"), 32, **_TORUS
         ),
         Scene("h", "trilinear minification", _minified, _ONE, 8, aim=200),
+        Scene(
+            "i",
+            "121 Draws: two trilinear textures multiplied, depths first",
+            _lit_tile,
+            ("MODULATE", "MODULATE"),
+            12,
+            layers=1,
+            meshes=_tiles,
+            depth_first=True,
+        ),
     )
 }

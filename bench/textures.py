@@ -41,6 +41,17 @@ def normal_texture(n=512):
 
 
 @cache
+def light_texture(n=256):
+    """RGBA8 light that varies slowly, with all levels; alpha 255; ``n`` texels along an edge."""
+    row, column = np.mgrid[0:n, 0:n] * (2 * np.pi / n)
+    image = np.full((n, n, 4), 255, np.uint8)
+    image[..., 0] = np.rint(170 + 80 * np.sin(3 * column) * np.cos(2 * row))
+    image[..., 1] = np.rint(160 + 80 * np.sin(2 * column + 3 * row))
+    image[..., 2] = np.rint(140 + 80 * np.cos(5 * row))
+    return texture_2d(image, mipmaps=True)
+
+
+@cache
 def torrance_sparrow_table(number):
     """RGBA8 of one of the two tables of Torrance and Sparrow's model (figure F000-2, roughness 0.35)."""
     from fixedpipe.effects.reflectance import torrance_sparrow_passes
@@ -54,6 +65,7 @@ def torrance_sparrow_table(number):
 TEXTURES = {
     "color": color_texture,
     "color, mipmapped": partial(color_texture, mipmaps=True),
+    "light, mipmapped": light_texture,
     "normals": normal_texture,
     "shadow map": shadow_map,
     "F D": partial(torrance_sparrow_table, 0),

@@ -92,7 +92,7 @@ class Stage:
         self._scene, self._size = scene, size
         self._framebuffer = GL.glGenFramebuffers(1)
         self._renderbuffers = GL.glGenRenderbuffers(2)
-        self._textures, self._buffers = [], []
+        self._textures, self._buffers, self._arrays = [], [], []
         GL.glBindFramebuffer(GL.GL_FRAMEBUFFER, self._framebuffer)
         formats = (GL.GL_RGBA8, GL.GL_DEPTH24_STENCIL8)
         attachments = (GL.GL_COLOR_ATTACHMENT0, GL.GL_DEPTH_STENCIL_ATTACHMENT)
@@ -102,16 +102,17 @@ class Stage:
             GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, attachment, GL.GL_RENDERBUFFER, name)
         if GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER) != GL.GL_FRAMEBUFFER_COMPLETE:
             raise OSError("the framebuffer object is incomplete")
-        draw = scene.draw(size)
-        left = [untranslated_unit(unit) for unit in draw.state.texture_units]
-        if untranslated(draw.state) != PassState() or any(unit != TextureUnit(None) for unit in left):
+        layer = scene.layer(size)
+        state = layer[0].state
+        left = [untranslated_unit(unit) for unit in state.texture_units]
+        if untranslated(state) != PassState() or any(unit != TextureUnit(None) for unit in left):
             raise ValueError(f"scene {scene.name} sets state that this worker does not translate")
         GL.glPushAttrib(GL.GL_ALL_ATTRIB_BITS)
         GL.glViewport(0, 0, size, size)
         GL.glDisable(GL.GL_DITHER)
         GL.glClearColor(*CLEAR_COLOR)
-        self._translate(draw.state)
-        self._upload(draw.mesh, draw.state)
+        self._translate(state)
+        self._draws = [self._upload(draw.mesh, state) for draw in layer]
         error = GL.glGetError()
         if error:
             raise OSError(f"scene {scene.name}: OpenGL error {error:#x}")
@@ -129,7 +130,8 @@ class Stage:
         self._depth_write = True
         if state.depth_test:
             GL.glEnable(GL.GL_DEPTH_TEST)
-            GL.glDepthFunc(_token(state.depth_test.function))
+            self._depth_function = _token(state.depth_test.function)
+            GL.glDepthFunc(self._depth_function)
             self._depth_write = state.depth_test.write
         if state.stencil_test:
             test = state.stencil_test
@@ -185,8 +187,10 @@ class Stage:
             GL.glTexEnvi(GL.GL_TEXTURE_ENV, parameter, value)
 
     def _upload(self, mesh, state):
-        self._arrays = GL.glGenVertexArrays(1)
-        GL.glBindVertexArray(self._arrays)
+        """Put a mesh into buffers; the function that draws it."""
+        arrays = GL.glGenVertexArrays(1)
+        self._arrays.append(arrays)
+        GL.glBindVertexArray(arrays)
         offset = ctypes.c_void_p(0)
         self._buffer(GL.GL_ARRAY_BUFFER, mesh.positions, np.float32)
         GL.glVertexPointer(mesh.positions.shape[1], GL.GL_FLOAT, 0, offset)
@@ -205,14 +209,19 @@ class Stage:
             self._buffer(GL.GL_ARRAY_BUFFER, coordinates, np.float32)
             GL.glTexCoordPointer(coordinates.shape[1], GL.GL_FLOAT, 0, offset)
             GL.glEnableClientState(GL.GL_TEXTURE_COORD_ARRAY)
-        primitive = _token(mesh.primitive)
-        if mesh.indices is None:
-            count = len(mesh.positions)
-            self._draw = lambda: GL.glDrawArrays(primitive, 0, count)
-        else:
-            count = len(mesh.indices)
-            self._buffer(GL.GL_ELEMENT_ARRAY_BUFFER, mesh.indices, np.uint32)
-            self._draw = lambda: GL.glDrawElements(primitive, count, GL.GL_UNSIGNED_INT, offset)
+        primitive, indices = _token(mesh.primitive), mesh.indices
+        count = len(mesh.positions if indices is None else indices)
+        if indices is not None:
+            self._buffer(GL.GL_ELEMENT_ARRAY_BUFFER, indices, np.uint32)
+
+        def draw():
+            GL.glBindVertexArray(arrays)
+            if indices is None:
+                GL.glDrawArrays(primitive, 0, count)
+            else:
+                GL.glDrawElements(primitive, count, GL.GL_UNSIGNED_INT, offset)
+
+        return draw
 
     def _buffer(self, target, array, dtype):
         data = np.ascontiguousarray(array, dtype).tobytes()
@@ -222,15 +231,31 @@ class Stage:
         GL.glBufferData(target, len(data), data, GL.GL_STATIC_DRAW)
 
     def frame(self, layers):
-        """Clear everything, draw ``layers`` times, and wait for the last pixel."""
+        """Clear everything, draw depths where they come first, then ``layers`` times; wait for the end."""
         GL.glColorMask(True, True, True, True)
         GL.glDepthMask(True)
         GL.glClear(GL.GL_COLOR_BUFFER_BIT | GL.GL_DEPTH_BUFFER_BIT | GL.GL_STENCIL_BUFFER_BIT)
+        if self._scene.depth_first:
+            self._draw_depths()
         GL.glColorMask(*self._color_mask)
         GL.glDepthMask(self._depth_write)
-        for _ in range(layers):
-            self._draw()
+        for draw in self._draws * layers:
+            draw()
         GL.glFinish()
+
+    def _draw_depths(self):
+        GL.glColorMask(False, False, False, False)
+        GL.glDepthFunc(GL.GL_LESS)
+        self._switch_textures(GL.glDisable)
+        for draw in self._draws:
+            draw()
+        self._switch_textures(GL.glEnable)
+        GL.glDepthFunc(self._depth_function)
+
+    def _switch_textures(self, switch):
+        for number in range(len(self._textures)):
+            GL.glActiveTexture(GL.GL_TEXTURE0 + number)
+            switch(GL.GL_TEXTURE_2D)
 
     def turn(self, frames):
         """Seconds that ``frames`` measured frames took."""
@@ -256,7 +281,7 @@ class Stage:
     def close(self):
         """Give everything back and restore the context's initial state."""
         GL.glPopAttrib()
-        GL.glDeleteVertexArrays(1, [self._arrays])
+        GL.glDeleteVertexArrays(len(self._arrays), self._arrays)
         GL.glDeleteBuffers(len(self._buffers), self._buffers)
         GL.glDeleteTextures(self._textures)
         GL.glDeleteFramebuffers(1, [self._framebuffer])

@@ -24,7 +24,7 @@ from bench import (
 from bench.meshes import torus
 from bench.peers import llvmpipe, mesa
 from bench.peers.mesa import PeerError
-from bench.scenes import BUMP, MODULATE, SCENES, bump
+from bench.scenes import BUMP, CLEAR_COLOR, MODULATE, SCENES, bump
 from bench.shadow import balls_on_floor, shadow_map
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -135,6 +135,27 @@ def test_fragments_are_counted_before_the_depth_test():
     draw = SCENES["e"].draw(64)
     untested = replace(draw, state=replace(draw.state, depth_test=None))
     assert SCENES["e"].fragments(64) == replace(SCENES["e"], draw=lambda size: untested).fragments(64)
+
+
+def test_scene_i_has_draws_of_some_9000_fragments_over_all_pixels_and_their_depths_first():
+    scene = SCENES["i"]
+    layer = scene.layer(scene.size)
+    assert len(layer) == 121
+    assert 8500 < scene.fragments(scene.size) / len(layer) < 9000
+    assert scene.triangles(scene.size) == 242
+    _, *draws = scene.frame(64, 2)
+    depths, first, second = draws[:121], draws[121:242], draws[242:]
+    assert first == second
+    assert [draw.mesh for draw in depths] == [draw.mesh for draw in first]
+    assert {len(draw.state.texture_units) for draw in depths} == {0}
+    machine = Machine(scene.profile, 64, 64, threads=1)
+    machine.run((*scene.textures(), *scene.frame(64, 1)))
+    clear = np.rint(255 * np.array(CLEAR_COLOR))
+    # Where the depth is equal, there is a fragment; where none was drawn before, there is none.
+    drawn = (machine.framebuffer.color != clear).any(-1)
+    machine.run(replace(scene, depth_first=False).frame(64, 1))
+    assert drawn.mean() > 0.99
+    assert (machine.framebuffer.color == clear).all()
 
 
 class _Scripted:
@@ -569,7 +590,8 @@ def test_ours_and_the_peers_picture_of_a_scene_agree(name, peer):
     found = pictures.difference(ours.picture(), peer.picture(), scene.levels)
     assert found.as_expected(scene), found
     if not scene.snapped:
-        assert found.depth == 0
+        # Where depth varies, the peer rounds two slopes, two products and two sums, half a unit each.
+        assert found.depth <= (3 if scene.meshes else 0)
     # Of the silhouette's some 2000 pixels, those whose centre the snapping moves over an edge of 1/16 pixel.
     assert found.coverage <= 2000 / 16
 
