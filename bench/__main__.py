@@ -1,4 +1,4 @@
-"""``python -m bench [NAME ...] [--peer llvmpipe]``: how fast it draws, in tables and as JSON."""
+"""``python -m bench [NAME ...] [--peer NAME]``: how fast it draws, in tables and as JSON."""
 
 import argparse
 import contextlib
@@ -25,9 +25,10 @@ from bench.goals import applied, goals
 from bench.measure import DISTURBED, Ours, summarize, take_turns
 from bench.peers.llvmpipe import Llvmpipe
 from bench.peers.mesa import PeerError
+from bench.peers.swiftshader import SwiftShader
 from bench.scenes import SCENES
 
-PEERS = {"llvmpipe": Llvmpipe}
+PEERS = {peer.name: peer for peer in (Llvmpipe, SwiftShader)}
 ROOFLINE, GROWTH, SCATTERING = "roofline", "growth", "scattering"
 PREFILTER = "prefilter"
 NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH, SCATTERING, PREFILTER)
@@ -152,7 +153,9 @@ def _measure_scenes(parties, scenes, options):
         ("goal", 5),
         ("spread", 6),
     )
-    asked, rows = goals(options.processor, options.cpu), []
+    # What is asked for are ratios to llvmpipe.
+    asked = {} if options.peer == SwiftShader.name else goals(options.processor, options.cpu)
+    rows = []
     for scene in scenes:
         size = options.size or scene.size
         for party in parties:

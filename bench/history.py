@@ -111,6 +111,11 @@ def _where(run):
     return f"{processor['name']} ({numbers}), {processor['cores']} cores{limit}, {threads}"
 
 
+def peer_of(run):
+    """The name of a run's peer, with which its description begins; None where there was none."""
+    return run["peer"] and run["peer"].partition(" ")[0]
+
+
 def _numbers(run):
     """(name, unit, where, whether less is better, value, spread) of all that a run measured.
 
@@ -122,7 +127,7 @@ def _numbers(run):
         if scene["ratio"] is None:
             yield scene["scene"], scene["unit"], at, False, scene["ours"], scene["spread"]
         else:
-            yield scene["scene"], "times llvmpipe", at, False, scene["ratio"], scene["spread"]
+            yield scene["scene"], f"times {peer_of(run)}", at, False, scene["ratio"], scene["spread"]
     for figure in run["figures"]:
         most = figure["relation"] == "at most"
         yield figure["figure"], figure["unit"], where, most, figure["measured"], figure["spread"]
@@ -201,7 +206,7 @@ def _page(found, sentences):
         "svg{max-width:100%;height:auto}.slower{color:#c0392b}</style>",
         "<h1>Speed over time</h1>",
         "<p>Each curve is a number of <code>python -m bench</code>, run by run; of scenes the ratio to "
-        "llvmpipe where it was there. Hollow points were disturbed; a red one has lost a tenth or more of "
+        "the peer where one was there. Hollow points were disturbed; a red one has lost a tenth or more of "
         "the median of the runs before it on the same processor.</p>",
         *(f"<p class='slower'>{escape(text)}</p>" for text in sentences),
     ]

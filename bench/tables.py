@@ -4,6 +4,7 @@ import argparse
 import json
 from pathlib import Path
 
+from bench.history import peer_of
 from bench.measure import DISTURBED
 from bench.processor import QUIET
 from bench.scenes import SCENES
@@ -31,10 +32,11 @@ def _shown(value, form=".4g"):
 
 
 def _who(run):
-    """The processor as a user would name it, and under which limit."""
+    """The processor as a user would name it, under which limit, and beside whom where it is not llvmpipe."""
     own = run["processor"]
     name = f"{own['name']} ({own['kind']})" if own["kind"] == "Zen 5" else own["name"]
-    return f"{name}, {_CODE[run['cpu']]}"
+    beside = f", beside {peer_of(run)}" if peer_of(run) not in (None, "llvmpipe") else ""
+    return f"{name}, {_CODE[run['cpu']]}{beside}"
 
 
 def _threads(run):
@@ -83,7 +85,7 @@ def rates(run):
         ]
         for row in run["scenes"]
     ]
-    heads = ["scene", "size", "unit", "ours", "aim", "llvmpipe", "ratio", "goal", "spread"]
+    heads = ["scene", "size", "unit", "ours", "aim", peer_of(run) or "peer", "ratio", "goal", "spread"]
     return _table(heads, rows)
 
 

@@ -1,63 +1,15 @@
-"""Mesa's llvmpipe, in a process of its own that draws when it is its turn."""
-
-import json
-import os
-import tempfile
-
-import numpy as np
+"""Mesa's llvmpipe, which compiles for the vectors that the processor has."""
 
 from bench.limits import peer_variables
-from bench.peers.mesa import MesaProcess, PeerError, environment
+from bench.peers.mesa import environment
+from bench.peers.opengl import OpenGLPeer
 
 
-class Llvmpipe(MesaProcess):
-    """The peer as a party to a measurement; close it, or use it in a ``with`` statement.
+class Llvmpipe(OpenGLPeer):
+    """llvmpipe on ``threads`` threads."""
 
-    Raises PeerError when it cannot be had, and when it stops answering.
-    """
-
-    name, module = "llvmpipe", "bench.peers.opengl_worker"
+    name = device = "llvmpipe"
+    package = "libgl1-mesa-dri has llvmpipe"
 
     def __init__(self, threads):
-        super().__init__(environment(threads) | peer_variables(), text=True)
-
-    def __enter__(self):
-        """Return the peer itself."""
-        return self
-
-    def __exit__(self, *_):
-        """End the process."""
-        self.close()
-
-    def _greet(self, hello):
-        if "llvmpipe" not in hello["renderer"]:
-            raise PeerError(f"Mesa drew with {hello['renderer']}; on Debian, libgl1-mesa-dri has llvmpipe.")
-        self.description = f"{hello['renderer']}, {hello['version']}"
-
-    def _receive(self):
-        line = self._process.stdout.readline()
-        if not line:
-            raise EOFError
-        answer = json.loads(line)
-        if "error" in answer:
-            raise PeerError(f"Mesa's process says: {answer['error']}")
-        return answer
-
-    def _send(self, request):
-        print(json.dumps(request), file=self._process.stdin)
-
-    def prepare(self, scene, size):
-        """Make ``scene`` at ``size`` x ``size`` pixels the one that is drawn, with its textures in place."""
-        self._ask({"do": "prepare", "scene": scene.name, "size": size})
-
-    def turn(self, frames):
-        """Seconds that ``frames`` measured frames took."""
-        return self._ask({"do": "turn", "frames": frames})["seconds"]
-
-    def picture(self):
-        """{"color": uint8 [h, w, 4], "depth": uint32 [h, w], "stencil": uint8 [h, w]}, top row first."""
-        with tempfile.TemporaryDirectory() as folder:
-            file = os.path.join(folder, "picture.npz")
-            self._ask({"do": "picture", "file": file})
-            with np.load(file) as arrays:
-                return dict(arrays)
+        super().__init__(environment(threads) | peer_variables())

@@ -30,7 +30,7 @@ def missing():
 def environment(threads, driver="llvmpipe"):
     """The variables that make Mesa draw on ``threads`` processor cores, without a display.
 
-    ``driver``: llvmpipe, or softpipe, which draws on one core.
+    ``driver``: llvmpipe; softpipe, which draws on one core; or zink, which draws by Vulkan.
 
     LP_NUM_THREADS counts the threads that llvmpipe starts beside the caller's: with 0 the caller draws, with
     more it only sets up.
@@ -46,7 +46,7 @@ def environment(threads, driver="llvmpipe"):
 
 
 def own_threads():
-    """On how many threads llvmpipe draws in a process that has these variables."""
+    """On how many threads the driver draws in a process that has these variables."""
     return max(1, int(os.environ["LP_NUM_THREADS"]))
 
 
@@ -55,14 +55,14 @@ class MesaProcess:
 
     A subclass names the ``module`` and says what requests and answers are: ``_send(request)`` writes one to
     ``_process.stdin``, ``_receive()`` returns the next answer, or raises EOFError where there is none, and
-    ``_greet(answer)`` takes the first. Close it when done.
+    ``_greet(answer)`` takes the first. It starts in ``folder``. Close it when done.
 
     Raises PeerError when it cannot be had, and when it stops answering.
     """
 
     module = None
 
-    def __init__(self, variables, *, text):
+    def __init__(self, variables, *, text, folder=None):
         lacking = missing()
         if lacking:
             raise PeerError(" ".join(lacking))
@@ -72,6 +72,7 @@ class MesaProcess:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=text,
+            cwd=folder,
             env=os.environ | variables | {"PYTHONPATH": os.pathsep.join(paths)},
         )
         try:

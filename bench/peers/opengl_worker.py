@@ -1,4 +1,4 @@
-"""Draws the scenes with fixed-function OpenGL, headless, on request: the other end of ``llvmpipe.Llvmpipe``.
+"""Draws the scenes with fixed-function OpenGL, headless, on request: the other end of ``OpenGLPeer``.
 
 Run as ``python -m bench.peers.opengl_worker`` with Mesa's environment set. Requests and answers are one JSON
 object a line, on standard input and output: {"do": "prepare", "scene", "size"}, {"do": "turn", "frames"} with

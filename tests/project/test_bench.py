@@ -4,6 +4,7 @@ import ctypes
 import importlib.util
 import json
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,7 +23,7 @@ from bench import (
     scattering,
 )
 from bench.meshes import torus
-from bench.peers import llvmpipe, mesa
+from bench.peers import llvmpipe, mesa, swiftshader
 from bench.peers.mesa import PeerError
 from bench.scenes import BUMP, CLEAR_COLOR, MODULATE, SCENES, bump
 from bench.shadow import balls_on_floor, shadow_map
@@ -224,6 +225,45 @@ def nothing_installed(monkeypatch):
 def test_the_peer_says_what_is_missing():
     with pytest.raises(PeerError, match=r"PyOpenGL is not installed.*libEGL\.so\.1 is missing"):
         llvmpipe.Llvmpipe(2)
+
+
+@pytest.mark.usefixtures("nothing_installed")
+def test_swiftshader_says_what_is_missing_too(monkeypatch, tmp_path):
+    monkeypatch.setattr(swiftshader, "_DRIVER", tmp_path / "icd.json")
+    lacking = r"PyOpenGL is not.*icd\.json is missing.*install chromium.*libvulkan\.so\.1.*install libvulkan1"
+    with pytest.raises(PeerError, match=lacking):
+        swiftshader.SwiftShader(2)
+
+
+@pytest.mark.parametrize("party", [llvmpipe.Llvmpipe, swiftshader.SwiftShader])
+def test_another_renderer_than_the_peer_is_refused(party):
+    peer = object.__new__(party)
+    with pytest.raises(PeerError, match=r"Mesa drew with softpipe; on Debian, libgl1-mesa-dri has"):
+        peer._greet({"renderer": "softpipe", "version": "1"})
+    peer._greet({"renderer": f"{party.device} (1)", "version": "2"})
+    assert peer.description.split()[0] == party.name
+
+
+def test_ratios_to_swiftshader_have_no_goals(monkeypatch, tmp_path):
+    class Beside(swiftshader.SwiftShader):
+        description = "swiftshader"
+
+        def __init__(self, threads):
+            pass
+
+        def prepare(self, scene, size):
+            pass
+
+        def close(self):
+            pass
+
+    monkeypatch.setitem(command_line.PEERS, "swiftshader", Beside)
+    monkeypatch.setattr(measure.Ours, "prepare", lambda self, scene, size: None)
+    monkeypatch.setattr(command_line, "take_turns", lambda parties: [[1.0] for _ in parties])
+    file = tmp_path / "rates.json"
+    assert command_line.main(["a", "--peer", "swiftshader", "--json", str(file)]) == 0
+    (row,) = json.loads(file.read_text())["scenes"]
+    assert (row["ratio"], row["goal"]) == (1.0, None)
 
 
 @pytest.mark.usefixtures("nothing_installed")
@@ -569,10 +609,10 @@ def test_growth_has_every_number_and_is_drawn(monkeypatch, tmp_path):
     assert (tmp_path / "growth.png").read_bytes()[:4] == b"\x89PNG"
 
 
-@pytest.fixture(scope="module")
-def peer():
+@pytest.fixture(scope="module", params=[llvmpipe.Llvmpipe, swiftshader.SwiftShader])
+def peer(request):
     try:
-        party = llvmpipe.Llvmpipe(1)
+        party = request.param(1)
     except PeerError as problem:
         pytest.skip(str(problem))
     with party:
@@ -594,6 +634,21 @@ def test_ours_and_the_peers_picture_of_a_scene_agree(name, peer):
         assert found.depth <= (3 if scene.meshes else 0)
     # Of the silhouette's some 2000 pixels, those whose centre the snapping moves over an edge of 1/16 pixel.
     assert found.coverage <= 2000 / 16
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_swiftshader_draws_on_as_many_threads_as_asked_for(threads):
+    try:
+        party = swiftshader.SwiftShader(threads)
+    except PeerError as problem:
+        pytest.skip(str(problem))
+    with party:
+        party.prepare(SCENES["a"], 64)
+        party.turn(1)
+        tasks = Path(f"/proc/{party._process.pid}/task")
+        names = [name.read_text() for name in tasks.glob("*/comm")]
+    # It names those that draw so.
+    assert sum(name.startswith("Thread<") for name in names) == threads
 
 
 # ----------------------------------------------------------------------------------------- prefilter

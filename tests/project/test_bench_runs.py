@@ -219,7 +219,7 @@ def test_the_peer_is_limited_as_ours_is(name, width, has, monkeypatch):
     monkeypatch.setattr(mesa, "missing", list)
     given = {}
 
-    def start(self, variables, *, text):
+    def start(self, variables, *, text, folder):
         given.update(variables)
 
     monkeypatch.setattr(mesa.MesaProcess, "__init__", start)
@@ -504,6 +504,17 @@ def test_a_slow_down_is_a_tenth_of_the_median_of_former_runs():
     assert not history.slower([*former, _run(DATES[3], 1.81, passes=55.5)])
     (found,) = history.slower([*former, _run(DATES[3], 2.5, passes=55.6)])
     assert (found.name, found.most) == ("passes", True)
+
+
+def test_only_ratios_to_the_same_peer_are_compared():
+    other = {"peer": "swiftshader by zink (SwiftShader), 2.1 Mesa 22.3.6"}
+    runs = [_run(DATES[0], 9.0, passes=1.0, **other), _run(DATES[1])]
+    assert [one.name for one in history.compared(runs)] == ["passes"]
+    (found, _) = history.slower([*runs, _run(DATES[2], 1.0, **other)])
+    assert (found.name, found.unit) == ("b", "times swiftshader")
+    text = tables.markdown([runs[0]])
+    assert "(Zen 5), as it is, beside swiftshader | 2 |" in text
+    assert "| ours | aim | swiftshader | ratio |" in text
 
 
 def test_where_a_peer_was_there_its_slow_day_is_no_slow_down():
