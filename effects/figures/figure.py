@@ -380,7 +380,7 @@ class Figure:
 
 # The figures' own scenes that were made last: figure, method, machine, size and commands. A machine's picture
 # and its checks are of the same one, and the ideal's on one machine after the other.
-_MADE: deque[tuple[Figure, Method, Profile, int, tuple[Command, ...]]] = deque(maxlen=4)
+_MADE: deque[tuple[Figure, Method, Profile, int, tuple[Command, ...]]] = deque(maxlen=3)
 
 
 def _own_scene(figure: Figure, method: Method, machine: Profile, edge: int) -> tuple[Command, ...]:

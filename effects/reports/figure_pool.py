@@ -75,7 +75,8 @@ class Order:
         """Draw it and write its files; returns its record. What goes wrong is among the record's failures."""
         how = self.machines, self.size, self.threads, self.with_checks, step, changes, self.file
         try:
-            rendered = figure_record.render(self.figure, *how, with_references=not self.is_first)
+            asked = {"with_references": not self.is_first, "with_names": self.named is not None}
+            rendered = figure_record.render(self.figure, *how, **asked)
             step(f"{rendered.record['id']}: writing")
             return write_figure(self.folder, rendered, self.inputs, self.named, self.threads)
         except Exception as error:

@@ -42,7 +42,8 @@ class Rendered:
 
     record    the content of its JSON file
     pictures  Pictures that the record names by digest
-    named     the same and the differences under readable names, F004-4-OCTANE.png, as ``png`` takes them
+    named     the same and the differences under readable names, F004-4-OCTANE.png, as ``png`` takes them;
+              none where they were not asked for
     """
 
     record: dict
@@ -99,7 +100,17 @@ def steps(figure, machines, with_checks=False, with_references=True):
 
 
 def render(
-    figure, machines, size, threads, with_checks, step, changes=None, file=None, *, with_references=True
+    figure,
+    machines,
+    size,
+    threads,
+    with_checks,
+    step,
+    changes=None,
+    file=None,
+    *,
+    with_references=True,
+    with_names=False,
 ):
     """Render a figure.
 
@@ -122,15 +133,20 @@ def render(
         The user's file that holds the figure; None for the package's.
     with_references : bool
         Compute the figure's references, and compare the machines with them.
+    with_names : bool
+        Keep the pictures under readable names as well.
 
     What cannot be drawn or checked on one machine, for whatever reason, is among the record's ``failures``;
     the others are drawn all the same.
     """
     size = size or figure.size
     changes = changes or {}
-    drawing = _Drawing(figure, variant_name(figure, changes), size, threads, changes, step, with_references)
-    drawn, failures, kept = [], [], {}
+    how = size, threads, changes, step, with_references, with_names
+    drawing = _Drawing(figure, variant_name(figure, changes), *how)
+    drawn, failures, kept, before = [], [], {}, None
     for machine in machines:
+        if (method := figure.method(machine)) is not before:
+            kept, before = {}, method  # the ideal's windows, which machines that draw so share
         try:
             record = drawing.on(machine)
         except Exception as error:
@@ -138,7 +154,6 @@ def render(
             continue
         if with_checks:
             step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
-            method = figure.method(machine)
             checked = {m["method"] for m in drawn}
             try:
                 checks = figure.checks(Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
@@ -230,16 +245,18 @@ class _Drawing:
     changes: Mapping[str, object]
     step: Callable[[str], None]
     with_references: bool
+    with_names: bool
     pictures: Pictures = field(default_factory=Pictures)
     named: dict[str, np.ndarray] = field(default_factory=dict)
-    references: dict[Method, np.ndarray | None] = field(default_factory=dict)
+    methods: set[Method] = field(default_factory=set)  # that machines have drawn by
+    reference: tuple[Method, np.ndarray | None] | None = None  # of the method that drew last
     first: str | None = None
-    machines: dict[tuple, str] = field(default_factory=dict)  # the first with these bits
+    machines: dict[tuple, str] = field(default_factory=dict)  # the first with these bits, by their digest
 
     def on(self, machine):
         """What the record says of a machine; its pictures are kept."""
         profile, method = PROFILES[machine], self.figure.method(machine)
-        is_first, is_exact = method not in self.references, profile.arithmetic.exact
+        is_first, is_exact = method not in self.methods, profile.arithmetic.exact
         drawn, passes = self._drawn(machine, is_first and not is_exact)
         reference = self._reference(method)
         pictures, differences = {"machine": (drawn.image(), drawn.codes())}, {}
@@ -257,16 +274,19 @@ class _Drawing:
             base = shown["machine"]["digest"] if shown else self.first
             shown[view] = self._picture(image, codes, drawn, (LOSSLESS, *reduced, *of_grid), base)
             self.first = self.first or shown["machine"]["digest"]
-            self.named[picture_name(self.name, machine, view)] = deep_picture(codes, drawn.bits)
+            if self.with_names:
+                self.named[picture_name(self.name, machine, view)] = deep_picture(codes, drawn.bits)
         for view, found in differences.items():
             shown[view] = {}
             if not found.identical:
-                self.named[picture_name(self.name, machine, view)] = found.image()
+                if self.with_names:
+                    self.named[picture_name(self.name, machine, view)] = found.image()
                 if is_first:
                     shown[view]["digest"] = self.pictures.add(found.image(), NARROW)
         for view, said in shown.items():
             said["caption"] = self._caption(view, drawn, differences.get(view))
-        same = self.machines.setdefault((drawn.bits, drawn.codes()[..., :3].tobytes()), machine)
+        bits = hashlib.sha256(np.ascontiguousarray(drawn.codes()[..., :3])).digest()
+        same = self.machines.setdefault((drawn.bits, bits), machine)
         record = {
             "profile": machine,
             "name": profile.name,
@@ -305,15 +325,16 @@ class _Drawing:
         return drawn, seen[0].passes(drawn.image()) if seen else []
 
     def _reference(self, method):
-        """The figure's reference with a method's values, computed once."""
-        if method not in self.references:
-            found = None
+        """The figure's reference with a method's values, kept until another method draws."""
+        if self.reference is None or self.reference[0] is not method:
+            self.methods.add(method)
+            self.reference = method, None
             if self.with_references and self.figure.reference is not None:
                 self.step(f"{self.name}: the reference")
                 with refusals():
                     found = self.figure.reference_picture(self.size, method, **self.changes)
-            self.references[method] = found
-        return self.references[method]
+                self.reference = method, found
+        return self.reference[1]
 
     def _picture(self, image, codes, drawn, files, base):
         """What the record says of a picture that is kept without loss: bytes, which may be told from the

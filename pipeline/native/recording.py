@@ -17,7 +17,7 @@ _USUAL, _MOST = 1 << 20, 1 << 24
 
 def no_fragments():
     """The Fragments of a Draw that has none."""
-    return Fragments(*np.empty((5, 0), np.int32))
+    return Fragments(*np.empty((4, 0), np.int32))
 
 
 def recorded_fragments(draw, buffers, batch):
@@ -37,7 +37,8 @@ def recorded_fragments(draw, buffers, batch):
             buffer[:] = before
         recording = np.empty((count, 5), np.int32)
         draw.bands(0, 1, batch, buffers, recording)
-    columns = np.empty((5, count), np.int32)
+    smooth = recording[:count, 4].any()
+    columns = np.empty((5 if smooth else 4, count), np.int32)
     in_columns(np.zeros(1, np.int64), np.array([count]), recording, columns)
     return Fragments(*columns)
 
@@ -73,7 +74,6 @@ class Recording:
 
     def fragments(self):
         """The Fragments, when the row has been drawn."""
-        columns = np.empty((5, int(self.counts.sum())), np.int32)
-        columns[4] = 0
-        in_columns(self.firsts, self.counts, self.rows, columns[:4])
+        columns = np.empty((4, int(self.counts.sum())), np.int32)
+        in_columns(self.firsts, self.counts, self.rows, columns)
         return Fragments(*columns)
