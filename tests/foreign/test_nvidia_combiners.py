@@ -251,7 +251,7 @@ DISAGREEMENTS = {
         OF_CHIPS,
     ),
     **everywhere(
-        "the ideal keeps what goes beyond 1, here too (docs/combiner-notations.md, sum kept)",
+        "the ideal keeps what goes beyond 1, here too (docs/combiner-notations.md, sum unclamped)",
         ["final, the sum, clamped"],
         ["IDEAL"],
     ),

@@ -166,7 +166,7 @@ def test_a_machine_computes_what_the_definition_says_in_integers(name, machine):
 # Where the ideal's register combiners are not the definition: what changes of its Machine.
 OF_COMBINERS = {
     "unbounded": {"range": inf, "general_combiner": False},
-    "sum kept": {"color_sum": False},
+    "sum unclamped": {"color_sum": False},
 }
 # Why the ideal is not the definition in real numbers, by these names or those of real_pixel_shader.RULES.
 EXPLAINED = {
@@ -182,7 +182,7 @@ EXPLAINED = {
     "scales.rc": ("unbounded",),
     "two_dots.rc": ("unbounded",),
     "saturating_sum.rc": ("unbounded",),
-    "clamped_sum.rc": ("sum kept",),
+    "clamped_sum.rc": ("sum unclamped",),
 }
 
 
