@@ -75,10 +75,10 @@ def findings(table):
     plain, eighth = _rows(table, 1), _rows(table, 8)
     lost = ", ".join(f"{r['lost']:.0f} % at sigma {sigma:g}" for sigma, r in plain.items() if r["lost"])
     return (
-        f"A table of bytes as it is clamps from {plain[0.1]['clamped from']:.1f} degrees on, and loses "
-        f"{lost} of its integral over the cosine; at sigma 0.4 the largest value is "
-        f"{plain[0.4]['largest, exact']:.3f} and nothing is lost.",
-        "Divided by eight nothing is clamped even at sigma 0.05, and what is left is a rounding of "
+        f"A table of unscaled bytes clamps from {plain[0.1]['clamped from']:.1f} degrees on. Of its "
+        f"integral over the cosine it loses {lost}. At sigma 0.4 the largest value is "
+        f"{plain[0.4]['largest, exact']:.3f}, and nothing is lost.",
+        "A table divided by eight clamps nothing, even at sigma 0.05. It is rounded by "
         f"{eighth[0.05]['error elsewhere']:.4f} at most, half of c/255, where the whole table has "
         f"{plain[0.05]['error elsewhere']:.4f}.",
     )

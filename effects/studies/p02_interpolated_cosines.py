@@ -183,19 +183,19 @@ def findings(table):
     few, some, many = rows[8], rows[25], rows[200]
     lost = 100.0 * (1.0 - float(table.curves["light kept by Gouraud"][SLICES.index(25)]))
     return (
-        f"Half way between two vertices {360.0 / few['slices']:g} degrees apart n.h is "
-        f"{few['deficit of n.h']:.4f} short of one, and a highlight of exponent {EXPONENT:g} loses "
-        f"{_peak_lost(few):.0f} % of its peak; with 25 slices {_peak_lost(some):.0f} %, with 50 "
+        f"Half way between two vertices {360.0 / few['slices']:g} degrees apart, n.h is "
+        f"{few['deficit of n.h']:.4f} short of one. There a highlight of exponent {EXPONENT:g} loses "
+        f"{_peak_lost(few):.0f} % of its peak; with 25 slices {_peak_lost(some):.0f} %, with 50 slices "
         f"{_peak_lost(rows[50]):.0f} %. The deficit grows with the power "
         f"{slope(table, 'deficit of n.h'):.2f} of the angle.",
-        f"The highlight is off by an RMS of {some['RMS']:.4f} with 25 slices and {many['RMS']:.4f} with 200 "
-        f"({many['RMS, machine']:.4f} with the machine's bytes). Gouraud's interpolation of its colour is "
-        f"off by less, {some['RMS, Gouraud'] / some['RMS']:.2f} and "
-        f"{many['RMS, Gouraud'] / many['RMS']:.2f} of that, and keeps its light: with 25 slices "
-        f"{some['light lost']:.1f} % of the light is lost by interpolated cosines and "
-        f"{lost:.1f} % by interpolated colours.",
-        f"Interpolated cosines are better where the table is not smooth: an edge at n.h = {EDGE_AT:g} is off "
-        f"by an RMS of {some['edge']:.3f} with 25 slices, by Gouraud of {some['edge, Gouraud']:.3f}.",
+        f"With 25 slices the highlight is off by an RMS of {some['RMS']:.4f}, with 200 by {many['RMS']:.4f} "
+        f"({many['RMS, machine']:.4f} with the machine's bytes). Gouraud shading does better: its error is "
+        f"{some['RMS, Gouraud'] / some['RMS']:.2f} (25 slices) and {many['RMS, Gouraud'] / many['RMS']:.2f} "
+        "(200) of that. It also preserves the highlight's light. With 25 slices interpolated cosines lose "
+        f"{some['light lost']:.1f} % of it, interpolated colours {lost:.1f} %.",
+        "Interpolated cosines are better where the table is not smooth. With 25 slices an edge at n.h = "
+        f"{EDGE_AT:g} is off by an RMS of {some['edge']:.3f}, and by {some['edge, Gouraud']:.3f} with "
+        "Gouraud shading.",
     )
 
 

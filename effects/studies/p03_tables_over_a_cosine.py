@@ -136,15 +136,16 @@ def findings(table):
     rows = {r["m"]: r for r in table.records()}
     sharp, known, broad = rows[0.05], rows[0.1], rows[0.5]
     return (
-        f"A table of {_TEXELS} texels over the cosine has {sharp['texels a width, cosine']:.1f} of them "
-        f"within the width of a highlight of m = 0.05, {known['texels a width, cosine']:.1f} of m = 0.1 and "
-        f"{broad['texels a width, cosine']:.0f} of m = 0.5. The highlights are off by an RMS of "
-        f"{sharp['RMS, cosine']:.3f}, {known['RMS, cosine']:.3f} and {broad['RMS, cosine']:.5f}, and "
-        f"those of m = 0.05 and 0.1 are {sharp['too wide']:.0f} and {known['too wide']:.0f} % too wide.",
-        f"Over tan(delta/2), whose texels are as many near the normal as elsewhere, {_TEXELS} texels have "
+        f"The width of a highlight is m. A table of {_TEXELS} texels over the cosine has "
+        f"{sharp['texels a width, cosine']:.1f} of them within m = 0.05, "
+        f"{known['texels a width, cosine']:.1f} within m = 0.1 and {broad['texels a width, cosine']:.0f} "
+        f"within m = 0.5. These highlights are off by an RMS of {sharp['RMS, cosine']:.3f}, "
+        f"{known['RMS, cosine']:.3f} and {broad['RMS, cosine']:.5f}. Those of m = 0.05 and 0.1 are "
+        f"{sharp['too wide']:.0f} and {known['too wide']:.0f} % too wide.",
+        f"Over tan(delta/2), texels are as dense near the normal as elsewhere. {_TEXELS} texels have "
         f"{sharp['texels a width, half tangent']:.1f} within m = 0.05, and the RMS is "
-        f"{sharp['RMS, half tangent']:.4f}; on the machine {sharp['RMS, half tangent, machine']:.4f}, beside "
-        f"{sharp['RMS, cosine, machine']:.3f} over the cosine.",
+        f"{sharp['RMS, half tangent']:.4f}. On the machine it is {sharp['RMS, half tangent, machine']:.4f}, "
+        f"compared with {sharp['RMS, cosine, machine']:.3f} over the cosine.",
     )
 
 

@@ -91,14 +91,15 @@ def findings(table):
     row = {r["slope"]: r for r in table.records()}
     steep, one = row[3.7], row[1.2]
     return (
-        f"Without a bias {one['8 bits + 0']:.0f} % of a plane of slope 1.2 is in its own shadow with 8 bits, "
-        f"and {one['16 bits + 0']:.0f} % with 16: more bits make it worse, as fewer depths are equal.",
-        f"Two steps of 8 bits, {2.0 * step(8):.4f} of the box's depth of {LAMP.far - LAMP.near:g}, leave "
-        f"{row[2.1]['8 bits + 2']:.1f} % at slope 2.1 and {steep['8 bits + 2']:.1f} % at slope 3.7; two of "
-        f"16 bits leave {steep['16 bits + 2']:.1f} %.",
-        f"With as much in world units 12 and 16 bits leave {steep['12 bits + 32']:.1f} and "
-        f"{steep['16 bits + 512']:.1f} % there: what is to be hidden is the slope of what lies under a "
-        "texel; 8 bits, whose roundings add half a step to it, leave less.",
+        f"Without a bias {one['8 bits + 0']:.0f} % of a plane of slope 1.2 is in its own shadow with 8 "
+        f"bits, and {one['16 bits + 0']:.0f} % with 16. More bits make it worse, because fewer depths are "
+        "equal.",
+        f"Two steps of 8 bits are a bias of {2.0 * step(8):.4f} in a box of depth {LAMP.far - LAMP.near:g}. "
+        f"They leave {row[2.1]['8 bits + 2']:.1f} % at slope 2.1 and {steep['8 bits + 2']:.1f} % at slope "
+        f"3.7. Two steps of 16 bits leave {steep['16 bits + 2']:.1f} % at slope 3.7.",
+        f"The same bias in world units leaves {steep['12 bits + 32']:.1f} % there with 12 bits and "
+        f"{steep['16 bits + 512']:.1f} % with 16. It must cover the slope of the surface under a texel. 8 "
+        "bits leave less, because their roundings add half a step to the bias.",
     )
 
 

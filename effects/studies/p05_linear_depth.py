@@ -125,12 +125,13 @@ def findings(table):
     row = {r["distance"]: r for r in table.records()}
     near, far = row[1.5], row[95.0]
     return (
-        f"At {1.5:g} a z-buffer's step is {near['z-buffer step, machine']:.4f}, at {95.0:g} "
-        f"{far['z-buffer step, machine']:.1f}; linear alpha's is {far['linear step, machine']:.3f} at both.",
-        f"They are equal at sqrt(f n) = {math.sqrt(FAR * NEAR):g}: "
+        f"At a distance of {1.5:g} a z-buffer's step is {near['z-buffer step, machine']:.4f}, at {95.0:g} "
+        f"it is {far['z-buffer step, machine']:.1f}. Linear alpha's step is "
+        f"{far['linear step, machine']:.3f} at both.",
+        f"The steps are equal at sqrt(f n) = {math.sqrt(FAR * NEAR):g}: "
         f"{row[10.0]['z-buffer step, machine']:.3f} and {row[10.0]['linear step, machine']:.3f}.",
-        f"Of {2**BITS} alphas {_far_half(table, 'linear')} lie beyond a distance of 50 with the linear ramp, "
-        f"and {_far_half(table, 'z-buffer')} with the ramp read at a z-buffer's depths.",
+        f"Of {2**BITS} alphas, {_far_half(table, 'linear')} lie beyond a distance of 50 with the linear "
+        f"ramp. If the ramp is read at a z-buffer's depths, {_far_half(table, 'z-buffer')} do.",
     )
 
 

@@ -76,10 +76,10 @@ def findings(table):
     for bits in dict.fromkeys(table.column("bits")):
         half, whole, added = (_row(table, bits, s) for s in ("2^(n-1)", "2^n", "2^n, bias 1 - 2^n"))
         out.append(
-            f"With {bits} bits 2^n makes {whole['decided as they should be']} of {2**bits - 1} alphas above "
-            f"zero one; 2^(n-1) makes {half['decided as they should be']}, and leaves the smallest at "
-            f"{half['nearest alpha becomes']:.4f}. With the bias {added['decided as they should be']} alphas "
-            "below one become zero."
+            f"With {bits} bits, 2^n turns {whole['decided as they should be']} of {2**bits - 1} alphas "
+            f"above zero into one. 2^(n-1) turns {half['decided as they should be']} of them into one, and "
+            f"leaves the smallest at {half['nearest alpha becomes']:.4f}. With the bias, "
+            f"{added['decided as they should be']} alphas below one become zero."
         )
     return tuple(out)
 

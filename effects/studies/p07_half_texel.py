@@ -100,12 +100,12 @@ def findings(table):
     few, many, step = row[WIDTHS[0]], row[WIDTHS[-1]], float(table.curves["step"][0])
     plain, corrected = (tuple(r[f"{n}, machine"] for r in (few, many)) for n in ("plain", "corrected"))
     return (
-        f"{WIDTHS[0]} texels read at s are off by {plain[0]:.4f}, where 1 / (2 W) is "
-        f"{few['1 / (2 W)']:.4f}; {WIDTHS[-1]} by {plain[1]:.5f}, {plain[1] / step:.1f} steps of this "
-        "machine's alpha.",
-        f"At s' they are off by {corrected[0]:.5f} and {corrected[1]:.5f}, {corrected[0] / step:.2f} and "
-        f"{corrected[1] / step:.2f} steps: what rounding costs.",
-        f"A ramp that repeats mixes near and far at its ends: off by {few['plain, repeated']:.2f}.",
+        f"Read at s, {WIDTHS[0]} texels are off by {plain[0]:.4f}, where 1 / (2 W) is "
+        f"{few['1 / (2 W)']:.4f}. {WIDTHS[-1]} texels are off by {plain[1]:.5f}, {plain[1] / step:.1f} "
+        "steps of this machine's alpha.",
+        f"Read at s', they are off by {corrected[0]:.5f} and {corrected[1]:.5f}. These "
+        f"{corrected[0] / step:.2f} and {corrected[1] / step:.2f} steps are the cost of rounding.",
+        f"A ramp that repeats mixes near and far at its ends, and is off by {few['plain, repeated']:.2f}.",
     )
 
 

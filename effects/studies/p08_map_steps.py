@@ -149,15 +149,15 @@ def findings(table):
     )
     *_, far_long, far_short = table.rows
     return (
-        f"Wrong pixels at edges are {a:.0f} / M + {c:.2f} % with M texels along the map's edge: a band as "
-        "wide as a texel, and what pixels leave.",
-        f"With {_COMPARED_EDGE} texels {wrong:.2f} % of the pixels are wrong at 24 bits and "
-        f"{wrong_short:.2f} % at 16: stored depths are {size:.3f} mm off at 24 bits, {steps:.0f} steps, as "
-        f"vertices are snapped to fractions of a texel, and {size_short:.3f} mm at 16, {steps_short:.2f} "
-        "steps.",
-        f"With the near plane at {far_short[2]:.2f} instead of {table.rows[0][2]:.2f} it is "
-        f"{far_long[7]:.3f} mm and {far_short[7]:.2f} mm, {far_short[6]:.2f} steps: there the cut to 16 bits "
-        "is what counts. An offset of the texels' slopes covers all of it.",
+        f"Wrong pixels at edges are {a:.0f} / M + {c:.2f} %, with M texels along the map's edge. The first "
+        "term is a band as wide as a texel. The second remains because of the pixels' own size.",
+        f"With {_COMPARED_EDGE} texels, {wrong:.2f} % of the pixels are wrong at 24 bits and "
+        f"{wrong_short:.2f} % at 16. Stored depths are {size:.3f} mm off at 24 bits, {steps:.0f} steps, "
+        f"because vertices are snapped to fractions of a texel. At 16 bits they are {size_short:.3f} mm "
+        f"off, {steps_short:.2f} steps.",
+        f"With the near plane at {far_short[2]:.2f} instead of {table.rows[0][2]:.2f}, depths are "
+        f"{far_long[7]:.3f} mm off at 24 bits, and {far_short[7]:.2f} mm at 16, {far_short[6]:.2f} steps. "
+        "There the cut to 16 bits dominates. An offset of the texels' slopes covers all of it.",
     )
 
 

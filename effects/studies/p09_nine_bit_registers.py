@@ -66,12 +66,12 @@ def findings(table):
     wide, narrow = by_case[_CASES[0]], by_case[_CASES[2]]
     ratio = _ratio(by_case)
     return (
-        f"In the highlight Eq. 1 is off by an RMS of {min(lit):.4f} to {max(lit):.4f} with the vectors "
-        f"stored times 1/4. Over all frames the RMS is {wide['RMS of all']:.4f} with alphas of 1 and "
-        f"{narrow['RMS of all']:.4f} with 1/4, where {100 * narrow['share in highlight']:.1f} % of them are "
-        "in a highlight.",
-        f"Stored as they are, which alphas of 1 allow, the RMS is {ratio:.2f} times smaller: the factor 4 "
-        f"costs {np.log2(ratio):.2f} of two bits.",
+        f"In the highlight Eq. 1 is off by an RMS of {min(lit):.4f} to {max(lit):.4f}, with the vectors "
+        f"stored times 1/4. Over all frames the RMS is {wide['RMS of all']:.4f} with alphas of 1. With "
+        f"alphas of 1/4, {100 * narrow['share in highlight']:.1f} % of the frames are in a highlight, and "
+        f"the RMS is {narrow['RMS of all']:.4f}.",
+        f"Alphas of 1 allow vectors to be stored without the factor 1/4. Then the RMS is {ratio:.2f} times "
+        f"smaller, so the factor 4 costs {np.log2(ratio):.2f} of two bits.",
     )
 
 

@@ -96,13 +96,13 @@ def findings(table):
     row = {r["alpha"]: r for r in table.records()}
     narrow, held = row[0.1], row[0.25]
     return (
-        f"Asked for an alpha of 0.1 the machine draws a highlight of half width "
-        f"{narrow['half width, machine']:.4f}, and of 0.25 one of {held['half width, machine']:.4f}; "
-        f"Eq. 1 wants {narrow['Eq. 1 wants']:.4f} and {held['Eq. 1 wants']:.4f}.",
-        f"Stored with an alpha of 0.1 all the same, {narrow['vectors cut']:.1f} % of random vectors lose "
-        f"part of a component and point {narrow['direction, mean']:.1f} degrees aside in the mean, "
-        f"{narrow['direction, largest']:.1f} at most; with 0.25 it is "
-        f"{held['direction, largest']:.1f} at most.",
+        f"For alphas of 0.1 and 0.25, Eq. 1 requires half widths of {narrow['Eq. 1 wants']:.4f} and "
+        f"{held['Eq. 1 wants']:.4f}. The machine draws {narrow['half width, machine']:.4f} and "
+        f"{held['half width, machine']:.4f}.",
+        f"If an alpha of 0.1 is stored all the same, {narrow['vectors cut']:.1f} % of random vectors lose "
+        f"part of a component. They point {narrow['direction, mean']:.1f} degrees aside in the mean, "
+        f"{narrow['direction, largest']:.1f} at most. With 0.25 it is {held['direction, largest']:.1f} at "
+        "most.",
     )
 
 

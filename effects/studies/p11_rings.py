@@ -117,13 +117,13 @@ def findings(table):
     linear, blocks = rows[64, _BEFORE], rows[64, _BLOCKS]
     afterwards = max(rows[m, _AFTER]["ring energy"] for m in MAP_SIZES)
     return (
-        f"Interpolated before they are used, the vectors put {rings[0]:.3f}, {rings[1]:.3f} and "
-        f"{rings[2]:.3f} of the highlight's energy into rings with maps of 32, 64 and 128 texels, within "
-        f"{100 * bits:.1f} % of what float64 gives in the same order; evaluated first it is at most "
-        f"{afterwards:.5f}.",
-        f"With NEAREST the rings hold {blocks['ring energy']:.3f} with 64 texels, and "
+        f"Vectors interpolated before use put part of the highlight's energy into rings: {rings[0]:.3f}, "
+        f"{rings[1]:.3f} and {rings[2]:.3f} with maps of 32, 64 and 128 texels. This is within "
+        f"{100 * bits:.1f} % of what float64 gives in the same order. If the model is evaluated first, it "
+        f"is at most {afterwards:.5f}.",
+        f"With NEAREST and 64 texels the rings hold {blocks['ring energy']:.3f}. But "
         f"{blocks['steps at borders']:.0f} % of the picture's steps from pixel to pixel lie at the texels' "
-        f"borders; interpolated {linear['steps at borders']:.0f} % do.",
+        f"borders; interpolated, {linear['steps at borders']:.0f} % do.",
     )
 
 

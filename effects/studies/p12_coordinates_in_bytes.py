@@ -173,19 +173,19 @@ def findings(table):
     exact = [r["W"] for r in centre if not r["wrong, REPEAT"]]
     last = centre[-1]
     out = [
-        f"The code of a texel's lower edge, i / W, leads to the texel before for {min(shares):.0f} to "
+        f"The code of a texel's lower edge is i / W. It leads to the texel before for {min(shares):.0f} to "
         f"{max(shares):.0f} % of the texels, however few there are.",
-        f"The code of its centre is exact up to {max(exact, default=0)} texels in 8 bits. Of {last['W']} "
-        f"texels {last['wrong, REPEAT']} is wrong with REPEAT: its code 255 is the coordinate 1, which "
-        f"begins again {last['worst, REPEAT']} texels away; with CLAMP_TO_EDGE {last['wrong, clamped']} "
-        "are.",
+        f"The code of a texel's centre is exact up to {max(exact, default=0)} texels in 8 bits. Of "
+        f"{last['W']} texels, {last['wrong, REPEAT']} is wrong with REPEAT. Its code 255 is the coordinate "
+        f"1, which begins again {last['worst, REPEAT']} texels away. With CLAMP_TO_EDGE "
+        f"{last['wrong, clamped']} are wrong.",
     ]
     wide, narrow = _of(table, "centre", 12), _of(table, "centre", 12, 8)
     if wide:
         out.append(
-            f"With 12 bits {_wrong(wide)} texels of {wide[0]['W']} to {wide[-1]['W']} are wrong, where the "
-            f"window has 12 bits too. In a window of 8 the pixels that a pixel texture reads have 8: "
-            f"{narrow[0]['wrong, clamped']} of {narrow[0]['W']} are wrong."
+            f"With 12 bits, {_wrong(wide)} texels of {wide[0]['W']} to {wide[-1]['W']} are wrong if the "
+            "window has 12 bits too. In a window of 8 bits, the pixels that a pixel texture reads have 8. "
+            f"Then {narrow[0]['wrong, clamped']} of {narrow[0]['W']} texels are wrong."
         )
     return tuple(out)
 

@@ -89,9 +89,9 @@ def findings(table):
     least = min(ratios, key=ratios.get)
     listed = ", ".join(f"{ratio:.1f} times on {name}" for name, ratio in ratios.items())
     return (
-        "Around the texels' frequency the nearest texel's light has more energy than light between four "
-        f"texels, and its squares are seen: {listed}.",
-        f"On {least} interpolation leaves most: a ratio of {ratios[least]:.1f}.",
+        "Light from the nearest texel shows the texels' squares. Around their frequency it has more energy "
+        f"than light between four texels: {listed}.",
+        f"Interpolation leaves most on {least}, a ratio of {ratios[least]:.1f}.",
     )
 
 

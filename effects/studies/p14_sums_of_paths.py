@@ -84,19 +84,20 @@ def findings(table):
     long = _row(table, Accumulation.HOST, 8, 4, 100)
     out = [
         f"100 paths of one lookup, blended in bytes, are {blended['beside host']:.4f} (RMS) from the host's "
-        f"sum of the same terms, 40 paths {few['beside host']:.4f}. Of 100 terms {blended['terms']:.0f} "
-        f"bring light to a texel, and half a step for each makes {blended['law']:.4f}.",
-        f"The accumulation buffer is {buffer['beside host']:.5f} from the host's sum: its sixteen bits lose "
-        f"little that a byte shows. Both are {host['RMS']:.4f} from the paths in float64, for the terms are "
-        "bytes.",
-        f"A path of four lookups keeps its light as bytes of a 64th: {long['RMS']:.4f} from float64 although "
-        f"the host sums it, {long['bias']:+.4f} of it in the mean.",
+        f"sum of these terms. 40 paths are {few['beside host']:.4f} from it. Of 100 terms, "
+        f"{blended['terms']:.0f} bring light to a texel. Half a step for each makes {blended['law']:.4f}.",
+        f"The accumulation buffer is {buffer['beside host']:.5f} from the host's sum. Its sixteen bits lose "
+        f"little that a byte shows. Both are {host['RMS']:.4f} from the paths in float64, because the terms "
+        "are bytes.",
+        f"A path of four lookups stores its light as bytes of a 64th. It is {long['RMS']:.4f} from float64 "
+        f"although the host sums it; the mean is {long['bias']:+.4f} off.",
     ]
     if any(r["bits"] == 12 for r in table.records()):
         wide, wide_long = (_row(table, Accumulation.FRAMEBUFFER, 12, k, 100) for k in (1, 4))
         out.append(
-            f"Twelve bits blend 100 paths to {wide['RMS']:.5f}, {blended['RMS'] / wide['RMS']:.0f} times "
-            f"nearer; of four lookups to {wide_long['RMS']:.4f}."
+            f"Blended in twelve bits, 100 paths are {wide['RMS']:.5f} from float64, "
+            f"{blended['RMS'] / wide['RMS']:.0f} times nearer. Those of four lookups are "
+            f"{wide_long['RMS']:.4f} from it."
         )
     return tuple(out)
 

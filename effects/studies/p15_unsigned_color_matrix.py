@@ -68,10 +68,12 @@ def findings(table):
     rows = {r["where"]: r for r in table.records()}
     right, wrong, whole = rows["h.t > 0, h.b > 0"], rows["h.t < 0, h.b < 0"], rows["all"]
     return (
-        f"Delivered as (1 + d) / 2 the products give Eq. 1 to an RMS of {whole['RMS, (1 + d) / 2']:.4f}. As "
-        f"they are, {100 * missing_squares(table):.0f} % of the squares under the highlight are missing.",
-        f"Where both products are positive the RMS is still {right['RMS, d itself']:.4f}; where both are "
-        f"negative its mean is {wrong['mean, d itself']:.2f}, not {wrong['mean']:.2f}, without an edge.",
+        f"Delivered as (1 + d) / 2, the products give Eq. 1 to an RMS of {whole['RMS, (1 + d) / 2']:.4f}. "
+        f"Delivered as d, {100 * missing_squares(table):.0f} % of the squares under the highlight are "
+        "missing.",
+        f"Where both products are positive the RMS is still {right['RMS, d itself']:.4f}. Where both are "
+        f"negative the mean is {wrong['mean, d itself']:.2f} instead of {wrong['mean']:.2f}, and the "
+        "highlight has no edge.",
     )
 
 

@@ -62,9 +62,9 @@ def findings(table):
     matrix = table.column("K08, RMS")
     narrow = rows[0.02]
     return (
-        f"The colour matrix gives Eq. 1 to an RMS of {min(matrix):.4f} to {max(matrix):.4f} at alphas from "
-        f"{max(rows):g} to {min(rows):g}; at 0.02 it is {narrow['K08, RMS']:.4f}.",
-        f"Register combiners, whose stored vectors hold alpha at 1/4, are off by an RMS of "
+        f"The colour matrix gives Eq. 1 to an RMS of {min(matrix):.4f} to {max(matrix):.4f}, at alphas from "
+        f"{max(rows):g} to {min(rows):g}. At 0.02 it is {narrow['K08, RMS']:.4f}.",
+        "Register combiners read stored vectors, which hold no alpha below 1/4. They are off by an RMS of "
         f"{rows[0.25]['K07, RMS']:.4f} at 0.25 and of {narrow['K07, RMS']:.3f} at 0.02.",
     )
 

@@ -134,11 +134,11 @@ def findings(table):
     """How much is lost and where."""
     whole, cone, *_, machine = table.records()
     return (
-        f"R* makes Banks' bracket darker: by {-whole['mean']:.3f} in the mean of the square of v.t and l.t, "
-        f"with an RMS of {whole['RMS']:.3f}.",
-        f"On the cone of mirror directions, where the bracket is 1, it loses up to {cone['largest']:.3f}, at "
+        f"R* makes Banks' bracket darker by {-whole['mean']:.3f} in the mean over the square of v.t and "
+        f"l.t, with an RMS of {whole['RMS']:.3f}.",
+        f"On the cone of mirror directions the bracket is 1. There R* loses up to {cone['largest']:.3f}, at "
         f"(v.t)^2 = {cone['there |v.t|'] ** 2:.2f}. The passes of K04 on the machine are within an RMS of "
-        f"{machine['RMS to R*']:.4f} of R*, beside {machine['RMS']:.4f} of the exact bracket.",
+        f"{machine['RMS to R*']:.4f} of R*. From the exact bracket they are {machine['RMS']:.4f}.",
     )
 
 

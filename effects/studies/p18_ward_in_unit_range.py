@@ -84,10 +84,10 @@ def findings(table):
     kept = table.curves["S"] < LARGEST_S
     return (
         f"Up to a product of {edge:.4f} the factor is above 1 and is stored as "
-        f"{max(r['stored'] for r in lost):.0f}; at alphas of 0.1 it should be "
-        f"{narrow['1 / (4 pi ax ay)']:.2f}, and {narrow['lost']:.0f} % are lost.",
-        f"A table of S(p) / 8 with {_TEXELS} texels is full up to p = {largest:.4f}; elsewhere it is "
-        f"within {error[kept].max():.3f} of S, and its first texel should be {table.curves['S'][0]:.1f}.",
+        f"{max(r['stored'] for r in lost):.0f}. At alphas of 0.1 it should be "
+        f"{narrow['1 / (4 pi ax ay)']:.2f}, and {narrow['lost']:.0f} % is lost.",
+        f"A table of S(p) / 8 with {_TEXELS} texels is at its maximum up to p = {largest:.4f}. Elsewhere it "
+        f"is within {error[kept].max():.3f} of S. Its first texel should be {table.curves['S'][0]:.1f}.",
     )
 
 

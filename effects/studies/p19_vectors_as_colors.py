@@ -160,12 +160,12 @@ def findings(table):
     power = _power(table, "RMS, float64")
     return (
         f"Between vertices {coarse['angle']:g} degrees apart |h| falls to {coarse['shortest |h|']:.3f}. "
-        f"Without rounding the highlight is off by an RMS that falls with the power {power:.1f} "
-        f"of the angle: {paper['RMS, float64']:.4f} with 50 slices and {fine['RMS, float64']:.4f} with 200. "
-        f"With the machine's bytes it is {paper['RMS, machine']:.4f} and {fine['RMS, machine']:.4f}.",
-        f"Its slope jumps by {coarse['slope jump']:.0f} % of the steepest at a vertex of 8 slices and by "
-        f"{paper['slope jump']:.1f} % of 50. With one vector for a whole polygon the RMS is "
-        f"{paper['RMS, a vector a polygon']:.3f} with 50 slices, "
+        f"Without rounding, the highlight's RMS error falls with the power {power:.1f} of the angle: "
+        f"{paper['RMS, float64']:.4f} with 50 slices and {fine['RMS, float64']:.4f} with 200. With the "
+        f"machine's bytes it is {paper['RMS, machine']:.4f} and {fine['RMS, machine']:.4f}.",
+        f"The highlight's slope jumps at a vertex, by {coarse['slope jump']:.0f} % of the steepest slope "
+        f"with 8 slices and by {paper['slope jump']:.1f} % with 50. With 50 slices and one vector for a "
+        f"whole polygon, the RMS is {paper['RMS, a vector a polygon']:.3f}, "
         f"{paper['RMS, a vector a polygon'] / paper['RMS, machine']:.0f} times that of vertex colours.",
     )
 

@@ -82,9 +82,11 @@ def findings(table):
     share = max(r["off along the chord"] / r["angle squared / 16"] for r in table.records())
     return (
         f"Interpolated along the chord, a vector lags behind by up to {last['off along the chord']:.4f} "
-        f"radians where those of the vertices are {last['angle between vertices']:g} apart; it grows with "
-        f"the power {_power(table):.2f} of the angle and is at most {100 * share:.0f} % of its square / 16.",
-        f"Interpolated along the arc it is at most {largest:.6f} off, which is what colours of 16 bits tell.",
+        f"radians where the vertices' vectors are {last['angle between vertices']:g} apart. The error grows "
+        f"with the power {_power(table):.2f} of the angle. It is at most {100 * share:.0f} % of the angle's "
+        "square / 16.",
+        f"Interpolated along the arc, it is off by at most {largest:.6f}, the resolution of colours of 16 "
+        "bits.",
     )
 
 

@@ -89,12 +89,12 @@ def findings(table):
     """What a zero that is no zero costs."""
     kept, real, mixed, _ = table.records()
     return (
-        f"With the half at 127.5 a stored zero reads as {real['zero read']:.4f}, and the dot product of a "
-        f"flat map with the vertical is {real['h.t that should be 0']:.4f} after the factor 4, not 0; with "
-        f"the half at 128 it is {kept['h.t that should be 0']:.4f}.",
-        f"Over random frames the RMS in the highlight is {kept['RMS in highlight']:.4f} and "
-        f"{real['RMS in highlight']:.4f} where storing and reading agree, and "
-        f"{mixed['RMS in highlight']:.4f} where they do not.",
+        f"With the half at 127.5 a stored zero reads as {real['zero read']:.4f}. The dot product of a flat "
+        f"map with the vertical is then {real['h.t that should be 0']:.4f} after the factor 4, instead of "
+        f"0. With the half at 128 it is {kept['h.t that should be 0']:.4f}.",
+        f"Over random frames, the RMS in the highlight is {kept['RMS in highlight']:.4f} and "
+        f"{real['RMS in highlight']:.4f} where storing and reading agree. Where they do not, it is "
+        f"{mixed['RMS in highlight']:.4f}.",
     )
 
 

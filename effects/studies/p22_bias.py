@@ -68,14 +68,14 @@ def findings(table):
     slope, constant = (_first_clean(_sweep(table, by_slope)) for by_slope in (True, False))
     most = _sweep(table, True)[-1]
     return (
-        f"With a factor of 0 and {none['units']:.0f} units {none['lit floor that is dark']:.0f} % of the lit "
-        "floor shades itself.",
+        f"With a factor of 0 and {none['units']:.0f} units, {none['lit floor that is dark']:.0f} % of the "
+        "lit floor shades itself.",
         f"A factor of {slope['factor']:.2f} ends that, and leaves a gap of "
-        f"{slope['gap behind the board']:.1f} texels; by units alone it takes {constant['units']:.0f}, "
-        f"and the gap is {constant['gap behind the board']:.1f} too, but it is a number of this light, "
-        "this map and this floor alone.",
+        f"{slope['gap behind the board']:.1f} texels. With units alone it takes {constant['units']:.0f} "
+        f"units, and the gap is {constant['gap behind the board']:.1f} too. But that number holds only for "
+        "this light, this map and this floor.",
         f"At a factor of {most['factor']:.0f} the board's shadow begins at least "
-        f"{most['gap behind the board']:.1f} texels behind it, and rays agree on "
+        f"{most['gap behind the board']:.1f} texels behind it. Rays then agree on "
         f"{most['floor that agrees with rays']:.1f} % of the floor instead of "
         f"{slope['floor that agrees with rays']:.1f}.",
     )

@@ -170,11 +170,12 @@ def findings(table):
     plain, linear, *_, wide = _of_kernels(table)
     wider = wide[3] / plain[3]
     return (
-        f"Where a texel is {first[2]:.1f} pixels wide the edge is off by {first[3]:.1f} pixels, where it is "
-        f"{last[2]:.1f} by {last[3]:.2f}: {first[3] / first[2]:.2f} and {last[3] / last[2]:.2f} texels.",
-        f"The linear filter of 2x2 comparisons makes of stairs of {plain[5]:.2f} ones of {linear[5]:.2f} of "
-        f"full light, {wide[1]} x {wide[1]} comparisons of {wide[5]:.3f}, over a ramp {wider:.1f} times as "
-        "wide.",
+        f"Where a texel is {first[2]:.1f} pixels wide, the edge is off by {first[3]:.1f} pixels; where it "
+        f"is {last[2]:.1f} wide, by {last[3]:.2f}. These are {first[3] / first[2]:.2f} and "
+        f"{last[3] / last[2]:.2f} texels.",
+        f"The stairs have a height of {plain[5]:.2f} of full light. The linear filter of 2x2 comparisons "
+        f"reduces it to {linear[5]:.2f}. {wide[1]} x {wide[1]} comparisons reduce it to {wide[5]:.3f}, over "
+        f"a ramp {wider:.1f} times as wide.",
     )
 
 

@@ -129,21 +129,22 @@ def findings(table):
     rows = {row["volumes"]: row for row in table.records()}
     few, many, most = rows[_MOST], rows[_SHOWN], rows[_NUMBERS[-1]]
     out = (
-        f"Of the shadow of {few['volumes']} volumes clamped counts lose {few['z-pass INCR, DECR']:.4f}. Of "
-        f"that of {many['volumes']} z-pass loses {many['z-pass INCR, DECR']:.3f}, of that of "
-        f"{most['volumes']} {most['z-pass INCR, DECR']:.3f}: a volume that is entered beyond 255 is not "
-        f"counted, but it is when it is left. Z-fail loses {many['z-fail INCR, DECR']:.3f} and "
-        f"{most['z-fail INCR, DECR']:.3f}, before the volumes' middle instead of behind it.",
-        f"With back faces first {rows[1]['z-pass DECR, INCR']:.2f} of what is lit behind the shadow is dark, "
-        "of one volume already: nothing can be taken from zero.",
+        f"Clamped counts lose {few['z-pass INCR, DECR']:.4f} of the shadow of {few['volumes']} volumes. "
+        f"Z-pass loses {many['z-pass INCR, DECR']:.3f} of that of {many['volumes']}, and "
+        f"{most['z-pass INCR, DECR']:.3f} of that of {most['volumes']}. A volume that is entered beyond 255 "
+        f"is not counted, but it is counted when it is left. Z-fail loses {many['z-fail INCR, DECR']:.3f} "
+        f"and {most['z-fail INCR, DECR']:.3f}, in front of the volumes' middle instead of behind it.",
+        f"With back faces first, {rows[1]['z-pass DECR, INCR']:.2f} of what is lit behind the shadow is "
+        "dark, with one volume already. Nothing can be subtracted from zero.",
     )
     if many["z-pass wrapping"] is None:
         return out
     return (
         *out,
-        f"Counts that wrap are wrong only where they are a multiple of 256: {many['z-pass wrapping']:.4f} of "
-        f"the shadow of {many['volumes']} volumes, {most['z-pass wrapping']:.4f} of that of "
-        f"{most['volumes']}; with back faces first too ({many['z-pass wrapping, DECR first']:.4f}).",
+        f"Counts that wrap are wrong only at multiples of 256. That is {many['z-pass wrapping']:.4f} of the "
+        f"shadow of {many['volumes']} volumes, and {most['z-pass wrapping']:.4f} of that of "
+        f"{most['volumes']}. Back faces first do not change this "
+        f"({many['z-pass wrapping, DECR first']:.4f}).",
     )
 
 

@@ -119,16 +119,16 @@ def findings(table):
     most = max(stones[1:], key=lambda r: r["low"])
     where = most["between"].removeprefix("stones, levels ").replace(", ", " and ")
     return (
-        f"Midway between deviations of 0.5 and 1.5 the variance is {plain['variance by K']:.2f}, and the "
-        f"square of D's mean {plain['by D']:.2f}, {plain['low']:.0f} % low; "
-        f"{plain['low on the machine']:.1f} % on the machine, whose D has bytes.",
-        f"Where a level has no roughness yet and the next one has, {nothing['low']:.0f} % are lost midway: "
-        "the lost part is w (1 - w) times the square of the difference.",
-        "Ridges along one diagonal beside ridges along the other have d_2 of either sign, which cancel: the "
-        f"variance along u is {ridges['low on the machine']:.0f} % low, though it is 1 in both.",
-        f"In a pyramid of stones it is {stones[0]['low']:.0f} % between levels 0 and 1, as level 0 has "
-        f"none, {most['low']:.0f} % between {where}, and {stones[-1]['low']:.0f} % between 4 and 5, whose "
-        "texels are alike.",
+        f"Midway between deviations of 0.5 and 1.5 the variance is {plain['variance by K']:.2f}. The square "
+        f"of D's mean is {plain['by D']:.2f}, {plain['low']:.0f} % low. On the machine, whose D has bytes, "
+        f"it is {plain['low on the machine']:.1f} % low.",
+        f"Where a level has no roughness yet and the next one has, {nothing['low']:.0f} % is lost midway. "
+        "The lost part is w (1 - w) times the square of the difference.",
+        "Ridges along one diagonal next to ridges along the other have d_2 of opposite signs, which cancel. "
+        f"The variance along u is {ridges['low on the machine']:.0f} % low, though it is 1 in both.",
+        f"In a pyramid of stones, {stones[0]['low']:.0f} % is lost between levels 0 and 1, because level 0 "
+        f"has no roughness. {most['low']:.0f} % is lost between {where}, and {stones[-1]['low']:.0f} % "
+        "between 4 and 5, whose texels are alike.",
     )
 
 

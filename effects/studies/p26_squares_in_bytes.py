@@ -132,15 +132,16 @@ def findings(table):
     small = row["sigma 0.02"]
     fine, coarse = row["stones, level 1"], row["stones, level 5"]
     return (
-        f"The smallest sigma above zero that a byte of K holds is {least_k:.4f} of the largest, of D "
-        f"{least_d:.4f}. What is below {math.sqrt(0.5 / 255.0):.3f} is smooth by K, as {small['what']} is.",
-        f"A sigma of 0.05 is read as {at['read of K']:.4f} of K ({at['error of K']:+.0f} %) and as "
-        f"{at['read of D']:.4f} of D ({at['error of D']:+.1f} %), whose steps are {100.0 / 255.0 / 0.05:.1f} "
-        "% of it there.",
-        f"Of stones' rough texels K in bytes makes {fine['lost in K']:.0f} % smooth at level 1, D "
-        f"{fine['lost in D']:.0f} %; I_1 is off by {fine['error of K']:.1f} and {fine['error of D']:.1f} % "
-        f"of its mean (RMS). At level 5, where texels are alike, {coarse['error of K']:.1f} and "
-        f"{coarse['error of D']:.1f} %.",
+        f"The smallest sigma above zero that a byte of K holds is {least_k:.4f} of the largest; for D it is "
+        f"{least_d:.4f}. K makes everything below {math.sqrt(0.5 / 255.0):.3f} smooth, for instance "
+        f"{small['what']}.",
+        f"A sigma of 0.05 is read as {at['read of K']:.4f} from K ({at['error of K']:+.0f} %) and as "
+        f"{at['read of D']:.4f} from D ({at['error of D']:+.1f} %). D's steps are "
+        f"{100.0 / 255.0 / 0.05:.1f} % of it there.",
+        f"At level 1 of stones, K in bytes makes {fine['lost in K']:.0f} % of the rough texels smooth, D "
+        f"{fine['lost in D']:.0f} %. I_1 is off by {fine['error of K']:.1f} and {fine['error of D']:.1f} % "
+        f"of its mean (RMS). At level 5, whose texels are alike, it is off by {coarse['error of K']:.1f} "
+        f"and {coarse['error of D']:.1f} %.",
     )
 
 

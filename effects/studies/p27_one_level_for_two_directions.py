@@ -85,12 +85,13 @@ def findings(table):
     rows, best, last = _by_filter(table), _best(table), table.records()[-1]
     own, sharp = rows["the machine's"], rows["level 0"]
     return (
-        f"The best level by hand, {best['filter'].removeprefix('level ')}, is off by {best['RMS']:.3f} "
-        f"(RMS), and the machine's own, which is that of the pixel's long side, by {own['RMS']:.3f}. "
-        f"{last['filter'].capitalize()}: {last['RMS']:.3f}, {last['RMS'] / best['RMS']:.2f} of the best.",
-        f"Level 0 keeps the changes along the axis ({sharp['changes along the axis']:.2f}) and has "
-        f"{sharp['changes round it']:.2f} times as many round it as there are: noise. The machine's level "
-        f"leaves {own['changes along the axis']:.2f} of those along the axis.",
+        f"The best level set by hand, {best['filter'].removeprefix('level ')}, is off by {best['RMS']:.3f} "
+        f"(RMS). The machine's own is that of the pixel's long side, and is off by {own['RMS']:.3f}. With "
+        f"probes {last['filter']}, the RMS is {last['RMS']:.3f}, {last['RMS'] / best['RMS']:.2f} of the "
+        "best level's.",
+        f"Level 0 preserves the changes along the axis ({sharp['changes along the axis']:.2f}). Round the "
+        f"axis it has {sharp['changes round it']:.2f} times as many as there are, which is noise. The "
+        f"machine's level leaves {own['changes along the axis']:.2f} of those along the axis.",
     )
 
 

@@ -86,13 +86,13 @@ def findings(table):
     }
     angle, ratio = _SHOWN
     return (
-        f"Interpolated as they are, vectors {worst['angle between vertices']} degrees apart, one "
-        f"{worst['one is longer']:g} times as long, have a direction {worst['off as they are']:.1f} degrees "
-        "off in the middle, towards the longer. With lengths apart it is "
-        f"{largest:.3f} off, which is what colours of 16 bits tell.",
-        f"Where they are {angle} degrees apart and {ratio:g} to 1, the direction turns at "
-        f"{turning['as they are'][:16].mean():.0f} degrees a strip near the longer and at "
-        f"{turning['as they are'][-16:].mean():.0f} near the shorter; with lengths apart at "
+        f"Two vectors are {worst['angle between vertices']} degrees apart, one {worst['one is longer']:g} "
+        "times as long. Interpolated unchanged, their direction in the middle is "
+        f"{worst['off as they are']:.1f} degrees off, towards the longer. With separate lengths it is "
+        f"{largest:.3f} off, the resolution of colours of 16 bits.",
+        f"Take vectors {angle} degrees apart and {ratio:g} to 1 in length. Their direction turns by "
+        f"{turning['as they are'][:16].mean():.0f} degrees a strip near the longer, and by "
+        f"{turning['as they are'][-16:].mean():.0f} near the shorter. With separate lengths it turns by "
         f"{turning['lengths apart'][:16].mean():.0f} and {turning['lengths apart'][-16:].mean():.0f}.",
     )
 

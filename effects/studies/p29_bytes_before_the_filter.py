@@ -80,11 +80,11 @@ def findings(table):
     """What a clamped probe keeps of the sun's image."""
     row = {(r["sun"], r["exponent"]): r["kept, machine"] for r in table.records()}
     return (
-        f"A lobe of exponent 100 keeps {row[100.0, 100.0]:.1f} % of the image of a sun a hundred times as "
-        "bright as full where the probe is made bytes before the filter, and a matt surface gets "
-        f"{row[100.0, 1.0]:.0f} % of its light.",
-        f"Of a sun ten times as bright {row[10.0, 100.0]:.0f} and {row[10.0, 1.0]:.0f} % are kept: the "
-        "narrower the lobe and the brighter the sun, the more is lost.",
+        "A probe has a sun a hundred times as bright as full, and is made bytes before the filter. A lobe "
+        f"of exponent 100 then preserves {row[100.0, 100.0]:.1f} % of the sun's image, and a matt surface "
+        f"gets {row[100.0, 1.0]:.0f} % of its light.",
+        f"If the sun is ten times as bright as full, {row[10.0, 100.0]:.0f} and {row[10.0, 1.0]:.0f} % is "
+        "preserved. The narrower the lobe and the brighter the sun, the more is lost.",
     )
 
 

@@ -198,16 +198,16 @@ def findings(table):
     combiners, dots = row["combiners", "rounded"], row["dot products", "rounded"]
     worst = row["combiners", "cut off"]
     return (
-        f"The document's flat texel is ({real['flat texel']}); a fragment program reads its x as "
-        f"{real['x read']:.5f}, and flat areas lean {real['lean']:.3f} degrees; cut off instead of rounded, "
-        f"({cut['flat texel']}), they lean {cut['lean']:.3f} degrees the other way.",
-        f"Combiners and dot products take 128 for zero: the same bytes lean {combiners['lean']:.3f} and "
-        f"{dots['lean']:.3f} degrees there, but {worst['lean']:.3f} where they were cut off.",
-        f"A light {GRAZING:g} degrees above a flat wall makes it {real['grazing light']:+.1f} % brighter in "
-        f"the fragment program, {combiners['grazing light']:+.1f} % in combiners.",
-        f"Over all normals the document's bytes are {real['all normals, RMS']:.3f} degrees off (RMS) read as "
-        f"real numbers, and {combiners['all normals, RMS']:.3f} read by combiners, whose zero is half a "
-        "byte from the document's.",
+        f"The document's flat texel is ({real['flat texel']}). A fragment program reads its x as "
+        f"{real['x read']:.5f}, and flat areas lean {real['lean']:.3f} degrees. Cut off instead of rounded, "
+        f"the texel is ({cut['flat texel']}), and they lean {cut['lean']:.3f} degrees the other way.",
+        f"Combiners and dot products take 128 for zero. There the same bytes lean {combiners['lean']:.3f} "
+        f"and {dots['lean']:.3f} degrees, but {worst['lean']:.3f} if they were cut off.",
+        f"A light is {GRAZING:g} degrees above a flat wall. The fragment program's brightness is "
+        f"{real['grazing light']:+.1f} % off, that of combiners {combiners['grazing light']:+.1f} %.",
+        f"Over all normals the document's bytes are {real['all normals, RMS']:.3f} degrees off (RMS) if "
+        f"they are read as real numbers. Read by combiners they are {combiners['all normals, RMS']:.3f} "
+        "off, because the combiners' zero is half a byte from the document's.",
     )
 
 

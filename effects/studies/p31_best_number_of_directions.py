@@ -68,12 +68,13 @@ def findings(table):
     buffer = last["in the accumulation buffer"]
     return (
         f"Noise falls from {first['noise']:.4f} with {first['N']} directions to {last['noise']:.4f} with "
-        f"{last['N']}; what blending rounds grows from {first['rounding']:.4f} to {last['rounding']:.4f}.",
-        f"The blended sum is best with {found['N']} directions, {found['both']:.4f} from the limit: noise "
-        f"{found['noise']:.4f}, rounding {found['rounding']:.4f}. The paper took 100.",
-        f"With {last['N']} the weight is {last['weight']:.1f} steps of a byte, so that most terms are below "
-        f"half a step and lost: a mean of {last['bias']:+.4f}. The accumulation buffer goes on to "
-        f"{buffer:.4f}.",
+        f"{last['N']}. The rounding of blending grows from {first['rounding']:.4f} to "
+        f"{last['rounding']:.4f}.",
+        f"The blended sum is best with {found['N']} directions. It is {found['both']:.4f} from the limit: "
+        f"noise {found['noise']:.4f}, rounding {found['rounding']:.4f}. The paper took 100.",
+        f"With {last['N']} directions the weight is {last['weight']:.1f} steps of a byte. So most terms are "
+        f"below half a step and are lost, and the mean is {last['bias']:+.4f} off. The accumulation buffer "
+        f"improves further, to {buffer:.4f}.",
     )
 
 

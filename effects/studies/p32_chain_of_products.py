@@ -75,12 +75,13 @@ def findings(table):
     rows = table.records()
     one, four, last = rows[1], rows[4], rows[-1]
     return (
-        f"A product of bytes near 1 rounds by an RMS of {one['bytes .9 to 1']:.5f}; after 4 of them it is "
-        f"{four['bytes .9 to 1'] / one['bytes .9 to 1']:.2f} times that, after {last['products']} "
-        f"{last['bytes .9 to 1'] / one['bytes .9 to 1']:.2f} times. With factors from 0 to 1, which shrink "
-        f"earlier errors too, it is {last['bytes 0 to 1']:.5f} after {last['products']}.",
-        f"Factors that are no whole bytes round once more each: {four['real .9 to 1']:.5f} after 4 products. "
-        f"In a buffer of 12 bits it is {four['bytes .9 to 1'] / four['12 bits .9 to 1']:.1f} times less.",
+        f"A product of bytes near 1 rounds by an RMS of {one['bytes .9 to 1']:.5f}. After 4 products it is "
+        f"{four['bytes .9 to 1'] / one['bytes .9 to 1']:.2f} times that, after {last['products']} products "
+        f"{last['bytes .9 to 1'] / one['bytes .9 to 1']:.2f} times. Factors from 0 to 1 shrink earlier "
+        f"errors too: after {last['products']} products it is {last['bytes 0 to 1']:.5f}.",
+        f"Factors that are no whole bytes round once more each: {four['real .9 to 1']:.5f} after 4 "
+        "products. In a buffer of 12 bits, 4 products of bytes have "
+        f"{four['bytes .9 to 1'] / four['12 bits .9 to 1']:.1f} times less error.",
     )
 
 

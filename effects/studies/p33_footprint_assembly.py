@@ -106,18 +106,18 @@ def findings(table):
     means = ", ".join(f"{row['contrast across, mean']:.2f} ({way})" for way, row in eight.items())
     two, exact = eight["power of two"], eight["exact"]
     return (
-        f"Probes lie off the long axis by at most {off}: the angle whose tangent is the short side over the "
-        "long one, where the footprint lies across both of a pixel's edges.",
-        "There both edges are as long. Without diagonals one probe is taken, and at 8 : 1 it leaves "
-        f"{middle['by edges']:.2f} of the contrast "
-        f"across, as mip-mapping does; with them {middle['power of two']:.2f}. That is a band of blur.",
-        f"The diagonals narrow it and do not take it away: {worst:.0f} degrees from an edge no edge of the "
-        f"pixel and no diagonal is as short as the footprint, and {two['least']:.2f} is left. In the mean "
-        f"over all angles: {means}.",
-        f"A power of two takes {two['probes, mean']:.1f} probes in the mean at 8 : 1, the exact number "
-        f"{exact['probes, mean']:.1f}; of the wave along they leave {two['along, at most']:.2f} and "
-        f"{exact['along, at most']:.2f}. At 2 : 1, where one probe is half of what is needed, it is "
-        f"{_row(table, 2.0, 'power of two')['along, at most']:.2f} and "
+        f"Probes lie off the long axis by at most {off}. This is the angle whose tangent is the short side "
+        "over the long one. It occurs where the footprint lies across both of a pixel's edges.",
+        "There both edges are equally long. Without diagonals one probe is taken. At 8 : 1 it leaves "
+        f"{middle['by edges']:.2f} of the contrast across, as mip-mapping does; with diagonals "
+        f"{middle['power of two']:.2f} is left. The result is a band of blur.",
+        f"The diagonals narrow the band but do not remove it. At {worst:.0f} degrees from an edge, no edge "
+        f"of the pixel and no diagonal is as short as the footprint, and {two['least']:.2f} is left. The "
+        f"means over all angles are {means}.",
+        f"At 8 : 1 a power of two takes {two['probes, mean']:.1f} probes in the mean, the exact number "
+        f"{exact['probes, mean']:.1f}. They leave {two['along, at most']:.2f} and "
+        f"{exact['along, at most']:.2f} of the wave along the footprint. At 2 : 1, where one probe is half "
+        f"of what is needed, they leave {_row(table, 2.0, 'power of two')['along, at most']:.2f} and "
         f"{_row(table, 2.0, 'exact')['along, at most']:.2f}.",
     )
 

@@ -98,11 +98,11 @@ def findings(table):
     first, last = table.records()[0], table.records()[-1]
     ratio = first["texel, machine"] / last["texel, machine"]
     return (
-        f"A texel of the middle is {first['texel, machine']:.2f} degrees wide, one of the edge "
-        f"{last['texel, machine']:.2f}: {ratio:.2f} times, {ratio * ratio:.1f} times in solid angle. Texels "
-        "are sparse in the middle and not at the edge.",
+        f"A texel in the middle is {first['texel, machine']:.2f} degrees wide, at the edge "
+        f"{last['texel, machine']:.2f}. That is {ratio:.2f} times, {ratio * ratio:.1f} times in solid "
+        "angle. Texels are sparse in the middle and not at the edge.",
         f"Stripes of {PERIOD:g} degrees are off by {first['stripes, RMS error']:.2f} in the middle and by "
-        f"{last['stripes, RMS error']:.2f} at the edge, where 0.35 is what grey would be off by.",
+        f"{last['stripes, RMS error']:.2f} at the edge. Plain grey would be off by 0.35.",
     )
 
 

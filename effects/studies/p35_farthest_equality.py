@@ -92,15 +92,15 @@ def findings(table):
     lost = {r["light"]: r for r in less if r["square"] == "at the far plane"}
     bare = {r["function"]: r["the same, no offset"] for r in _of(table, light="parallel", square="within")}
     return (
-        "Compared by LEQUAL, all that is at the far plane or beyond it is lit under an empty map: at least "
-        f"{min(r['lit, map empty'] for r in equal):.0f} %, for r is held at the farthest depth, which the "
-        "map was cleared to.",
+        "With LEQUAL, everything at the far plane or beyond it is lit under an empty map: at least "
+        f"{min(r['lit, map empty'] for r in equal):.0f} %. The reason is that r is clamped to the farthest "
+        "depth, to which the map was cleared.",
         *(
-            f"By LESS {row['lit, map empty']:.0f} % is lit at the far plane under a {light} light."
+            f"With LESS, {row['lit, map empty']:.0f} % is lit at the far plane under a {light} light."
             for light, row in lost.items()
         ),
-        f"A square in the map without an offset is lit by equality alone: {bare['LEQUAL']:.0f} % of one "
-        f"within the planes by LEQUAL, {bare['LESS']:.0f} % by LESS.",
+        "A square in the map without an offset is lit by equality alone. Within the planes, "
+        f"{bare['LEQUAL']:.0f} % of it is lit with LEQUAL and {bare['LESS']:.0f} % with LESS.",
     )
 
 

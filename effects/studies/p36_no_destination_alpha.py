@@ -142,18 +142,18 @@ def findings(table):
     zeros, ones, short = row["X8R8G8B8, zeros"], row["X8R8G8B8, ones"], row["R5G6B5"]
     return (
         f"H38 is refused on {sum(r['H38 refused'] == 'yes' for r in without)} of {len(without)} formats "
-        f"without alpha. Drawn all the same it would light {zeros['H38 lights']:.0f}, "
-        f"{ones['H38 lights']:.0f} and {short['H38 lights']:.0f} % of what it should: destination alpha "
+        f"without alpha. Drawn all the same, it would light {zeros['H38 lights']:.0f}, "
+        f"{ones['H38 lights']:.0f} and {short['H38 lights']:.0f} % of what it should. Destination alpha "
         "reads as one there.",
         f"H37 with a map in alpha would light {zeros['H37 lights']:.0f} % where the surface's padding is "
-        f"zeros and {ones['H37 lights']:.0f} % where it is ones: the nearest depth everywhere, or the "
-        "farthest.",
+        f"zeros, and {ones['H37 lights']:.0f} % where it is ones. It reads the nearest depth everywhere, or "
+        "the farthest.",
         f"With the depth in red H37 runs: {zeros['nearer agree']:.1f} and {ones['nearer agree']:.1f} % of "
-        "the pixels are those of a window with alpha, and with five bits of red "
-        f"{short['nearer agree']:.1f} % of those that are no farther than the map holds.",
-        f"A map of five bits ends at {short['map ends']:.1f} % of the far plane's depth, as ones are 248 of "
-        "255: of the ground beyond, which a window with alpha lights, "
-        f"{short['farther lit']:.1f} % is lit, and with eight bits of red {zeros['farther lit']:.1f} %.",
+        f"the pixels are those of a window with alpha. With five bits of red {short['nearer agree']:.1f} % "
+        "are, of the pixels that are no farther than the map holds.",
+        f"A map of five bits ends at {short['map ends']:.1f} % of the far plane's depth, because its ones "
+        "are 248 of 255. A window with alpha lights the ground beyond. The map of five bits lights "
+        f"{short['farther lit']:.1f} % of it, and eight bits of red {zeros['farther lit']:.1f} %.",
     )
 
 

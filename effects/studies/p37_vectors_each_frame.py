@@ -92,12 +92,12 @@ def findings(table):
     share = colors["each frame"] / everything["each frame"]
     triangles = int(table.curves["triangles"][TESSELLATIONS.index(PAPER)])
     return (
-        f"With a moving light the two passes over {triangles // 2} triangles "
-        f"send {everything['each frame']:.1f} KB a frame, and the CPU does "
-        f"{everything['CPU operations a frame']:,d} operations; a list that nothing changes sends "
-        f"{still['each frame']:.0f}.",
-        f"Only the colours change, {100 * share:.0f} % of it. A vertex program of a later board takes "
-        f"{program['each frame']:.2f} KB a frame and no vector from the CPU.",
+        f"With a moving light, the two passes over {triangles // 2} triangles send "
+        f"{everything['each frame']:.1f} KB a frame, and the CPU does "
+        f"{everything['CPU operations a frame']:,d} operations. A display list that nothing changes sends "
+        f"{still['each frame']:.0f} KB.",
+        f"Only the colours change, {100 * share:.0f} % of the data. A vertex program of a later board takes "
+        f"{program['each frame']:.2f} KB a frame, and no vector from the CPU.",
     )
 
 

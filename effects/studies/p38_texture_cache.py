@@ -187,18 +187,18 @@ def findings(table):
     rows = {r["depth"]: r for r in table.records()}
     smooth, rough, steepest = rows[0.0], rows[STEEP], rows[DEPTHS[-1]]
     return (
-        f"The material textures miss {smooth['material textures']:.2f} % of their accesses however rough "
-        f"the bumps; E(m, d) misses {smooth['E(m, d)']:.2f} % on a smooth surface and "
-        f"{rough['E(m, d)']:.2f} % at a depth of {STEEP:g}, {rough['E over material']:.1f} times as many as "
-        f"the material. At {DEPTHS[-1]:g} it is {steepest['E(m, d)']:.2f} %: there "
-        f"{steepest['m at 8']:.0f} % of the lookups have the largest m that is stored.",
-        f"At {STEEP:g} the bumps touch {rough['E touched']:.1f} KB of the table of E, beside a cache of "
-        f"{CACHE_BYTES // 1024} KB; the row of S(p) misses {rough['S(p)']:.2f} %.",
+        f"The material textures miss {smooth['material textures']:.2f} % of their accesses, however rough "
+        f"the bumps are. E(m, d) misses {smooth['E(m, d)']:.2f} % on a smooth surface. At a depth of "
+        f"{STEEP:g} it misses {rough['E(m, d)']:.2f} %, {rough['E over material']:.1f} times as many as the "
+        f"material. At {DEPTHS[-1]:g} it misses {steepest['E(m, d)']:.2f} %; there {steepest['m at 8']:.0f} "
+        "% of the lookups have the largest m that is stored.",
+        f"At {STEEP:g} the bumps touch {rough['E touched']:.1f} KB of the table of E, compared with a cache "
+        f"of {CACHE_BYTES // 1024} KB. The row of S(p) misses {rough['S(p)']:.2f} %.",
         f"S_i, read texel by texel, misses {table.curves['S_i'][0]:.2f} % of its accesses, the normal map "
-        f"{table.curves['normal map'][0]:.2f} %. L_d misses {rough['L_d, seen']:.1f} % of the lookups that "
-        f"see something at {STEEP:g}, {rough['L_d, seen'] / table.curves['normal map'][0]:.1f} times as many "
-        f"as the normal map; of all lookups {rows[0.1]['L_d']:.2f} % at 0.1 and {steepest['L_d']:.2f} % at "
-        f"{DEPTHS[-1]:g}, for rougher bumps see more of each other.",
+        f"{table.curves['normal map'][0]:.2f} %. At {STEEP:g}, L_d misses {rough['L_d, seen']:.1f} % of the "
+        f"lookups that see something, {rough['L_d, seen'] / table.curves['normal map'][0]:.1f} times as "
+        f"many as the normal map. Of all lookups it misses {rows[0.1]['L_d']:.2f} % at 0.1 and "
+        f"{steepest['L_d']:.2f} % at {DEPTHS[-1]:g}, because rougher bumps see more of each other.",
     )
 
 

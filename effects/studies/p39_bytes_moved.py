@@ -113,12 +113,13 @@ def findings(table):
     rows = {r["effect"]: r for r in table.records()}
     one, matrix, ward = rows["K07 GeForce 256"], rows["K08 Octane"], rows["K09 Octane"]
     return (
-        f"While a light moves over one square of {SIZE} x {SIZE} pixels, register combiners move "
-        f"{1024 * one['all']:.0f} bytes a frame, K08 {matrix['all']:,.0f} KB and Ward's model "
-        f"{ward['all']:,.0f} KB, {ward['all'] / matrix['all']:.1f} times as many as K08: "
-        f"{ward['from host'] / ward['all'] * 100:.0f} % of them images from the host, "
-        f"beside {ward['copies']} copies of the framebuffer.",
-        f"At {_HERTZ} frames a second that is {matrix['20 Hz']:.0f} MB/s and {ward['20 Hz']:.0f} MB/s.",
+        f"A light moves over one square of {SIZE} x {SIZE} pixels. In a frame, register combiners move "
+        f"{1024 * one['all']:.0f} bytes, K08 {matrix['all']:,.0f} KB, and Ward's model {ward['all']:,.0f} "
+        f"KB, {ward['all'] / matrix['all']:.1f} times as many as K08. "
+        f"{ward['from host'] / ward['all'] * 100:.0f} % of Ward's bytes are images from the host, in "
+        f"addition to {ward['copies']} copies of the framebuffer.",
+        f"At {_HERTZ} frames a second K08 moves {matrix['20 Hz']:.0f} MB/s and Ward's model "
+        f"{ward['20 Hz']:.0f} MB/s.",
     )
 
 

@@ -170,11 +170,11 @@ def findings(table):
     eq_1, banks_ = rows["K07 Eq. 1"], rows["K04 Banks, R*"]
     return (
         f"Of {len(rows)} effects as built here, {sum(p is not None for p in small)} fit 2 units and 2 "
-        f"combiners, in {_range(small)} passes, and {sum(p is not None for p in large)} fit 4 and 8, in "
-        f"{_range(large)}.",
-        f"Eq. 1 takes {_written(eq_1['1/1'])} passes with one of each and {_written(eq_1['2/2'])} with two; "
-        f"Banks' model with R* {_written(banks_['2/2'])} with two of each and {_written(banks_['2/5'])} with "
-        "5 combiners.",
+        f"combiners, in {_range(small)} passes. {sum(p is not None for p in large)} fit 4 units and 8 "
+        f"combiners, in {_range(large)} passes.",
+        f"Eq. 1 takes {_written(eq_1['1/1'])} passes with one unit and one combiner, and "
+        f"{_written(eq_1['2/2'])} with two of each. Banks' model with R* takes {_written(banks_['2/2'])} "
+        f"with two of each, and {_written(banks_['2/5'])} with 5 combiners.",
     )
 
 
