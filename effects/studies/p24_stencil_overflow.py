@@ -142,8 +142,8 @@ def findings(table):
     return (
         *out,
         f"Counts that wrap are wrong only at multiples of 256. That is {many['z-pass wrapping']:.4f} of the "
-        f"shadow of {many['volumes']} volumes, and {most['z-pass wrapping']:.4f} of that of "
-        f"{most['volumes']}. Back faces first do not change this "
+        f"shadow of {many['volumes']} volumes, and {most['z-pass wrapping']:.4f} of the shadow of "
+        f"{most['volumes']} volumes. Back faces first do not change this "
         f"({many['z-pass wrapping, DECR first']:.4f}).",
     )
 
