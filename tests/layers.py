@@ -96,6 +96,7 @@ PACKAGES = {
         ),
     },
     "effects/refusal": {},
+    "effects/computed_once": {},
     "effects/collection": {"effects": "refusal"},
     "effects/technique": {},
     "effects/bibliography": {},
@@ -117,12 +118,12 @@ PACKAGES = {
     "effects/texture_filtering": {
         "raster": "kernel",
         "pipeline": "enums state textures commands native",
-        "effects": "technique geometry passes bump_mapping reflectance",
+        "effects": "computed_once technique geometry passes bump_mapping reflectance",
     },
     "effects/environment_maps": {
         "raster": "kernel",
         "pipeline": "enums state pixel_transfer textures commands native",
-        "effects": "technique geometry passes bump_mapping reflectance texture_filtering",
+        "effects": "computed_once technique geometry passes bump_mapping reflectance texture_filtering",
     },
     "effects/radiosity": {
         "pipeline": "enums textures commands",
@@ -165,8 +166,9 @@ PACKAGES = {
             "ideal"
         ),
         "effects": (
-            "refusal collection geometry passes scenes bump_mapping reflectance environment_maps radiosity "
-            "texture_filtering shadows volumes scattering acceptance data_files diagrams user_pictures"
+            "refusal computed_once collection geometry passes scenes bump_mapping reflectance "
+            "environment_maps radiosity texture_filtering shadows volumes scattering acceptance data_files "
+            "diagrams user_pictures"
         ),
     },
     "effects/studies": {
