@@ -65,10 +65,10 @@ conformance: $(READY)
 	$(BIN)/fixedpipe conformance --html $(OUT)/conformance.html --json $(OUT)/conformance.json
 
 test: $(READY)
-	$(BIN)/python -m pytest $(WORKERS) -m "not slow" -rs
+	$(BIN)/python -m pytest $(WORKERS) -m "not slow" -rs --times $(OUT)/test-times.json
 
 test-all: $(READY)
-	$(BIN)/python -m pytest $(WORKERS) -rs
+	$(BIN)/python -m pytest $(WORKERS) -rs --times $(OUT)/test-all-times.json
 
 check: $(READY) $(NAMED)
 	$(BIN)/ruff check .
