@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.bump_mapping import roughness_pyramids as rough
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.environment_maps import rough_mirrors
 from fixedpipe.effects.environment_maps.rough_mirrors import Antialiasing
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cosine, sine
@@ -46,6 +47,7 @@ def normal_points(count):
     return np.stack([radius * cosine(angle), radius * sine(angle)], axis=-1)
 
 
+@computed_once
 def traced(view, mirror, levels, cube_levels, count=64, probes=1):
     """S20: a plane that mirrors an environment with ``count`` normals a pixel: float64 [height, width, 3].
 
@@ -66,6 +68,7 @@ def traced(view, mirror, levels, cube_levels, count=64, probes=1):
     return out / count
 
 
+@computed_once
 def switched(view, mirror, levels, cube_levels, first=1.0, last=4.0):
     """S10: bumps of level 0 where a pixel's footprint on the map is at level ``first`` or below, a BRDF of
     the whole map from ``last`` on, a blend between: float64 [height, width, 3].
