@@ -19,7 +19,7 @@ from fixedpipe.pipeline.textures.images import (
     COLORLESS_FORMATS,
     DEPTH_TEXELS,
     FORMATS_OF_WORDS,
-    KEPT,
+    border_components,
     depth_texture_mode,
     register_components,
     with_signs,
@@ -136,7 +136,8 @@ class UnitSampler:
             self.table = table_entries(given, profile), ENTRY_COMPONENTS[given.base_format]
         base = BASE_FORMAT[texture.internal_format]
         self.numbers, self.real_texels = INTEGERS, False
-        self.border = self._as_signed(register_components(border[list(KEPT[base])], base, self.one))
+        as_given = profile.textures.border_color_as_given
+        self.border = self._as_signed(border_components(border, base, self.one, as_given=as_given))
 
     def exactly(self, fraction_bits=None, levels=None):
         """The same unit in real numbers, unobserved. Lambda keeps its 8 fraction bits.

@@ -16,10 +16,9 @@ from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.textures.images import (
     BASE_FORMAT,
     COLORLESS_FORMATS,
-    KEPT,
     REGISTER_COMPONENTS,
+    border_components,
     depth_texture_mode,
-    register_components,
 )
 from fixedpipe.pipeline.textures.sampled import face_modes
 from fixedpipe.raster import codes as C
@@ -550,11 +549,10 @@ def sample(texture, unit, coordinates, reference=None, tap=None):
         along_s, along_t, _ = face_modes(sampler, texture)
         sampler = replace(sampler, wrap_s=along_s, wrap_t=along_t)
     one_dimensional = texture.target is TextureTarget.TEXTURE_1D
-    # The border colour passes through the base format like a texel. Source: OpenGL 1.2.1, section 3.8.4.
     border, levels, read = np.zeros(4), texture.ideal, _signed_reader(sampler, texture.bits)
     if reference is None:
-        base = BASE_FORMAT[texture.internal_format]
-        border = register_components(np.array(sampler.border_color, np.float64)[list(KEPT[base])], base, 1.0)
+        base, as_given = BASE_FORMAT[texture.internal_format], IDEAL.textures.border_color_as_given
+        border = border_components(np.array(sampler.border_color), base, 1.0, as_given=as_given)
         border = border if read is None else as_signed(border, sampler, texture.bits)
     else:
         read = _comparison(sampler)

@@ -23,7 +23,7 @@ from fixedpipe.pipeline.textures.images import (
     COLORLESS_FORMATS,
     DEPTH_TEXELS,
     FORMATS_OF_WORDS,
-    KEPT,
+    border_components,
     depth_texture_mode,
     register_components,
     with_signs,
@@ -35,14 +35,14 @@ from fixedpipe.raster.columns.numbers import one_of
 
 
 @lru_cache(1024)
-def border_texel(color, internal_format, bits):
+def border_texel(color, internal_format, bits, as_given):
     """The words of a border colour as a packed texel with components of ``bits`` bits.
 
-    The colour passes through the texture's base format.
+    ``as_given``: the profile's ``border_color_as_given``.
     """
     one, base = one_of(bits), BASE_FORMAT[internal_format]
-    rgba = np.array(color_codes(color, one), np.int64)
-    r, g, b, a = register_components(rgba[list(KEPT[base])], base, one).tolist()
+    codes = np.array(color_codes(color, one), np.int64)
+    r, g, b, a = border_components(codes, base, one, as_given=as_given).tolist()
     if bits == R.BITS_OF_BYTES:
         return r | g << 8 | b << 16 | a << 24, 0
     return r | g << 16, b | a << 16
@@ -141,8 +141,9 @@ def pack_units(state, profile, textures, used, draw):
         if sampler.compare_mode != TextureCompareMode.NONE:
             _pack_comparison(sampler, texture.internal_format, profile, row)
         else:
+            as_given = profile.textures.border_color_as_given
             row[R.BORDER : R.BORDER + 2] = border_texel(
-                sampler.border_color, texture.internal_format, texture.bits
+                sampler.border_color, texture.internal_format, texture.bits, as_given
             )
             row[R.BORDER] ^= row[R.SIGNED]
         # A cube map reads an undivided direction, and a stage's computed coordinates are not divided either.

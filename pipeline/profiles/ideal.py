@@ -70,6 +70,7 @@ IDEAL = Profile(
         wrap_modes=_given(frozenset(WrapMode)),
         cylinder_wrap=_given(False),
         signed_components=_given(True),
+        border_color_as_given=_given(False),
         hilo_as_color=_given(False),
         max_lod_bias=_given(16.0),
         max_anisotropy=_given(64.0),

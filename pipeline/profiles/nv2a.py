@@ -82,6 +82,7 @@ NV2A = Profile(
         signed_components=known(
             True, "Measured: 732800 of 732800 pixels (Texture_signed_component_tests captures)"
         ),
+        border_color_as_given=known(True, "Measured: 19 formats (Texture_border_color capture)"),
         hilo_as_color=known(True, "Measured: 304348 of 304348 pixels (Texture_format R16B16_L capture)"),
         max_lod_bias=known(16.0, "Measured: s5.8, biases of -15 to 15 (LODBias capture)"),
         max_anisotropy=known(8.0, "Source: nxdk_pgraph_tests, texture_anisotropy_tests (1, 2, 4 and 8)"),

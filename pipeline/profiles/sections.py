@@ -52,6 +52,7 @@ class Textures(Section):
     wrap_modes: frozenset[WrapMode]
     cylinder_wrap: bool  # the field of a TextureUnit
     signed_components: bool  # whether a sampler can read any texture as signed
+    border_color_as_given: bool  # whether every format has the border colour itself, or what its base keeps
     hilo_as_color: bool  # whether registers receive the bytes of HILO and DSDT texels, or (0, 0, 0, 0)
     max_lod_bias: float  # levels, of either sign
     max_anisotropy: float  # 1: no anisotropic filter

@@ -88,6 +88,7 @@ CORE: dict[str, Any] = {
     "wrap_modes": known(CORE_WRAP_MODES, "Source: OpenGL 1.2.1 section 3.8.4"),
     "cylinder_wrap": known(False, "Source: no OpenGL extension has it"),
     "signed_components": known(False, NOT_CORE),
+    "border_color_as_given": known(False, "Source: OpenGL 1.2.1 section 3.8.5"),
     "hilo_as_color": known(False, NOT_CORE),
     "max_lod_bias": known(0.0, NOT_CORE),
     "max_anisotropy": known(1.0, NOT_CORE),

@@ -14,6 +14,7 @@ from fixedpipe.pipeline.enums import BaseFormat, InternalFormat, TextureCompareM
 from fixedpipe.pipeline.textures.images import (
     DEPTH_TEXELS,
     Texture,
+    border_components,
     depth_texture_mode,
     register_components,
 )
@@ -43,7 +44,8 @@ def depths_as_colors(state, textures, profile):
         if state.register_combiners is None:
             base = depth_texture_mode(unit.sampler, profile)
         # Source: ARB_depth_texture, section 3.8.7 (the border color's red is a depth).
-        border = (unit.sampler.border_color[0],) * 4
+        red = np.full(4, unit.sampler.border_color[0])
+        border = tuple(border_components(red, base, 1.0, as_given=False).tolist())
         sampler = replace(unit.sampler, border_color=border, depth_texture_mode=None)
         units[number] = replace(unit, texture=(unit.texture, base), sampler=sampler)
         held = dict(textures) if held is None else held

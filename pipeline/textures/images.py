@@ -193,6 +193,14 @@ def register_components(
     return out
 
 
+def border_components(color: NDArray[Any], base: BaseFormat, one: Any, *, as_given: bool) -> NDArray[Any]:
+    """A border colour as register components [4]: itself, or what a base format keeps of it.
+
+    ``as_given``: the profile's ``border_color_as_given``. ``one`` is full intensity.
+    """
+    return color if as_given else register_components(color[..., list(KEPT[base])], base, one)
+
+
 def _quantised(unit, bits):
     """Components in [0, 1], rounded to n bits, as bytes."""
     return widen_to_byte(np.floor(unit * (2**bits - 1) + 0.5).astype(np.uint8), bits)

@@ -116,14 +116,16 @@ def divided(strq):
     return (*(c / q for c in strq[:3]), 1.0)
 
 
-def texel(strq, unit, texture):
+def texel(strq, unit, texture, profile):
     """A unit's texel, four bytes: magnified, lambda being no more than zero.
 
     Source: OpenGL 1.2.1 section 3.8.5; SGIX_pixel_texture (lambda is zero).
     """
     whole = SimpleNamespace(divided=False)
     sampler = unit.sampler
-    found = sample.sample_level(whole, strq, texture, sampler, sampler.base_level, sampler.mag_filter)
+    found = sample.sample_level(
+        whole, strq, texture, sampler, profile, sampler.base_level, sampler.mag_filter
+    )
     return sample.to_register(found, sampler)
 
 
@@ -172,10 +174,12 @@ def fragment(raster, state, profile, textures, group=None, pixel=None):
     for i in color_key.killing(state):
         unit, texture = found[i]
         flags, unit = color_key.ends(texture, unit)
-        if texel(coordinates[i], unit, flags)[0] == 0:
+        if texel(coordinates[i], unit, flags, profile)[0] == 0:
             return None, undefined
     texels = [
-        [0, 0, 0, 255] if unit is None else texel(coordinates[i], unit, color_key.left(texture, unit))
+        [0, 0, 0, 255]
+        if unit is None
+        else texel(coordinates[i], unit, color_key.left(texture, unit), profile)
         for i, (unit, texture) in enumerate(found)
     ]
     if pixel is not None and pixel.alpha_replace:

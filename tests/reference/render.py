@@ -155,7 +155,7 @@ class Access:
             texel = roughness.sample_rough(made[:2], found, texture, unit, operation, self.profile)
             return sample.to_register(texel, unit.sampler)
         if made is not None:
-            texel = texture_shader.sample_made(made, texture, unit.sampler, operation)
+            texel = texture_shader.sample_made(made, texture, unit.sampler, operation, self.profile)
             return sample.to_register(texel, unit.sampler)
         return self._own(i, texture, unit)
 

@@ -79,7 +79,9 @@ def sample_rough(st, found, texture, unit, operation, profile):
         if sampler.max_probes > 1:
             moved = st[0] + distance * along_s, st[1] + distance * along_t
         offset = operation == Operation.OFFSET_TEXTURE_2D
-        level = partial(sample.sample_level, None, (*moved, 0.0, 1.0), texture, sampler, offset=offset)
+        level = partial(
+            sample.sample_level, None, (*moved, 0.0, 1.0), texture, sampler, profile, offset=offset
+        )
         texel = sample.filter_levels(level, lod, texture, sampler, profile)
         total = [a + c for a, c in zip(total, texel, strict=True)]
     return [a // probes for a in total]

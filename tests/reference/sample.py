@@ -361,7 +361,7 @@ def face_modes(texture, sampler):
     ]
 
 
-def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=False, offset=False):
+def sample_level(triangle, strq, texture, sampler, profile, level, filter_mode, *, flat=False, offset=False):
     """One level, filtered to bytes. Source: OpenGL 1.2.1 sections 3.8.4 to 3.8.6.
 
     ``triangle`` None: a texture shader made the coordinates; ``offset``: by moving iterated ones. ``flat``: s
@@ -388,7 +388,8 @@ def sample_level(triangle, strq, texture, sampler, level, filter_mode, *, flat=F
         for v, *given in zip(t, modes, (width, height), (beside, below), strict=True)
     ]
     one = (1 << getattr(texture, "bits", 8)) - 1
-    border = texel_formats.border_texel(sampler.border_color, texture.internal_format, one)
+    as_given = profile.textures.border_color_as_given
+    border = texel_formats.border_texel(sampler.border_color, texture.internal_format, one, as_given=as_given)
     border = as_signed(border, sampler)
     read = sample_nearest if nearest else sample_linear
     if texture.target != TextureTarget.TEXTURE_3D:
@@ -476,7 +477,7 @@ def sample_along(triangle, strq, px, py, texture, sampler, bias, profile):
     total = [128] * 4
     for distance, weight in taps(ratio):
         moved = (s + distance * along_s, t + distance * along_t, 0.0, 1.0)
-        level = partial(sample_level, triangle, moved, texture, sampler)
+        level = partial(sample_level, triangle, moved, texture, sampler, profile)
         texel = filter_levels(level, lod, texture, sampler, profile)
         total = [a + weight * c for a, c in zip(total, texel, strict=True)]
     return [a >> 8 for a in total]
@@ -523,7 +524,7 @@ def sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile):
     for k in range(probes):
         distance = (2 * k + 1 - probes) / (2 * probes)
         moved = (s + distance * along_s, t + distance * along_t, 0.0, 1.0)
-        level = partial(sample_level, triangle, moved, texture, sampler)
+        level = partial(sample_level, triangle, moved, texture, sampler, profile)
         texel = filter_levels(level, lod, texture, sampler, profile)
         total = [a + c for a, c in zip(total, texel, strict=True)]
     return [a // probes for a in total]
@@ -539,7 +540,7 @@ def sample_texture(triangle, px, py, weights, texture, sampler, bias, profile):
         return to_register(sample_along(triangle, strq, px, py, texture, sampler, bias, profile), sampler)
     if sampler.max_probes > 1:
         return to_register(sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile), sampler)
-    level = partial(sample_level, triangle, strq, texture, sampler)
+    level = partial(sample_level, triangle, strq, texture, sampler, profile)
     return to_register(sample_levels(level, triangle, px, py, texture, sampler, bias, profile), sampler)
 
 

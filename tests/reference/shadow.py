@@ -5,7 +5,7 @@ from math import floor, frexp
 from types import SimpleNamespace
 
 from fixedpipe.pipeline.enums import BaseFormat, ComparisonFunction, InternalFormat, TextureCompareMode
-from tests.reference import fixed
+from tests.reference import fixed, texel_formats
 
 FIXED = {InternalFormat.DEPTH_COMPONENT16: 0xFFFF, InternalFormat.DEPTH_COMPONENT24: 0xFFFFFF}
 FLOAT = {  # largest word, mantissa bits, exponent bias
@@ -116,5 +116,6 @@ def as_colors(texture, unit, combiners, profile):
         fraction_bits=getattr(texture, "fraction_bits", 8),
         border=getattr(texture, "border", 0),
     )
-    red = unit.sampler.border_color[0]
-    return colors, replace(unit, sampler=replace(unit.sampler, border_color=(red,) * 4))
+    red = (unit.sampler.border_color[0],) * 4
+    border = texel_formats.register_components(texel_formats.kept_components(red, mode), mode, 1.0)
+    return colors, replace(unit, sampler=replace(unit.sampler, border_color=tuple(border)))

@@ -93,10 +93,13 @@ def store_texel(rgba, internal_format, *, floats=False):
     return register_components([replicate(quantise(c, b), b) for c, b in zip(kept, bits, strict=True)], base)
 
 
-def border_texel(color, internal_format, one=255):
-    """The border color in a register. Source: OpenGL 1.2.1 section 3.8.5, NV_register_combiners table 2."""
-    base = base_format(internal_format)
-    return register_components(kept_components(fixed.color_codes(color, one), base), base, one)
+def border_texel(color, internal_format, one=255, *, as_given=False):
+    """The border color in a register. Source: OpenGL 1.2.1 section 3.8.5, NV_register_combiners table 2.
+
+    ``as_given``: itself for every format. Measured: TextureBorderColor.
+    """
+    codes, base = fixed.color_codes(color, one), base_format(internal_format)
+    return codes if as_given else register_components(kept_components(codes, base), base, one)
 
 
 def box(corners):

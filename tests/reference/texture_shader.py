@@ -253,7 +253,7 @@ def on_any_face(strq):
     return (sc / major, -tc / major) if major > 0.0 else (0.0, 0.0)
 
 
-def sample_made(strq, texture, sampler, operation):
+def sample_made(strq, texture, sampler, operation, profile):
     """A texel at made coordinates: the base level. Measured: a cube map read as a volume (DotSTR3D)."""
     cube_map = texture.target == TextureTarget.TEXTURE_CUBE_MAP
     if operation.name.endswith("CUBE_MAP") and not cube_map:
@@ -262,4 +262,6 @@ def sample_made(strq, texture, sampler, operation):
     offset = operation.name.startswith("OFFSET")
     strq = (*strq[:3], 1.0)
     base, filter_mode = sampler.base_level, sampler.mag_filter
-    return sample.sample_level(None, strq, texture, sampler, base, filter_mode, flat=flat, offset=offset)
+    return sample.sample_level(
+        None, strq, texture, sampler, profile, base, filter_mode, flat=flat, offset=offset
+    )

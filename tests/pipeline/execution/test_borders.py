@@ -16,7 +16,7 @@ from fixedpipe.pipeline.enums import (
     TextureTarget,
     WrapMode,
 )
-from fixedpipe.pipeline.execution.machine import execute
+from fixedpipe.pipeline.execution.machine import Machine, execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import GEFORCE_256, NV2A
 from fixedpipe.pipeline.state import PassState, Sampler, TextureUnit
@@ -28,6 +28,15 @@ from tests.support.random_frames import Frame
 from tests.support.strategies import SHOW_TEXTURE
 
 NEAREST, LINEAR = TextureFilter.NEAREST, TextureFilter.LINEAR
+# What each base format keeps of the border colour (0.2, 0.4, 0.6, 0.8), as bytes.
+BASES = {
+    InternalFormat.RGBA8: [51, 102, 153, 204],
+    InternalFormat.RGB8: [51, 102, 153, 255],
+    InternalFormat.ALPHA8: [0, 0, 0, 204],
+    InternalFormat.LUMINANCE8: [51, 51, 51, 255],
+    InternalFormat.LUMINANCE8_ALPHA8: [51, 51, 51, 204],
+    InternalFormat.INTENSITY8: [51, 51, 51, 51],
+}
 OF_ANY_BORDER = NV2A.changed(texture_borders=frozenset({0, 1, 4}))
 
 
@@ -56,6 +65,27 @@ def row(wrap, filter_mode, low, high, pixels):
     sampler = Sampler(filter_mode, filter_mode, wrap, border_color=(1.0, 1.0, 1.0, 1.0))
     drawn = execute(shown(image, sampler, low, high), GEFORCE_256, pixels, 1).framebuffer.color
     return drawn[0, :, 0].tolist()
+
+
+@pytest.mark.parametrize("engine", [None, "portable", "columns"])
+@pytest.mark.parametrize(
+    ("profile", "internal_format", "expected"),
+    [
+        # The NV2A has the colour as it is, whatever the format (Measured: TextureBorderColor).
+        *[(NV2A, internal_format, [51, 102, 153, 204]) for internal_format in BASES],
+        *[(GEFORCE_256, *of_base) for of_base in BASES.items()],
+    ],
+)
+def test_the_border_colour_is_as_given_or_what_the_base_format_keeps(
+    profile, internal_format, expected, engine
+):
+    image = texture_2d(np.zeros((4, 4, 4), np.uint8), internal_format=internal_format)
+    color = (0.2, 0.4, 0.6, 0.8)
+    sampler = Sampler(NEAREST, NEAREST, *[WrapMode.CLAMP_TO_BORDER] * 2, border_color=color)
+    drawn = Machine(profile, 4, 4, engine=engine).run(shown(image, sampler, -2.0, -1.0))
+    assert (drawn.framebuffer.color == expected).all()
+    ideal = execute_ideal(shown(image, sampler, -2.0, -1.0), 4, 4).color
+    assert (np.floor(255.0 * ideal + 0.5) == BASES[internal_format]).all()
 
 
 @pytest.mark.parametrize(

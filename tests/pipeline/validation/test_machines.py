@@ -146,6 +146,7 @@ WITHOUT_A_FEATURE = {
     "blend_factors_destination",
     "depth_units_in_coordinates",
     "hilo_as_color",
+    "border_color_as_given",
     "offset_scale_clamped",
     "shades_samples",
 }

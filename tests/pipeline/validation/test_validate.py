@@ -969,6 +969,7 @@ def test_every_limit_set_and_switch_of_a_profile_is_checked():
         "offset_scale_clamped"
     }  # what it lacks is not refused; test_texture_shader.py
     with_tests_of_their_own |= {"hilo_as_color"}  # test_signed_formats.py: it refuses nothing
+    with_tests_of_their_own |= {"border_color_as_given"}  # test_borders.py: it refuses nothing
     with_tests_of_their_own |= {"roughness_lookups"}  # test_roughness.py
     with_tests_of_their_own |= {"max_anisotropy"}  # test_anisotropic.py
     with_tests_of_their_own |= {"depth_texture_modes", "depths_as_colors"}  # test_sampling.py

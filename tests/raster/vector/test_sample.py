@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.pipeline.enums import InternalFormat, TextureFilter, TextureTarget, WrapMode
+from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import Sampler
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.raster import codes, rows
@@ -209,7 +210,9 @@ def test_one_level_is_filtered_as_the_specification_says(filter_mode, wrap):
     sampler = Sampler(min_filter=filter_mode, mag_filter=filter_mode, wrap_s=wrap, wrap_t=wrap)
     s, t = random_coordinates(rng, 16, 60), random_coordinates(rng, 8, 60)
     expected = [
-        reference.sample_level(None, (s[i], t[i], 0.0, 1.0), texture, sampler, 0, filter_mode, offset=True)
+        reference.sample_level(
+            None, (s[i], t[i], 0.0, 1.0), texture, sampler, NV2A, 0, filter_mode, offset=True
+        )
         for i in range(60)
     ]
     pairs, pair_levels = vt.row_pairs(texels, levels, 1)
