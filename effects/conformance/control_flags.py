@@ -59,8 +59,9 @@ def _fixed_function(name, corners, lighting, secondary, places):
     """Mesh and vertex state of a quad that the fixed-function stage draws."""
     if name.startswith("ControlFlagsLightDisable"):
         # With two sides and no lighting the chip's back faces are opaque black.
-        black = replace(lighting, lights=(), model_ambient=lit_scenes.BLACK, separate_specular_color=True)
-        lighting = black if lighting.two_side else None
+        back = replace(lighting.back, diffuse=(0.0, 0.0, 0.0, 1.0)) if lighting.two_side else None
+        unlit = {"lights": (), "model_ambient": lit_scenes.BLACK, "separate_specular_color": True}
+        lighting = replace(lighting, back=back, **unlit) if lighting.two_side else None
         secondary = SecondaryColor.OPAQUE if lighting is not None else secondary
     positions = np.array([lit_scenes.unproject(x, y, 1.0 - lit_scenes.EYE_DISTANCE) for x, y in places])
     vertex = replace(lit_scenes.view(), lighting=lighting, secondary_color=secondary)
