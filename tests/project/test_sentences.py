@@ -21,6 +21,7 @@ DONE = (
     "docs/install.md",
     "docs/machine-beside-ideal.md",
     "docs/mesa.md",
+    "docs/numbers.md",
     "docs/own-data.md",
     "docs/pages-and-slides.md",
     "docs/papers/000.md",
