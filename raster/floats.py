@@ -21,6 +21,9 @@ REST_STEP, REST_STEPS = 2.0**-25, 2.0**25  # where the weight that takes the res
 # docs/numbers.md, section 6.
 SMALLEST = 2.0**-100  # of the largest term of a sum: below it nothing is told from zero
 TAU = 2.0**-24  # texels: lifts computed coordinates over the noise of float64
+# By what coordinates are divided where q is 0. Measured: they come to the texture's end (Texture_Matrix
+# Arbitrary); Inferred: the power, from the largest reciprocal of RCC.
+LEAST_Q = 2.0**-64
 
 
 def kept(bits):

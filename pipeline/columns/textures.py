@@ -28,6 +28,7 @@ from fixedpipe.pipeline.textures.sampled import face_modes, key_unit, sampled_te
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
 from fixedpipe.raster.columns.numbers import INTEGERS, NOISE, REALS
+from fixedpipe.raster.floats import LEAST_Q
 from fixedpipe.raster.observer import unobserved
 from fixedpipe.raster.pixels.transfer import texture_color_table
 
@@ -272,7 +273,7 @@ class UnitSampler:
             if self.sampler.compare_mode == TextureCompareMode.COMPARE_R_TO_TEXTURE:
                 r = strq[:, 2]
                 if divided and self.texture.target != TextureTarget.TEXTURE_CUBE_MAP:
-                    r = r / np.where(strq[:, 3] == 0.0, 1.0, strq[:, 3])
+                    r = r / np.where(strq[:, 3] == 0.0, LEAST_Q, strq[:, 3])
             compared = self._reference(r)
         if self.texture.target == TextureTarget.TEXTURE_CUBE_MAP:
             divided = False
@@ -286,7 +287,7 @@ class UnitSampler:
             return self._levels(strq, divided, lod, compared, tap=tap)
         str_ = strq
         if divided:
-            q = np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
+            q = np.where(strq[:, 3:] == 0.0, LEAST_Q, strq[:, 3:])
             str_ = np.concatenate([strq[:, :3] / q, np.ones_like(q)], axis=1)
         filtered = self._assembled if self.probes else self._along
         return filtered(fragments.footprints[:, self.number], str_, divided, lod, compared)

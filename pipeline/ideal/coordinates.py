@@ -11,7 +11,7 @@ from numba import float64, int32, int64, types, uint64, void
 
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.raster import codes as C
-from fixedpipe.raster.floats import SINGLE_BITS, TAU
+from fixedpipe.raster.floats import LEAST_Q, SINGLE_BITS, TAU
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.portable.interpolate import coordinate_difference, product_step, product_sum
 
@@ -41,7 +41,7 @@ class TextureCoordinates:
 
 @kernel
 def _divisor(q):
-    return 1.0 if q == 0.0 else q
+    return LEAST_Q if q == 0.0 else q
 
 
 @kernel(void(_ALONG, _ROWS, int64, float64[:, ::1], float64[:, ::1]))
@@ -224,7 +224,7 @@ def _change_on_face(direction, step, face, out):
     for i in range(len(face)):
         sc, tc, major = _on_face(direction[i, 0], direction[i, 1], direction[i, 2], face[i])
         d_sc, d_tc, d_major = _on_face(step[i, 0], step[i, 1], step[i, 2], face[i])
-        magnitude, sign = _divisor(abs(major)), -1.0 if major < 0.0 else 1.0
+        magnitude, sign = abs(major) if major != 0.0 else 1.0, -1.0 if major < 0.0 else 1.0
         out[i, 0] = 0.5 * (d_sc - sc / magnitude * sign * d_major) / magnitude
         out[i, 1] = 0.5 * (d_tc - tc / magnitude * sign * d_major) / magnitude
 
@@ -297,4 +297,4 @@ def _unmoving(target, str_, lift):
 
 def reference_of(strq):
     """The reference of a depth comparison: r over q, float64 [k]."""
-    return strq[:, 2] / np.where(strq[:, 3] == 0.0, 1.0, strq[:, 3])
+    return strq[:, 2] / np.where(strq[:, 3] == 0.0, LEAST_Q, strq[:, 3])

@@ -13,6 +13,7 @@ from fixedpipe.raster.floats import (
     EXPONENT,
     FRACTION,
     LARGEST_SINGLE,
+    LEAST_Q,
     LEAST_SINGLE,
     REST_STEP,
     REST_STEPS,
@@ -406,8 +407,8 @@ def on_face(strq, face):
 
 
 def divide_by_q(strq):
-    """s, t, r over q; a q of 0 counts as 1."""
-    return strq[:, :3] / np.where(strq[:, 3:] == 0.0, 1.0, strq[:, 3:])
+    """s, t, r over q; a q of 0 counts as LEAST_Q."""
+    return strq[:, :3] / np.where(strq[:, 3:] == 0.0, LEAST_Q, strq[:, 3:])
 
 
 def block_steps(edges, inverse_w, corners, divided, target, sizes, px, py):

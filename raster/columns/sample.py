@@ -10,7 +10,7 @@ from fixedpipe.raster import float_depths
 from fixedpipe.raster.columns.interpolate import major_axis, on_face
 from fixedpipe.raster.columns.numbers import INTEGERS
 from fixedpipe.raster.columns.per_fragment import compare
-from fixedpipe.raster.floats import TAU
+from fixedpipe.raster.floats import LEAST_Q, TAU
 from fixedpipe.raster.observer import unobserved
 
 
@@ -84,7 +84,7 @@ def positions(coordinates, target, divided, computed, size, flat=False):
     bias = TAU if divided or computed else 0.0
     str_ = [coordinates[:, i] for i in range(3)]
     if divided:
-        q = np.where(coordinates[:, 3] == 0.0, 1.0, coordinates[:, 3])
+        q = np.where(coordinates[:, 3] == 0.0, LEAST_Q, coordinates[:, 3])
         str_ = [c / q for c in str_]
     if target == C.TARGET_RECTANGLE:
         size = (1.0, 1.0, 0.0)

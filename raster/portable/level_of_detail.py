@@ -8,6 +8,7 @@ from numba import float64, int32, int64, void
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import RUNS
+from fixedpipe.raster.floats import LEAST_Q
 from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.arrays import PASS, SCRATCH
 from fixedpipe.raster.portable.sample import FAR, log2_q7, major_axis, on_face
@@ -100,7 +101,7 @@ def coordinates_at(draw, kind, source, projective, px, py):
     s, t, r = weighted(b0, b2, source.s), weighted(b0, b2, source.t), weighted(b0, b2, source.r)
     if projective:
         q = weighted(b0, b2, source.q)
-        q = q if q != 0.0 else 1.0
+        q = q if q != 0.0 else LEAST_Q
         s, t, r = s / q, t / q, r / q
     return True, s, t, r
 

@@ -14,7 +14,7 @@ from numba import float64, int32, int64, uint32, uint64, void
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import type_of
-from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS, TAU
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS, LEAST_Q, TAU
 from fixedpipe.raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.combine import convert_plane
 from fixedpipe.raster.portable.shadow import compare_texels
@@ -111,11 +111,11 @@ def cube_faces(floats, count, ints):
 
 @kernel("void(f8[:,::1],i8,i8)")
 def divide_by_q(floats, axis, count):
-    """A projective coordinate, column ``axis``, by q (EXTRA); a q of zero counts as one."""
+    """A projective coordinate, column ``axis``, by q (EXTRA); a q of zero counts as LEAST_Q."""
     separate_loop()
     pa = uint64(axis)
     for i in range(count):
-        q = floats[R.EXTRA, i] if floats[R.EXTRA, i] != 0.0 else 1.0
+        q = floats[R.EXTRA, i] if floats[R.EXTRA, i] != 0.0 else LEAST_Q
         floats[pa, i] = floats[pa, i] / q
 
 

@@ -16,7 +16,7 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import THREE, type_of
 from fixedpipe.raster.fixed import float_depth, power_below
-from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, TAU
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, LEAST_Q, TAU
 from fixedpipe.raster.kernel import bits_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.interpolate import coordinate_difference, product_step, product_sum
 from fixedpipe.raster.vector.interpolate import (
@@ -185,13 +185,13 @@ def iterate_texels(segments, triangles, coordinates, axis, floats, out):
 
 @kernel
 def _nonzero(q):
-    """q, or one where it is zero."""
-    return select(q != 0.0, q, f64x16(1.0))
+    """q, or LEAST_Q where it is zero."""
+    return select(q != 0.0, q, f64x16(LEAST_Q))
 
 
 @kernel("void(f8[::1],f8[::1],i8)")
 def divide_by_q(column, q, count):
-    """A projective coordinate by q, in its column; a q of zero counts as one."""
+    """A projective coordinate by q, in its column; a q of zero counts as LEAST_Q."""
     separate_function()
     for at in range(0, count, 16):
         store(column, at, load_f64x16(column, at) / _nonzero(load_f64x16(q, at)))

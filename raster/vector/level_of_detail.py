@@ -9,7 +9,7 @@ from numba import float64, int32, int64, types, void
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import RUNS, VERTICES
-from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS, LEAST_Q
 from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.level_of_detail import iterated, weighted
 from fixedpipe.raster.portable.sample import FAR, POWERS_OF_TWO
@@ -68,7 +68,7 @@ def _coordinates(n, inverse_w, s, t, q, projective):
     at_s, at_t = weighted(b0, b2, s), weighted(b0, b2, t)
     if projective:
         at_q = weighted(b0, b2, q)
-        at_q = select(at_q != 0.0, at_q, f64x8(1.0))
+        at_q = select(at_q != 0.0, at_q, f64x8(LEAST_Q))
         at_s, at_t = at_s / at_q, at_t / at_q
     return total > 0.0, at_s, at_t
 

@@ -73,14 +73,14 @@ def has_unit_q(coordinates):
 
 
 def divide_by_q(strq, divided):
-    """(s, t, r), ``divided`` by q or not; where q is 0, by 1.
+    """(s, t, r), ``divided`` by q or not; where q is 0, by 2**-64.
 
-    Source: OpenGL 1.2.1 section 3.8; Assumed: the value where q is 0.
+    Source: OpenGL 1.2.1 section 3.8; Measured: Texture_Matrix Arbitrary; Inferred: the power, from RCC.
     """
     *str_, q = strq
     if not divided:
         return tuple(str_)
-    divisor = 1.0 if q == 0.0 else q
+    divisor = 2.0**-64 if q == 0.0 else q
     return tuple(coordinate / divisor for coordinate in str_)
 
 
