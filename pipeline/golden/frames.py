@@ -90,7 +90,7 @@ def _stage(before, now):
         if stage not in made:
             return f", with a stage that was not there, {stage}"
         if made.pop(stage) != digest:
-            return f", first in what {stage} made"
+            return f"; the first stage with another result is {stage}"
     return (
         f", without {next(iter(made))}"
         if made

@@ -75,7 +75,7 @@ def test_a_strangers_frame_says_which_command_and_stage_broke(installed, tmp_pat
     status, said = project.golden("check", "--", FRAME, STRANGER_BUG="1")
     assert status == 1
     assert "the first command that leaves something else is 1, Draw 'the colour, squared'" in said
-    assert "first in what general combiner 0 made" in said
+    assert "the first stage with another result is general combiner 0" in said
     status, said = project.golden("accept", FRAME)
     assert (status, "the first command that leaves something else is 1" in said) == (0, True), said
     assert project.run("pytest", FRAME, STRANGER_BUG="1")[0] == 0
