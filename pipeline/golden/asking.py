@@ -171,7 +171,8 @@ class Golden:
         found = None if apart else difference(a, b)
         if not apart and fits(found):
             return True
-        self.failures.append(f"two pictures {wish}: {apart or found or 'all their pixels are equal'}")
+        told = apart or (found.told("in the second") if found else "all their pixels are equal")
+        self.failures.append(f"two pictures {wish}: {told}")
         return False
 
     # ------------------------------------------------------------------------------------------------ judging

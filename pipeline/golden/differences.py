@@ -31,13 +31,16 @@ class Difference:
     alpha_alone: bool
 
     def __str__(self) -> str:
+        return self.told("now")
+
+    def told(self, second: str) -> str:
+        """The difference in words; ``second`` introduces the second picture's pixel."""
         x0, y0, x1, y1 = self.box
         of = ", in alpha alone" if self.alpha_alone else ""
         pixels = "1 pixel differs" if self.count == 1 else f"{self.count} pixels differ"
         where = f"from ({x0}, {y0}) to ({x1 - 1}, {y1 - 1}); most at" if self.count > 1 else "at"
-        return (
-            f"{pixels} by at most {self.largest}{of}, {where} {self.pixel}: {self.first}, now {self.second}"
-        )
+        both = f"{self.first}, {second} {self.second}"
+        return f"{pixels} by at most {self.largest}{of}, {where} {self.pixel}: {both}"
 
 
 def said(pixels: Pixels) -> str:
