@@ -57,9 +57,8 @@ def _named(given, candidates, usual):
     fitting = [name for name, c in usual.items() if matches(name) or matches(c.key)]
     found = fitting if set(given) & set("*?") else []
     if not found:
-        raise Refusal(
-            f"No picture {given!r} waits to be accepted.{nearest(given, candidates)} {_waiting(candidates)}"
-        )
+        meant = f" Did you mean {fitting[0]}?" if fitting else nearest(given, candidates)
+        raise Refusal(f"No picture {given!r} waits to be accepted.{meant} {_waiting(candidates)}")
     return found
 
 

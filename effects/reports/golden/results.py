@@ -34,6 +34,12 @@ _SAID = {
     EXCUSED: "its test was skipped, or failed as it was expected to",
 }
 
+# Of a picture that has no candidate.
+_NOTHING_WAITS = {
+    NEW: "was accepted since this run; run pytest again",
+    CHANGED: "was accepted since this run, or must differ from its golden picture; run pytest again",
+}
+
 
 def results(root: Path) -> list[dict[str, Any]]:
     """Every picture of the last run, what needs a person first and of that the largest difference: name,
@@ -54,6 +60,8 @@ def results(root: Path) -> list[dict[str, Any]]:
                 entry["told"] += f"\n{error}" if what not in entry["told"] else ""
             if isinstance(what, Difference):
                 entry["difference"] = asdict(what)
+        elif picture["status"] in (CHANGED, NEW):
+            entry["told"] = _NOTHING_WAITS[picture["status"]]
         found.append(entry)
     return sorted(found, key=_order)
 

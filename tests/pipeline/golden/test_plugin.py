@@ -129,6 +129,7 @@ def test_all_failures_of_a_test_are_told_with_the_test_s_own(project):
     assert project.store.read_text() == before
     status, said = project.golden("accept", name)
     assert (status, f"{name}: 6 pixels differ by at most 1" in said) == (0, True), said
+    assert f"{name}\n         was accepted since this run" in project.golden("check", "--no-run")[1]
     assert project("-k", "test_many")[1].count(name) == 0
     changed = set(project.store.read_text().splitlines()) ^ set(before.splitlines())
     assert len(changed) == 2
@@ -206,6 +207,7 @@ def test_relations_that_fail(golden):
     assert "1 failed, 2 passed" in said
     for sentence in (
         "two pictures must be equal: 1 pixel differs by at most 1, at (0, 0)",
+        "(0, 0): (0, 1, 2, 3), in the second (1, 1, 2, 3)",
         "two pictures must differ, and all their pixels are equal",
         "two pictures may differ by 0 to 0 in 0 to 1 pixels: 1 pixel differs",
         "two pictures may differ by 0 to 1 in 0 to 0 pixels: 1 pixel differs",
@@ -613,6 +615,7 @@ def test_accept_refuses_what_chooses_nothing(project):
     for arguments, sentence in (
         (("tests/test_a.py::test_lots*",), "No picture 'tests/test_a.py::test_lots*' waits"),
         (("tests/test_a.py::test_plan",), "Did you mean tests/test_a.py::test_plain?"),
+        (("test_plain",), "Did you mean tests/test_a.py::test_plain?"),
         (("-k", "nobody"), "No picture that waits is of a test"),
         ((), "one of the three"),
         (("--all", "-k", "plain"), "one of the three"),
