@@ -7,6 +7,8 @@ from pathlib import Path
 
 import click
 
+_SHOWN = 20  # names that a refusal lists
+
 
 def import_baselines(folder, module, run_pytest):
     """Take PNG files of a folder, and say what became of each; whether all that belong to the module's tests
@@ -27,9 +29,14 @@ def import_baselines(folder, module, run_pytest):
     with refusals():
         found = find_baselines(folder, module.stem, tests)
         if not (found.of_tests or found.shared):
+            if not found.of_nobody:
+                raise Refusal(
+                    f"{folder} has no PNG file. Name the folder that holds the files themselves; folders in "
+                    "it are not searched."
+                )
             raise Refusal(
                 f"No PNG file in {folder} has the name of a test in {module}, as pytest-mpl, "
-                f"pytest-regressions or syrupy would name it; {len(found.of_nobody)} have other names."
+                f"pytest-regressions or syrupy would name it. Its files are {_some(found.of_nobody)}."
             )
         taken = take_baselines(store, found.of_tests, keep)
     told = f"{module.as_posix()}::"
@@ -45,6 +52,11 @@ def import_baselines(folder, module, run_pytest):
         click.echo(f"{path}: of no test in {module}")
     click.echo(f"{len(taken.new)} taken; {os.path.relpath(store)} keeps them.")
     return not (taken.left or found.shared)
+
+
+def _some(paths):
+    names = [path.name for path in paths[:_SHOWN]]
+    return ", ".join([*names, *([f"and {len(paths) - _SHOWN} more"] if len(paths) > _SHOWN else ())])
 
 
 def _whose(names, of_tests):

@@ -186,7 +186,8 @@ def test_where_nothing_can_be_imported_a_sentence_says_why(project, tmp_path):
             "digests of such files, as pytest-mpl's hash library has them, say nothing",
         ),
         ("tests/baseline", "test_none", "test_none.py is no file"),
-        ("tests/baseline", "test_a", "No PNG file in tests/baseline has the name of a test"),
+        ("tests/baseline", "test_a", "Its files are else.png."),
+        ("tests", "test_a", "tests has no PNG file"),
         ("tests/baseline", "test_broken", "nothing_of_this_name"),
         ("tests/baseline", "test_empty", "pytest finds no test in tests/test_empty.py"),
     ):
