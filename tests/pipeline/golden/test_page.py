@@ -78,7 +78,7 @@ def test_every_command_of_the_page_prints_what_it_says(tmp_path):
     for engine in ("portable", "vector"):  # or a line that they are being compiled stands among the dots
         make_ready(engine)
     write_files(tmp_path, "disc.py", "pytest.ini", "tests/test_disc.py")
-    later = ("tests/", "gpu/", "others/test_golden.py")
+    later = ("tests/", "against/", "gpu/", "others/test_golden.py")
     ran = 0
     for command, said in commands():
         if command.startswith("fixedpipe golden record"):  # the other tests come in here
