@@ -249,8 +249,8 @@ SUM_ODD = _packed()  # of bytes 1 and 3
 WIDE = _packed.size  # as many columns again: the second words of wide texels
 PACKED_COLUMNS = 2 * WIDE
 # lists int32[LISTS, batch + 1]: segments and runs of a batch (``fixedpipe.raster.arrays``). In the vector
-# engine a run with RUN_Y -1 is a mixed segment.
-STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, LISTS = range(7)
+# engine a run with RUN_Y -1 is a mixed segment, and SINGLE is 1 where a segment's weights are singles.
+STARTS, OWNERS, BACKS, RUN_STARTS, RUN_X, RUN_Y, SINGLE, LISTS = range(8)
 
 # ----------------------------------------------------------------- the vector engine (raster/vector/frame.py)
 SLACK = 32  # elements of every column behind a batch: vectors may reach so far
@@ -273,6 +273,9 @@ Z_RECIPROCAL = _floats()  # of the area, for depths
 Z_OFFSET = _floats()  # polygon offset
 TERMS = _floats(12 * 4)  # of each unit, for s, t, r, q: vertex 1's, and how far vertices 0 and 2 are from it
 VECTOR_FLOAT_COLUMNS = _floats.size
+# singles float32[SINGLE_COLUMNS, batch]: weights of vertices 0 and 2, a coordinate, and what weights are made
+# of in blocks.
+SINGLE_Q0, SINGLE_Q2, SINGLE_COORDINATE, PART0, PART1, PART2, PARTS, SINGLE_COLUMNS = range(8)
 # More columns of ints.
 _ints = _Row(INT_COLUMNS)
 FIXED0 = _ints(2 * 4)  # floor(256 u size) of s and t of each unit

@@ -28,6 +28,7 @@ class Scratch(NamedTuple):
     """
 
     floats: np.ndarray
+    singles: np.ndarray
     ints: np.ndarray
     packed: np.ndarray
     planes: np.ndarray
@@ -44,6 +45,7 @@ def scratch(batch):
     columns = -(-batch // R.SLACK) * R.SLACK + R.SLACK
     return Scratch(
         floats=np.zeros((R.VECTOR_FLOAT_COLUMNS, columns), np.float64),
+        singles=np.zeros((R.SINGLE_COLUMNS, columns), np.float32),
         ints=np.zeros((R.VECTOR_INT_COLUMNS, columns), np.int32),
         packed=np.zeros((R.VECTOR_PACKED_COLUMNS, columns), np.uint32),
         planes=np.zeros((R.VECTOR_PLANES, columns), np.int16),

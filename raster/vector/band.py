@@ -59,6 +59,7 @@ from fixedpipe.raster.vector.lanes import (
     ramp_i32x16,
     store,
 )
+from fixedpipe.raster.vector.singles import single_factors, single_weights
 from fixedpipe.raster.vector.small_triangles import LARGEST_SMALL, set_up, share
 from fixedpipe.raster.vector.weights import run_color_weights, whole_weights
 
@@ -278,7 +279,7 @@ def small_alone(job, p, t, band, batch, end, buffers, scratch):
             return without(batch, n)
     if not job[R.JOB_ROW_RUNS]:
         runs = add_mixed_run(lists, runs, begin)
-    add_segment(lists, batch.segments, begin, t.number, back_of(draw, t.edges.sign))
+    add_segment(lists, batch.segments, begin, t.number, back_of(draw, t.edges.sign), boolean(False))
     if draw[R.NEEDS_ITERATION_WEIGHTS]:
         triangle_weights(floats, begin, n, factors_of(p.vertices, t), area)
         if job[R.JOB_OF_COLORS]:
@@ -340,6 +341,7 @@ def draw_rows(job, p, t, band, batch, buffers, scratch):
     (n0, n1, n2), right, down, _area, sign = t.edges
     ties = edge_tie(right[0], down[0]), edge_tie(right[1], down[1]), edge_tie(right[2], down[2])
     step, factors, back = as_floats(right), factors_of(p.vertices, t), back_of(draw, sign)
+    single, scaled = single_factors(factors, float64(t.edges.area))
     needs_weights, needs_depth = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_DEPTH]
     for row in range(t.top, t.bottom + 1):
         start, end = row_span(
@@ -361,9 +363,11 @@ def draw_rows(job, p, t, band, batch, buffers, scratch):
             segments = batch.segments
             if not batch.solid:
                 if segments == 0 or lists[R.OWNERS, segments - 1] != t.number:
-                    segments = add_segment(lists, segments, position, t.number, back)
+                    segments = add_segment(lists, segments, position, t.number, back, single)
                 if job[R.JOB_OF_COLORS]:
                     run_color_weights(ints, position, n, here, step)
+                elif needs_weights and single:
+                    single_weights(scratch.singles, position, n, here, step, scaled)
                 elif needs_weights:
                     run_weights(floats, position, n, here, step, factors)
             batch = with_row(batch, n, segments)

@@ -124,10 +124,12 @@ def add_mixed_run(lists, runs, position):
 
 
 @kernel(inlined=True)
-def add_segment(lists, segments, position, t, back):
-    """A segment of triangle t from fragment ``position`` on; how many segments there are."""
+def add_segment(lists, segments, position, t, back, single):
+    """A segment of triangle t from fragment ``position`` on, whose weights are singles or not; how many
+    segments there are.
+    """
     lists[R.STARTS, segments], lists[R.OWNERS, segments] = int32(position), t
-    lists[R.BACKS, segments] = back
+    lists[R.BACKS, segments], lists[R.SINGLE, segments] = back, int32(single)
     return segments + 1
 
 
@@ -195,7 +197,7 @@ def shade(job, p, first, count, batch, scratch):
     draw, planes, lists, shaded = p.state.draw, scratch.planes, scratch.lists, scratch.packed[R.SHADED]
     segments = Listed(lists, batch.segments)
     colors = Colors(p.triangles, p.vertices.colors, draw[R.FLAT])
-    weights = ColorWeights(scratch.floats, scratch.ints, job[R.JOB_OF_COLORS])
+    weights = ColorWeights(scratch.floats, scratch.singles, scratch.ints, job[R.JOB_OF_COLORS])
     terms, varies = planes[R.COLOR_TERMS :], not job[R.JOB_ONE_COLOR]
     if draw[R.DIRECT]:
         if varies:

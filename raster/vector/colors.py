@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import float64, int16, int32, int64, uint8, uint32, void
+from numba import float32, float64, int16, int32, int64, uint8, uint32, void
 
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import type_of
@@ -11,6 +11,7 @@ from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
 from fixedpipe.raster.vector.interpolate import LISTED
 from fixedpipe.raster.vector.lanes import (
     i16x16,
+    load_f32x16,
     load_f64x16,
     load_i16x16,
     load_i32x16,
@@ -36,24 +37,29 @@ class Colors(NamedTuple):
 
 
 class ColorWeights(NamedTuple):
-    """What colours are iterated with: columns Q0 and Q2 of ``floats``, or, of segments that do not mix
-    triangles and where ``whole``, W0 and W2 of ``ints``.
+    """What colours are iterated with: columns Q0 and Q2 of ``floats``. Of segments that do not mix triangles,
+    where ``whole``, W0 and W2 of ``ints``, else, where a segment's weights are, ``singles``.
     """
 
     floats: np.ndarray
+    singles: np.ndarray
     ints: np.ndarray
     whole: int
 
 
 COLORS = type_of(Colors, int32[:, ::1], uint8[:, :, ::1], int64)
-COLOR_WEIGHTS = type_of(ColorWeights, float64[:, ::1], int32[:, ::1], int64)
+COLOR_WEIGHTS = type_of(ColorWeights, float64[:, ::1], float32[:, ::1], int32[:, ::1], int64)
 
 
 @kernel
-def color_weights(whole, floats, ints, i):
+def color_weights(weights, single, i):
     """W0 and W2 of sixteen fragments of one triangle: there already where ``whole``, or from Q0 and Q2."""
+    floats, singles, ints, whole = weights
     if whole:
         return narrow_i16(load_i32x16(ints[R.W0], i)), narrow_i16(load_i32x16(ints[R.W2], i))
+    if single:
+        w0 = narrow_i16(to_int32(load_f32x16(singles[R.SINGLE_Q0], i) * 256.0))
+        return w0, narrow_i16(to_int32(load_f32x16(singles[R.SINGLE_Q2], i) * 256.0))
     w0 = narrow_i16(to_int32(load_f64x16(floats[R.Q0], i) * 256.0))
     return w0, narrow_i16(to_int32(load_f64x16(floats[R.Q2], i) * 256.0))
 
@@ -79,9 +85,9 @@ def iterate_colors(segments, of, first, weights, terms, out, plane):
     channel.
     """
     separate_loop()
-    (triangles, colors, flat), (floats, ints, whole) = of, weights
+    triangles, colors, flat = of
     starts, owners, backs = segments.lists[R.STARTS], segments.lists[R.OWNERS], segments.lists[R.BACKS]
-    q0, q2 = floats[R.Q0], floats[R.Q2]
+    q0, q2 = weights.floats[R.Q0], weights.floats[R.Q2]
     for s in range(segments.count):
         t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
         if t < 0:
@@ -96,7 +102,7 @@ def iterate_colors(segments, of, first, weights, terms, out, plane):
                         total = channel(w0, w2, total, load_i16x16(d0, i), load_i16x16(d2, i))
                     store(into, i, shift_right(total, 8))
             continue
-        side = backs[s]
+        side, single = backs[s], segments.lists[R.SINGLE, s] != 0
         if flat:
             for c in range(4):
                 value = i16x16(int16(colors[triangles[t, 3], side, first + c]))
@@ -111,7 +117,7 @@ def iterate_colors(segments, of, first, weights, terms, out, plane):
         b3, x3, y3 = color_terms(colors, i0, i1, i2, side, first + 3)
         into0, into1, into2, into3 = out[plane], out[plane + 1], out[plane + 2], out[plane + 3]
         for i in range(begin, end, 16):
-            w0, w2 = color_weights(whole, floats, ints, i)
+            w0, w2 = color_weights(weights, single, i)
             store(into0, i, shift_right(channel(w0, w2, b0, x0, y0), 8))
             store(into1, i, shift_right(channel(w0, w2, b1, x1, y1), 8))
             store(into2, i, shift_right(channel(w0, w2, b2, x2, y2), 8))
@@ -122,9 +128,9 @@ def iterate_colors(segments, of, first, weights, terms, out, plane):
 def iterate_packed(segments, of, weights, terms, out):
     """The primary colour as packed bytes: ``iterate_colors`` where nothing else is done with it."""
     separate_loop()
-    (triangles, colors, flat), (floats, ints, whole) = of, weights
+    triangles, colors, flat = of
     starts, owners, backs = segments.lists[R.STARTS], segments.lists[R.OWNERS], segments.lists[R.BACKS]
-    q0, q2 = floats[R.Q0], floats[R.Q2]
+    q0, q2 = weights.floats[R.Q0], weights.floats[R.Q2]
     high = int16(-256)
     for s in range(segments.count):
         t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
@@ -142,7 +148,7 @@ def iterate_packed(segments, of, weights, terms, out):
                 low, upper = shift_right(r, 8) | (g & high), shift_right(b, 8) | (a & high)
                 store(out, i, widen_unsigned_i32(low) | (widen_unsigned_i32(upper) << 16))
             continue
-        side = backs[s]
+        side, single = backs[s], segments.lists[R.SINGLE, s] != 0
         i0, i1, i2 = triangles[t, 0], triangles[t, 1], triangles[t, 2]
         if flat:
             i0 = i1 = i2 = triangles[t, 3]
@@ -158,7 +164,7 @@ def iterate_packed(segments, of, weights, terms, out):
                 store(out, i, value)
             continue
         for i in range(begin, end, 16):
-            w0, w2 = color_weights(whole, floats, ints, i)
+            w0, w2 = color_weights(weights, single, i)
             r, g = channel(w0, w2, b0, x0, y0), channel(w0, w2, b1, x1, y1)
             b, a = channel(w0, w2, b2, x2, y2), channel(w0, w2, b3, x3, y3)
             low, upper = shift_right(r, 8) | (g & high), shift_right(b, 8) | (a & high)

@@ -10,7 +10,7 @@ than ``count`` asks for.
 from typing import NamedTuple
 
 import numpy as np
-from numba import float64, int32, int64, types, void
+from numba import float32, float64, int32, int64, types, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
@@ -23,7 +23,9 @@ from fixedpipe.raster.vector.interpolate import (
     EXACT_FROM,
     LARGEST_COORDINATE,
     LISTED,
+    float_of_terms,
     power_of,
+    sum_beside,
     terms_of,
 )
 from fixedpipe.raster.vector.lanes import (
@@ -35,6 +37,7 @@ from fixedpipe.raster.vector.lanes import (
     floats_of_lanes,
     floored,
     i32x16,
+    load_f32x16,
     load_f64x16,
     magnitude,
     maximum,
@@ -42,8 +45,10 @@ from fixedpipe.raster.vector.lanes import (
     narrow_i32,
     select,
     store,
+    to_doubles,
     to_int32,
 )
+from fixedpipe.raster.vector.singles import single_coordinate, widen_weights
 
 _FIXED = 8  # fraction bits of a texel coordinate
 _DOUBT = 2.0**-20  # units: closer to an integer, a floor is in doubt
@@ -130,12 +135,13 @@ class Axis(NamedTuple):
 AXIS = type_of(Axis, int64, int64, int64, int64)
 
 
-@kernel(void(LISTED, int32[:, ::1], float64[:, :, ::1], AXIS, float64[:, ::1], int32[::1]))
-def iterate_texels(segments, triangles, coordinates, axis, floats, out):
+@kernel(void(LISTED, int32[:, ::1], float64[:, :, ::1], AXIS, float64[:, ::1], float32[:, ::1], int32[::1]))
+def iterate_texels(segments, triangles, coordinates, axis, floats, singles, out):
     """floor(256 u size) of one texture coordinate into a column of int32."""
     separate_loop()
     unit, component, log2_size, repeat = axis
     starts, owners = segments.lists[R.STARTS], segments.lists[R.OWNERS]
+    single = segments.lists[R.SINGLE]
     q0, q2 = floats[R.Q0], floats[R.Q2]
     first = R.TERMS + 12 * unit + 3 * component
     base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
@@ -155,6 +161,12 @@ def iterate_texels(segments, triangles, coordinates, axis, floats, out):
         c1 = coordinates[triangles[t, 1], unit, component]
         c0 = coordinate_difference(coordinates[triangles[t, 0], unit, component], c1)
         c2 = coordinate_difference(coordinates[triangles[t, 2], unit, component], c1)
+        if single[s]:
+            if single_coordinate(singles, begin, end, (c1, c0, c2), log2_size + _FIXED):
+                for i in range(begin, end, 16):
+                    store(out, i, to_int32(floored(load_f32x16(singles[R.SINGLE_COORDINATE], i))))
+                continue
+            widen_weights(singles, floats, begin, end)
         v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
         i = begin
         while i < end:
@@ -181,6 +193,59 @@ def iterate_texels(segments, triangles, coordinates, axis, floats, out):
                 for k in range(i, min(i + 16, end)):
                     out[k] = exact_steps(q0[k], q2[k], c1, c0, c2, size, repeat)
             i += 16
+
+
+ITERATED_FLOATS = void(
+    LISTED, int32[:, ::1], float64[:, :, ::1], int64, int64, float64[:, ::1], float32[:, ::1], float64[::1]
+)
+
+
+@kernel(ITERATED_FLOATS)
+def iterate_floats(segments, triangles, coordinates, unit, component, floats, singles, out):
+    """One texture coordinate (0 to 3: s, t, r, q) into a column of float64."""
+    separate_function()
+    starts, owners = segments.lists[R.STARTS], segments.lists[R.OWNERS]
+    single = segments.lists[R.SINGLE]
+    q0, q2 = floats[R.Q0], floats[R.Q2]
+    first = R.TERMS + 12 * unit + 3 * component
+    base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
+    for s in range(segments.count):
+        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
+        if t < 0:
+            for i in range(begin, end, 16):
+                v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
+                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
+                store(out, i, float_of_terms(*terms))
+            continue
+        c1 = coordinates[triangles[t, 1], unit, component]
+        c0 = coordinate_difference(coordinates[triangles[t, 0], unit, component], c1)
+        c2 = coordinate_difference(coordinates[triangles[t, 2], unit, component], c1)
+        v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
+        if c0 == 0.0 and c2 == 0.0:
+            value = float_of_terms(*terms_of(d0, d2, v1, d0, d2))
+            for i in range(begin, end, 16):
+                store(out, i, value)
+            continue
+        if single[s]:
+            if single_coordinate(singles, begin, end, (c1, c0, c2), 0):
+                for i in range(begin, end, 16):
+                    store(out, i, to_doubles(load_f32x16(singles[R.SINGLE_COORDINATE], i)))
+                continue
+            widen_weights(singles, floats, begin, end)
+        i = begin
+        while i < end:
+            step, steps = product_step(c1, 1.0, q0[i], c0, q2[i], c2)
+            own, e0, e2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
+            holds = True
+            while holds and i < end:
+                holds, total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, e0, e2)
+                if holds:
+                    store(out, i, total * step)
+                    i += 16
+            if i < end:
+                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
+                store(out, i, float_of_terms(*terms))
+                i += 16
 
 
 @kernel

@@ -16,8 +16,8 @@ from fixedpipe.raster.portable.anisotropic import move_to_tap, tap_weight
 from fixedpipe.raster.portable.footprint import move_to_probe, share_of_a_probe
 from fixedpipe.raster.portable.level_of_detail import iterated, weighted
 from fixedpipe.raster.vector.arrays import JOB, SCRATCH, pass_of
-from fixedpipe.raster.vector.coordinates import fixed_from_floats
-from fixedpipe.raster.vector.interpolate import Listed, iterate_floats
+from fixedpipe.raster.vector.coordinates import fixed_from_floats, iterate_floats
+from fixedpipe.raster.vector.interpolate import Listed
 from fixedpipe.raster.vector.level_of_detail import lambdas, linear_edge
 from fixedpipe.raster.vector.sample import filter_mipmapped
 
@@ -188,8 +188,8 @@ def sample_footprints(job, u, count, segments, runs, scratch):
     triangles, coordinates, row = p.triangles, p.vertices.coordinates, p.textures.units[u]
     floats, ints, planes, plane = scratch.floats, scratch.ints, scratch.planes, (C.REGISTER_TEXTURE0 + u) * 4
     listed = Listed(scratch.lists, segments)
-    iterate_floats(listed, triangles, coordinates, u, 0, floats, floats[R.CENTER_S])
-    iterate_floats(listed, triangles, coordinates, u, 1, floats, floats[R.CENTER_T])
+    iterate_floats(listed, triangles, coordinates, u, 0, floats, scratch.singles, floats[R.CENTER_S])
+    iterate_floats(listed, triangles, coordinates, u, 1, floats, scratch.singles, floats[R.CENTER_T])
     footprints(job, u, count, runs, scratch)
     ratio, most = floats[R.RATIO], 1.0
     for i in range(count):

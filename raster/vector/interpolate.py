@@ -32,7 +32,7 @@ from fixedpipe.raster.fixed import (
 )
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, REST_STEP, REST_STEPS, SMALLEST
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
-from fixedpipe.raster.portable.interpolate import TINY, coordinate_difference, depth_difference, product_step
+from fixedpipe.raster.portable.interpolate import TINY, coordinate_difference, depth_difference
 from fixedpipe.raster.vector.lanes import (
     absolute,
     all_lanes,
@@ -418,47 +418,6 @@ def sum_beside(q0, q2, own, d0, d2):
 def float_of_terms(largest, exponent, total):
     """A coordinate itself."""
     return total * floats_of_lanes(exponent - int64(23 << 52))
-
-
-@kernel(void(LISTED, int32[:, ::1], float64[:, :, ::1], int64, int64, float64[:, ::1], float64[::1]))
-def iterate_floats(segments, triangles, coordinates, unit, component, floats, out):
-    """One texture coordinate (0 to 3: s, t, r, q) into a column of float64."""
-    separate_function()
-    starts, owners = segments.lists[R.STARTS], segments.lists[R.OWNERS]
-    q0, q2 = floats[R.Q0], floats[R.Q2]
-    first = R.TERMS + 12 * unit + 3 * component
-    base, from0, from2 = floats[first], floats[first + 1], floats[first + 2]
-    for s in range(segments.count):
-        t, begin, end = owners[s], int64(starts[s]), int64(starts[s + 1])
-        if t < 0:
-            for i in range(begin, end, 16):
-                v1, d0, d2 = load_f64x16(base, i), load_f64x16(from0, i), load_f64x16(from2, i)
-                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
-                store(out, i, float_of_terms(*terms))
-            continue
-        c1 = coordinates[triangles[t, 1], unit, component]
-        c0 = coordinate_difference(coordinates[triangles[t, 0], unit, component], c1)
-        c2 = coordinate_difference(coordinates[triangles[t, 2], unit, component], c1)
-        v1, d0, d2 = f64x16(c1), f64x16(c0), f64x16(c2)
-        if c0 == 0.0 and c2 == 0.0:
-            value = float_of_terms(*terms_of(d0, d2, v1, d0, d2))
-            for i in range(begin, end, 16):
-                store(out, i, value)
-            continue
-        i = begin
-        while i < end:
-            step, steps = product_step(c1, 1.0, q0[i], c0, q2[i], c2)
-            own, e0, e2 = f64x16(np.trunc(c1 * steps)), f64x16(c0 * steps), f64x16(c2 * steps)
-            holds = True
-            while holds and i < end:
-                holds, total = sum_beside(load_f64x16(q0, i), load_f64x16(q2, i), own, e0, e2)
-                if holds:
-                    store(out, i, total * step)
-                    i += 16
-            if i < end:
-                terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
-                store(out, i, float_of_terms(*terms))
-                i += 16
 
 
 @kernel(void(float64[:, ::1], int64, int64, float64[:, :, ::1], int64, int64, types.UniTuple(int32, 3)))

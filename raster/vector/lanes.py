@@ -28,6 +28,7 @@ _ELEMENTS = {
     types.int16: ir.IntType(16),
     types.int32: ir.IntType(32),
     types.int64: ir.IntType(64),
+    types.float32: ir.FloatType(),
     types.float64: ir.DoubleType(),
 }
 _LETTERS = {
@@ -35,8 +36,10 @@ _LETTERS = {
     types.int16: "i16",
     types.int32: "i32",
     types.int64: "i64",
+    types.float32: "f32",
     types.float64: "f64",
 }
+_REAL = (types.float32, types.float64)
 
 
 class Vector(types.Type):
@@ -77,6 +80,7 @@ U8X4, U8X16, U8X32 = (Vector(types.uint8, lanes) for lanes in (4, 16, 32))
 I16X4, I16X16, I16X32 = (Vector(types.int16, lanes) for lanes in (4, 16, 32))
 I32X8, I32X16, I32X32 = Vector(types.int32, 8), Vector(types.int32, 16), Vector(types.int32, 32)
 I64X8 = Vector(types.int64, 8)
+F32X16 = Vector(types.float32, 16)
 F64X8, F64X16 = Vector(types.float64, 8), Vector(types.float64, 16)
 
 
@@ -134,14 +138,14 @@ def _binary(operation, emit, result=None):
 
 def _arithmetic(operation, integer, real):
     def emit(builder, vector, a, b):
-        return getattr(builder, real if vector.element == types.float64 else integer)(a, b)
+        return getattr(builder, real if vector.element in _REAL else integer)(a, b)
 
     _binary(operation, emit)
 
 
 def _comparison(operation, symbol):
     def emit(builder, vector, a, b):
-        if vector.element != types.float64:
+        if vector.element not in _REAL:
             return builder.icmp_signed(symbol, a, b)
         # What is not a number differs from everything and compares with nothing, as in Python.
         return (builder.fcmp_unordered if symbol == "!=" else builder.fcmp_ordered)(symbol, a, b)
@@ -188,13 +192,23 @@ def _extreme(symbol, doc):
 
         def codegen(context, builder, signature, args):
             vector, (x, y) = _operands(context, builder, signature, args)
-            compare = builder.fcmp_ordered if vector.element == types.float64 else builder.icmp_signed
+            compare = builder.fcmp_ordered if vector.element in _REAL else builder.icmp_signed
             return builder.select(compare(symbol, x, y), x, y)
 
         return a(a, b), codegen
 
     extreme.__doc__ = doc
     return extreme
+
+
+@intrinsic
+def fused(typing_context, a, b, c):
+    """``a b + c``, rounded once, of three vectors of floats."""
+
+    def codegen(context, builder, signature, args):
+        return _call(builder, f"llvm.fma.{a.suffix}", a.ir, args)
+
+    return a(a, a, a), codegen
 
 
 minimum = _extreme("<", "The smaller of each two lanes; the second where one is not a number.")
@@ -427,6 +441,7 @@ i16x32 = _maker(I16X32, "")
 i32x8 = _maker(I32X8, "")
 i32x16 = _maker(I32X16, "")
 i64x8 = _maker(I64X8, "")
+f32x16 = _maker(F32X16, "")
 f64x8 = _maker(F64X8, "")
 f64x16 = _maker(F64X16, "")
 
@@ -465,6 +480,7 @@ def _converter(element, emit, doc):
 
 to_int32 = _converter(types.int32, "fptosi", "A float's integer part; undefined beyond int32.")
 to_float64 = _converter(types.float64, "sitofp", "An integer as a float.")
+to_float32 = _converter(types.float32, "sitofp", "An integer as a float32, rounded as the processor is told.")
 narrow_i32 = _converter(types.int32, "trunc", "The lower 32 bits.")
 narrow_i16 = _converter(types.int16, "trunc", "The lower 16 bits.")
 narrow_u8 = _converter(types.uint8, "trunc", "The lower 8 bits.")
@@ -512,6 +528,9 @@ quarters_of = _scalar_reinterpreter(types.int64, I16X4, "The 16-bit quarters of 
 
 bits_of_lanes = _converter(types.int64, "bitcast", "The bit patterns of float64 lanes.")
 floats_of_lanes = _converter(types.float64, "bitcast", "The float64 with each bit pattern.")
+to_doubles = _converter(types.float64, "fpext", "The same float32 in 64 bits.")
+bits_of_singles = _converter(types.int32, "bitcast", "The bit patterns of float32 lanes.")
+singles_of_bits = _converter(types.float32, "bitcast", "The float32 with each bit pattern.")
 
 
 # ---------------------------------------------------------------------------------- loading and storing
@@ -557,6 +576,7 @@ def _loader(vector):
 load_u8x16, load_u8x32 = _loader(U8X16), _loader(U8X32)
 load_i16x16, load_i16x32 = _loader(I16X16), _loader(I16X32)
 load_i32x16, load_i32x32 = _loader(I32X16), _loader(I32X32)
+load_f32x16 = _loader(F32X16)
 load_f64x8, load_f64x16 = _loader(F64X8), _loader(F64X16)
 
 

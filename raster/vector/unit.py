@@ -15,6 +15,7 @@ from fixedpipe.raster.vector.coordinates import (
     divide_by_q,
     fixed_from_floats,
     fixed_from_quotients,
+    iterate_floats,
     iterate_texels,
 )
 from fixedpipe.raster.vector.footprint import sample_footprints
@@ -23,7 +24,6 @@ from fixedpipe.raster.vector.interpolate import (
     LARGEST_FLOAT,
     LARGEST_REPEATED,
     Listed,
-    iterate_floats,
 )
 from fixedpipe.raster.vector.level_of_detail import level_of_detail
 from fixedpipe.raster.vector.sample import (
@@ -187,24 +187,25 @@ def sample_computed(job, u, count, segments, scratch):
     p = pass_of(job)
     triangles, coordinates = p.triangles, p.vertices.coordinates
     row, levels, floats, ints = p.textures.units[u], p.textures.levels[u], scratch.floats, scratch.ints
+    singles = scratch.singles
     located, f_s, f_t = scratch.located[u], ints[R.FIXED0 + 2 * u], ints[R.FIXED0 + 2 * u + 1]
     s, t, extra, r = floats[R.S], floats[R.T], floats[R.EXTRA], floats[R.COORDINATE0]
     cube, projective = row[R.TARGET] == C.TARGET_CUBE_MAP, row[R.PROJECTIVE] != 0
     compared, listed = row[R.COMPARE] != C.COMPARE_MODE_NONE, Listed(scratch.lists, segments)
-    iterate_floats(listed, triangles, coordinates, u, 0, floats, s)
-    iterate_floats(listed, triangles, coordinates, u, 1, floats, t)
+    iterate_floats(listed, triangles, coordinates, u, 0, floats, singles, s)
+    iterate_floats(listed, triangles, coordinates, u, 1, floats, singles, t)
     if cube:
-        iterate_floats(listed, triangles, coordinates, u, 2, floats, extra)
+        iterate_floats(listed, triangles, coordinates, u, 2, floats, singles, extra)
         cube_faces(s, t, extra, ints[R.FACE], count)
     elif projective:
-        iterate_floats(listed, triangles, coordinates, u, 3, floats, extra)
+        iterate_floats(listed, triangles, coordinates, u, 3, floats, singles, extra)
     # The usual shadow map: quotients need not be known to their last bit.
     width, height, edge = float64(levels[0, 1]), float64(levels[0, 2]), int64(C.WRAP_CLAMP_TO_EDGE)
     usual = projective and row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE and row[R.MAG_LINEAR] != 0
     usual = usual and row[R.TARGET] == C.TARGET_2D and row[R.DEPTH_TEXEL_FORMAT] == C.DEPTH_FIXED
     usual = usual and row[R.WRAP_S] == edge and row[R.WRAP_T] == edge and max(width, height) <= LARGEST_SHADOW
     if usual:
-        iterate_floats(listed, triangles, coordinates, u, 2, floats, r)
+        iterate_floats(listed, triangles, coordinates, u, 2, floats, singles, r)
         scale, largest = float_of(row[R.COORDINATE_DEPTH]), int32(row[R.DEPTH_TEXEL_MAX])
         made = f_s, f_t, ints[R.REFERENCE]
         fixed_from_quotients((s, t, r, extra), made, (width, height, scale), largest, count)
@@ -218,7 +219,7 @@ def sample_computed(job, u, count, segments, scratch):
         divide_by_q(t, extra, count)
     if compared:
         if row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE:
-            iterate_floats(listed, triangles, coordinates, u, 2, floats, r)
+            iterate_floats(listed, triangles, coordinates, u, 2, floats, singles, r)
             if projective:
                 divide_by_q(r, extra, count)
         else:
@@ -265,8 +266,8 @@ def sample(job, u, count, segments, runs, scratch):
         listed = Listed(scratch.lists, segments)
         along_s = Axis(u, int64(0), job[R.JOB_LOG2_S + u], int64(row[R.WRAP_S] == C.WRAP_REPEAT))
         along_t = Axis(u, int64(1), job[R.JOB_LOG2_T + u], int64(row[R.WRAP_T] == C.WRAP_REPEAT))
-        iterate_texels(listed, triangles, coordinates, along_s, floats, f_s)
-        iterate_texels(listed, triangles, coordinates, along_t, floats, f_t)
+        iterate_texels(listed, triangles, coordinates, along_s, floats, scratch.singles, f_s)
+        iterate_texels(listed, triangles, coordinates, along_t, floats, scratch.singles, f_t)
         if path == C.PATH_ITERATED:
             locate(levels, row, f_s, f_t, count, scratch.located[u])
     pairs = p.textures.texels[u]
