@@ -59,7 +59,7 @@ from fixedpipe.raster.vector.lanes import (
     ramp_i32x16,
     store,
 )
-from fixedpipe.raster.vector.singles import single_factors, single_weights
+from fixedpipe.raster.vector.singles import single_column_weights, single_factors, single_weights
 from fixedpipe.raster.vector.small_triangles import LARGEST_SMALL, set_up, share
 from fixedpipe.raster.vector.weights import run_color_weights, whole_weights
 
@@ -279,11 +279,17 @@ def small_alone(job, p, t, band, batch, end, buffers, scratch):
             return without(batch, n)
     if not job[R.JOB_ROW_RUNS]:
         runs = add_mixed_run(lists, runs, begin)
-    add_segment(lists, batch.segments, begin, t.number, back_of(draw, t.edges.sign), boolean(False))
+    single = boolean(False)
     if draw[R.NEEDS_ITERATION_WEIGHTS]:
-        triangle_weights(floats, begin, n, factors_of(p.vertices, t), area)
-        if job[R.JOB_OF_COLORS]:
-            whole_weights(floats, ints, begin, n)
+        factors = factors_of(p.vertices, t)
+        single, scaled = single_factors(factors)
+        if single:
+            single_column_weights(scratch.singles, floats, begin, n, scaled, area)
+        else:
+            triangle_weights(floats, begin, n, factors, area)
+            if job[R.JOB_OF_COLORS]:
+                whole_weights(floats, ints, begin, n)
+    add_segment(lists, batch.segments, begin, t.number, back_of(draw, t.edges.sign), single)
     return with_small(batch, position, batch.segments + 1, runs, int64(-1))
 
 
@@ -341,8 +347,9 @@ def draw_rows(job, p, t, band, batch, buffers, scratch):
     (n0, n1, n2), right, down, _area, sign = t.edges
     ties = edge_tie(right[0], down[0]), edge_tie(right[1], down[1]), edge_tie(right[2], down[2])
     step, factors, back = as_floats(right), factors_of(p.vertices, t), back_of(draw, sign)
-    single, scaled = single_factors(factors, float64(t.edges.area))
+    can_be_single, scaled = single_factors(factors)
     needs_weights, needs_depth = draw[R.NEEDS_ITERATION_WEIGHTS], draw[R.NEEDS_DEPTH]
+    single = can_be_single and needs_weights != 0 and job[R.JOB_OF_COLORS] == 0
     for row in range(t.top, t.bottom + 1):
         start, end = row_span(
             n0 + ties[0], n1 + ties[1], n2 + ties[2], right[0], right[1], right[2], t.left, t.right
@@ -366,7 +373,7 @@ def draw_rows(job, p, t, band, batch, buffers, scratch):
                     segments = add_segment(lists, segments, position, t.number, back, single)
                 if job[R.JOB_OF_COLORS]:
                     run_color_weights(ints, position, n, here, step)
-                elif needs_weights and single:
+                elif single:
                     single_weights(scratch.singles, position, n, here, step, scaled)
                 elif needs_weights:
                     run_weights(floats, position, n, here, step, factors)

@@ -37,8 +37,8 @@ class Colors(NamedTuple):
 
 
 class ColorWeights(NamedTuple):
-    """What colours are iterated with: columns Q0 and Q2 of ``floats``. Of segments that do not mix triangles,
-    where ``whole``, W0 and W2 of ``ints``, else, where a segment's weights are, ``singles``.
+    """What colours are iterated with: columns Q0 and Q2 of ``floats``. Segments that do not mix triangles may
+    have them in ``singles`` (SINGLE_Q0 and SINGLE_Q2); else, where ``whole``, as W0 and W2 of ``ints``.
     """
 
     floats: np.ndarray
@@ -53,13 +53,13 @@ COLOR_WEIGHTS = type_of(ColorWeights, float64[:, ::1], float32[:, ::1], int32[:,
 
 @kernel
 def color_weights(weights, single, i):
-    """W0 and W2 of sixteen fragments of one triangle: there already where ``whole``, or from Q0 and Q2."""
+    """W0 and W2 of sixteen fragments of one triangle."""
     floats, singles, ints, whole = weights
-    if whole:
-        return narrow_i16(load_i32x16(ints[R.W0], i)), narrow_i16(load_i32x16(ints[R.W2], i))
     if single:
         w0 = narrow_i16(to_int32(load_f32x16(singles[R.SINGLE_Q0], i) * 256.0))
         return w0, narrow_i16(to_int32(load_f32x16(singles[R.SINGLE_Q2], i) * 256.0))
+    if whole:
+        return narrow_i16(load_i32x16(ints[R.W0], i)), narrow_i16(load_i32x16(ints[R.W2], i))
     w0 = narrow_i16(to_int32(load_f64x16(floats[R.Q0], i) * 256.0))
     return w0, narrow_i16(to_int32(load_f64x16(floats[R.Q2], i) * 256.0))
 

@@ -528,6 +528,7 @@ quarters_of = _scalar_reinterpreter(types.int64, I16X4, "The 16-bit quarters of 
 
 bits_of_lanes = _converter(types.int64, "bitcast", "The bit patterns of float64 lanes.")
 floats_of_lanes = _converter(types.float64, "bitcast", "The float64 with each bit pattern.")
+narrow_f32 = _converter(types.float32, "fptrunc", "A float64 as a float32, rounded as the processor is told.")
 to_doubles = _converter(types.float64, "fpext", "The same float32 in 64 bits.")
 bits_of_singles = _converter(types.int32, "bitcast", "The bit patterns of float32 lanes.")
 singles_of_bits = _converter(types.float32, "bitcast", "The float32 with each bit pattern.")

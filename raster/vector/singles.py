@@ -13,8 +13,9 @@ from numba import boolean, float32, float64, int32, int64, void
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import THREE
 from fixedpipe.raster.fixed import power_below, reciprocal_24, truncate_24
+from fixedpipe.raster.floats import LARGEST_SINGLE, LEAST_SINGLE
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
-from fixedpipe.raster.vector.interpolate import EXACT_FROM, are_exact
+from fixedpipe.raster.vector.interpolate import are_exact
 from fixedpipe.raster.vector.lanes import (
     all_lanes,
     any_lane,
@@ -23,8 +24,11 @@ from fixedpipe.raster.vector.lanes import (
     fused,
     i32x16,
     load_f32x16,
+    load_f64x16,
     maximum,
     minimum,
+    narrow_f32,
+    ramp_f64x16,
     ramp_i32x16,
     select,
     singles_of_bits,
@@ -34,8 +38,8 @@ from fixedpipe.raster.vector.lanes import (
 )
 from fixedpipe.raster.vector.rounding import can_cut, toward_zero
 
-LARGEST_AREA = 2.0**31  # edge functions are int32
-LARGEST_RATIO = 2.0**60  # of factors: no product then leaves the range of normal float32
+LARGEST_INT32 = 2.0**31  # of areas: edge functions below are int32
+LARGEST_RATIO = 2.0**60  # of factors: with areas below 2**53 no weight is then below 2**-117 and not zero
 BLOCK = 256  # fragments
 _ONE, _PLACES = 127, 23  # exponent field of 1, and where it is
 _EXPONENT = 0xFF << _PLACES
@@ -58,18 +62,27 @@ def times_power(value, power):
 
 
 @kernel
-def reciprocals(total):
-    """``fixed.reciprocal_24`` of each lane, all of them in 2**24..2**27.
+def near_reciprocals(total):
+    """(x, what of 1 is not total x) for sums in 2**24..2**27: x has twelve bits of the reciprocal of the
+    sum's first fifteen, as in ``fixed.reciprocal_24``.
 
-    A quotient cut to 24 bits never falls below a number of 22 bits that the exact one reaches, so twelve
-    bits of it are rounded as those of the exact one are. 1 - total x is exact: it is below 2**-11, and its
-    last bit is that of 24 and 12 bits. It is rounded to 2**-24, halves toward zero: with 3/4, the sum's last
-    bit is 2**-24, so what is added before is half of that for what is negative, and less than half, by the
-    last bit of the rest, for what is not.
+    A quotient cut to 24 bits never falls below a number of 22 bits that the exact one reaches, so it is
+    rounded to twelve as the exact one is. The rest is exact: it is below 2**-11, and no bit of it is below
+    2**-35, the last of a product of 24 and 12 bits.
     """
     near = singles_of_bits((bits_of_singles(total) + int32(1 << 8)) & int32(-(1 << 9)))
     x = singles_of_bits((bits_of_singles(1.0 / near) + int32((1 << 11) + (1 << 3))) & int32(-(1 << 12)))
-    rest = fused(total * -1.0, x, f32x16(float32(1.0)))
+    return x, fused(total * -1.0, x, f32x16(float32(1.0)))
+
+
+@kernel
+def reciprocals(total):
+    """``fixed.reciprocal_24`` of each lane, all of them in 2**24..2**27.
+
+    The rest is rounded to 2**-24, halves toward zero. Beside 3/4 that is the last bit of a sum, which is cut:
+    so half of it is added first, and to what is positive a little less.
+    """
+    x, rest = near_reciprocals(total)
     half = select(rest < 0.0, f32x16(float32(2.0**-25)), f32x16(float32(2.0**-25 - 2.0**-36)))
     nearest = ((rest + half) + 0.75) - 0.75
     return fused(x, nearest, x)
@@ -103,50 +116,74 @@ def rest_to_largest(q0, q1, q2):
     return select(first, rest_of(q1, q2), q0), select(last, rest_of(q0, q1), q2)
 
 
+@kernel(inlined=True)
+def store_parts(singles, i, e0, e1, e2):
+    """Sixteen fragments' terms of N4.10, in units of their sum, and the sum, at ``i`` of a block."""
+    most = maximum(maximum(exponent(e0), exponent(e1)), exponent(e2))
+    units = singles_of_bits(int32((2 * _ONE + 24) << _PLACES) - most)
+    u0, u1, u2 = e0 * units, e1 * units, e2 * units
+    store(singles[R.PART0], i, u0)
+    store(singles[R.PART1], i, u1)
+    store(singles[R.PART2], i, u2)
+    store(singles[R.PARTS], i, to_float32((to_int32(u0) + to_int32(u1)) + to_int32(u2)))
+
+
+@kernel(inlined=True)
+def store_weights(singles, i, q0, q1, q2):
+    """SINGLE_Q0 and SINGLE_Q2 of sixteen fragments from ``i`` on."""
+    w0, w2 = rest_to_largest(q0, q1, q2)
+    store(singles[R.SINGLE_Q0], i, w0)
+    store(singles[R.SINGLE_Q2], i, w2)
+
+
+@kernel(inlined=True)
+def finish_block(singles, at, count):
+    """The weights of a block's ``count`` fragments, the first of which is ``at``, from their parts."""
+    of0, of1, of2, total = singles[R.PART0], singles[R.PART1], singles[R.PART2], singles[R.PARTS]
+    for i in range(0, count, 16):
+        store(total, i, reciprocals(load_f32x16(total, i)))
+    for i in range(0, count, 16):
+        r = load_f32x16(total, i)
+        q0, q1, q2 = load_f32x16(of0, i) * r, load_f32x16(of1, i) * r, load_f32x16(of2, i) * r
+        store_weights(singles, at + i, q0, q1, q2)
+
+
 @kernel(void(float32[:, ::1], int64, int64, THREE, THREE, THREE, float64))
 def cut_weights(singles, position, count, n, right, factors, reciprocal):
-    """The leaf of ``single_weights``; ``reciprocal``: of the area, where edge functions are exact and there
-    is no perspective, else 0.
+    """The leaf of ``single_weights``; ``reciprocal``: of the area, where that is all that weights take of it
+    and is below LARGEST_INT32, else 0.
     """
     separate_loop()
-    n0, n1, n2 = int32(n[0]), int32(n[1]), int32(n[2])
-    right0, right1, right2 = int32(right[0]), int32(right[1]), int32(right[2])
+    (n0, n1, n2), (right0, right1, right2) = n, right
     f0, f1, f2 = float32(factors[0]), float32(factors[1]), float32(factors[2])
-    out0, out2 = singles[R.SINGLE_Q0], singles[R.SINGLE_Q2]
-    of0, of1, of2, total = singles[R.PART0], singles[R.PART1], singles[R.PART2], singles[R.PARTS]
-    ramp = ramp_i32x16()
-    a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2
-    step0, step1, step2 = right0 << int32(4), right1 << int32(4), right2 << int32(4)
+    if (n0 + n1) + n2 >= LARGEST_INT32:
+        ramp = ramp_f64x16()
+        a0, a1, a2 = ramp * right0 + n0, ramp * right1 + n1, ramp * right2 + n2  # exact, as step by step
+        wide0, wide1, wide2 = right0 * 16.0, right1 * 16.0, right2 * 16.0
+        for first in range(0, count, BLOCK):
+            some = min(int64(BLOCK), count - first)
+            for i in range(0, some, 16):
+                store_parts(singles, i, narrow_f32(a0) * f0, narrow_f32(a1) * f1, narrow_f32(a2) * f2)
+                a0, a1, a2 = a0 + wide0, a1 + wide1, a2 + wide2
+            finish_block(singles, position + first, some)
+        return
+    lane = ramp_i32x16()
+    c0 = lane * int32(right0) + int32(n0)
+    c1 = lane * int32(right1) + int32(n1)
+    c2 = lane * int32(right2) + int32(n2)
+    step0, step1, step2 = int32(right0) << int32(4), int32(right1) << int32(4), int32(right2) << int32(4)
     if reciprocal > 0.0:
-        inverse = float32(reciprocal)
+        r = float32(reciprocal)
         for i in range(0, count, 16):
-            w0, w2 = rest_to_largest(
-                to_float32(a0) * inverse, to_float32(a1) * inverse, to_float32(a2) * inverse
-            )
-            store(out0, position + i, w0)
-            store(out2, position + i, w2)
-            a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
+            store_weights(singles, position + i, to_float32(c0) * r, to_float32(c1) * r, to_float32(c2) * r)
+            c0, c1, c2 = c0 + step0, c1 + step1, c2 + step2
         return
     for first in range(0, count, BLOCK):
-        some, at = min(int64(BLOCK), count - first), position + first
+        some = min(int64(BLOCK), count - first)
         for i in range(0, some, 16):
-            e0, e1, e2 = to_float32(a0) * f0, to_float32(a1) * f1, to_float32(a2) * f2
-            most = maximum(maximum(exponent(e0), exponent(e1)), exponent(e2))
-            units = singles_of_bits(int32((2 * _ONE + 24) << _PLACES) - most)
-            u0, u1, u2 = e0 * units, e1 * units, e2 * units
-            store(of0, i, u0)
-            store(of1, i, u1)
-            store(of2, i, u2)
-            store(total, i, to_float32((to_int32(u0) + to_int32(u1)) + to_int32(u2)))
-            a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
-        for i in range(0, some, 16):
-            store(total, i, reciprocals(load_f32x16(total, i)))
-        for i in range(0, some, 16):
-            r = load_f32x16(total, i)
-            q0, q1, q2 = load_f32x16(of0, i) * r, load_f32x16(of1, i) * r, load_f32x16(of2, i) * r
-            w0, w2 = rest_to_largest(q0, q1, q2)
-            store(out0, at + i, w0)
-            store(out2, at + i, w2)
+            store_parts(singles, i, to_float32(c0) * f0, to_float32(c1) * f1, to_float32(c2) * f2)
+            c0, c1, c2 = c0 + step0, c1 + step1, c2 + step2
+        finish_block(singles, position + first, some)
 
 
 @kernel(void(float32[:, ::1], int64, int64, THREE, THREE, THREE, float64))
@@ -156,17 +193,49 @@ def weights_toward_zero(singles, position, count, n, right, factors, reciprocal)
     toward_zero(cut_weights, (singles, position, count, n, right, factors, reciprocal))
 
 
-@kernel
-def single_factors(factors, area):
-    """(whether a triangle's weights may be ``single_weights``, its factors for them).
+@kernel(void(float32[:, ::1], float64[:, ::1], int64, int64, THREE, float64))
+def cut_column_weights(singles, floats, position, count, factors, reciprocal):
+    """The leaf of ``single_column_weights``; ``reciprocal``: as for ``cut_weights``."""
+    separate_loop()
+    f0, f1, f2 = float32(factors[0]), float32(factors[1]), float32(factors[2])
+    n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
+    r = float32(reciprocal)
+    for at in range(position, position + count, BLOCK):
+        some = min(int64(BLOCK), position + count - at)
+        for i in range(0, some, 16):
+            e0, e1 = narrow_f32(load_f64x16(n0, at + i)), narrow_f32(load_f64x16(n1, at + i))
+            e2 = narrow_f32(load_f64x16(n2, at + i))
+            if reciprocal > 0.0:
+                store_weights(singles, at + i, e0 * r, e1 * r, e2 * r)
+            else:
+                store_parts(singles, i, e0 * f0, e1 * f1, e2 * f2)
+        if not reciprocal > 0.0:
+            finish_block(singles, at, some)
 
-    They are scaled by one power of two, which weights do not show, so that the largest is below two.
+
+@kernel(void(float32[:, ::1], float64[:, ::1], int64, int64, THREE, float64))
+def column_weights_toward_zero(singles, floats, position, count, factors, reciprocal):
+    """``cut_column_weights``, rounding toward zero."""
+    separate_function()
+    toward_zero(cut_column_weights, (singles, floats, position, count, factors, reciprocal))
+
+
+@kernel
+def single_factors(factors):
+    """(whether a triangle's weights may be singles, its factors for ``single_weights``).
+
+    They are scaled by one power of two, which weights do not show, so that the largest is in 1..2.
     """
     f0, f1, f2 = factors
     most, least = max(f0, max(f1, f2)), min(f0, min(f1, f2))
     scale = 1.0 / power_below(most)
-    usable = can_cut() and area < LARGEST_AREA and most < least * LARGEST_RATIO
-    return usable, (f0 * scale, f1 * scale, f2 * scale)
+    return can_cut() and most < least * LARGEST_RATIO, (f0 * scale, f1 * scale, f2 * scale)
+
+
+@kernel
+def is_affine(factors):
+    """Whether a triangle is not in perspective."""
+    return factors[0] == 1.0 and factors[1] == 1.0 and factors[2] == 1.0
 
 
 @kernel
@@ -175,9 +244,18 @@ def single_weights(singles, position, count, n, right, factors):
     those of ``interpolate.run_weights``; ``factors`` of ``single_factors``.
     """
     area = (n[0] + n[1]) + n[2]
-    affine = factors[0] == 1.0 and factors[1] == 1.0 and factors[2] == 1.0
-    reciprocal = reciprocal_24(area) if affine and are_exact(n, right, area) else 0.0
+    once = is_affine(factors) and area < LARGEST_INT32 and are_exact(n, right, area)
+    reciprocal = reciprocal_24(area) if once else 0.0
     weights_toward_zero(singles, position, count, n, right, factors, reciprocal)
+
+
+@kernel
+def single_column_weights(singles, floats, position, count, factors, area):
+    """SINGLE_Q0 and SINGLE_Q2 of a triangle's fragments: those of ``interpolate.triangle_weights``;
+    ``factors`` of ``single_factors``.
+    """
+    reciprocal = reciprocal_24(area) if is_affine(factors) else 0.0
+    column_weights_toward_zero(singles, floats, position, count, factors, reciprocal)
 
 
 # ----------------------------------------------------------------------------------------------- coordinates
@@ -221,6 +299,7 @@ def cut_coordinate(singles, begin, end, terms, log2_factor):
     q0, q2, out = singles[R.SINGLE_Q0], singles[R.SINGLE_Q2], singles[R.SINGLE_COORDINATE]
     one, shift = int32(_ONE << _PLACES), int32((log2_factor - 23) << _PLACES)
     of_own, of0, of2 = exponent(own), exponent(d0) - one, exponent(d2) - one
+    has_own, has0, has2 = own != 0.0, d0 != 0.0, d2 != 0.0
     doubt, i = i32x16(int32(0)), begin
     while i < end:
         guess = largest_term(f32x16(q0[i]), f32x16(q2[i]), of0, of2, of_own)
@@ -238,7 +317,7 @@ def cut_coordinate(singles, begin, end, terms, log2_factor):
                 break
         w0, w2 = load_f32x16(q0, i), load_f32x16(q2, i)
         largest = largest_term(w0, w2, of0, of2, of_own)
-        some = (w0 * d0 != 0.0) | (w2 * d2 != 0.0)
+        some = (has_own | ((w0 != 0.0) & has0)) | ((w2 != 0.0) & has2)
         doubt = select((largest < int32(_EXACT_FROM)) & some, i32x16(int32(1)), doubt)
         largest = maximum(largest, int32(_EXACT_FROM))
         steps, unit = steps_of(largest), singles_of_bits(largest + shift)
@@ -257,8 +336,11 @@ def coordinate_toward_zero(singles, begin, end, terms, log2_factor):
 
 @kernel
 def is_usual(value):
-    """Whether a vertex's number is zero, or not so small that its products leave normal float32."""
-    return value == 0.0 or abs(value) >= EXACT_FROM
+    """Whether a vertex's number is zero or a normal float32.
+
+    With a largest term of EXACT_FROM or above, all of a term that is below normal float32 is cut off.
+    """
+    return value == 0.0 or LEAST_SINGLE <= abs(value) <= LARGEST_SINGLE
 
 
 @kernel

@@ -18,10 +18,11 @@ from fixedpipe.raster.vector.coordinates import (
     divide_by_q,
     fixed_from_floats,
     fixed_from_quotients,
+    iterate_floats,
     iterate_texels,
 )
 from fixedpipe.raster.vector.coordinates import depth_words as vector_depth_words
-from fixedpipe.raster.vector.interpolate import Depths, Listed, iterate_floats, reciprocal_beside, run_depth
+from fixedpipe.raster.vector.interpolate import Depths, Listed, reciprocal_beside, run_depth
 from fixedpipe.raster.vector.lanes import f64x16, floats_of_lanes, store
 from tests.reference import interpolate
 
@@ -44,18 +45,20 @@ def weights(seed, count, spread):
     return keep_significant_bits(q0, 24), keep_significant_bits((1.0 - q0) * random.random(), 24)
 
 
-def columns(q0, q2, vertices):
-    """The arguments of a run's iteration: one triangle, one segment."""
+def columns(q0, q2, vertices, single):
+    """The arguments of a run's iteration: one triangle, one segment, whose weights are singles or not."""
     count = len(q0)
     floats = np.zeros((R.VECTOR_FLOAT_COLUMNS, count + R.SLACK))
-    floats[R.Q0, :count], floats[R.Q2, :count] = q0, q2
-    floats[R.Q0, count:] = np.random.default_rng(count).random(R.SLACK) * 1e6  # the next segment's: any
+    singles = np.zeros((R.SINGLE_COLUMNS, count + R.SLACK), np.float32)
+    weights = (singles[R.SINGLE_Q0], singles[R.SINGLE_Q2]) if single else (floats[R.Q0], floats[R.Q2])
+    weights[0][:count], weights[1][:count] = q0, q2
+    weights[0][count:] = np.random.default_rng(count).random(R.SLACK) * 1e6  # the next segment's: any
     lists = np.zeros((R.LISTS, count + R.SLACK), np.int32)
-    lists[R.STARTS, 1] = count
+    lists[R.STARTS, 1], lists[R.SINGLE, 0] = count, single
     triangles = np.array([[2, 0, 1, 0]], np.int32)
     coordinates = np.zeros((3, 2, 4))
     coordinates[triangles[0, :3], UNIT, COMPONENT] = vertices
-    return Listed(lists, 1), triangles, coordinates, floats
+    return (Listed(lists, 1), triangles, coordinates), (floats, singles)
 
 
 coordinate = st.one_of(
@@ -69,18 +72,21 @@ runs = st.tuples(
 
 
 @settings(deadline=None, max_examples=300)
-@given(runs, st.tuples(coordinate, coordinate, coordinate), st.integers(0, 11), st.booleans())
-@example((0, 64, 0.013), (1.0, 0.0, 0.0), 9, True)  # one term, which passes powers of two
-@example((0, 64, 0.013), (0.0, 0.0, 1.0), 9, True)
-@example((3, 64, 0.013), (1.0, 1.5, 1.75), 9, False)  # vertex 1's is always the largest
-@example((0, 64, 0.0), (2.0**-30, 2.0**-31, 0.0), 11, False)  # shifted beyond an int32
-def test_texels_are_the_specified_sums_and_their_floor(run, vertices, log2_size, repeat):
+@given(runs, st.tuples(coordinate, coordinate, coordinate), st.integers(0, 11), st.booleans(), st.booleans())
+@example((0, 64, 0.013), (1.0, 0.0, 0.0), 9, True, False)  # one term, which passes powers of two
+@example((0, 64, 0.013), (1.0, 0.0, 0.0), 9, True, True)
+@example((0, 64, 0.013), (0.0, 0.0, 1.0), 9, True, False)
+@example((0, 64, 0.013), (0.0, 0.0, 1.0), 9, True, True)
+@example((3, 64, 0.013), (1.0, 1.5, 1.75), 9, False, False)  # vertex 1's is always the largest
+@example((3, 64, 0.013), (1.0, 1.5, 1.75), 9, False, True)
+@example((0, 64, 0.0), (2.0**-30, 2.0**-31, 0.0), 11, False, False)  # shifted beyond an int32
+def test_texels_are_the_specified_sums_and_their_floor(run, vertices, log2_size, repeat, single):
     seed, count, spread = run
     q0, q2 = weights(seed, count, spread)
-    segments, triangles, coordinates, floats = columns(q0, q2, vertices)
+    given_arrays, weights_of = columns(q0, q2, vertices, single)
     out = np.full(count + R.SLACK, 77, np.int32)
     axis = Axis(UNIT, COMPONENT, log2_size, int(repeat))
-    iterate_texels(segments, triangles, coordinates, axis, floats, out)
+    iterate_texels(*given_arrays, axis, *weights_of, out)
     size = 2**log2_size
     period = 256 * size if repeat else 2**40
     for k in range(count):
@@ -90,13 +96,13 @@ def test_texels_are_the_specified_sums_and_their_floor(run, vertices, log2_size,
 
 
 @settings(deadline=None, max_examples=200)
-@given(runs, st.tuples(coordinate, coordinate, coordinate))
-def test_coordinates_are_the_specified_sums(run, vertices):
+@given(runs, st.tuples(coordinate, coordinate, coordinate), st.booleans())
+def test_coordinates_are_the_specified_sums(run, vertices, single):
     seed, count, spread = run
     q0, q2 = weights(seed, count, spread)
-    segments, triangles, coordinates, floats = columns(q0, q2, vertices)
+    given_arrays, weights_of = columns(q0, q2, vertices, single)
     out = np.zeros(count + R.SLACK)
-    iterate_floats(segments, triangles, coordinates, UNIT, COMPONENT, floats, out)
+    iterate_floats(*given_arrays, UNIT, COMPONENT, *weights_of, out)
     assert out[:count].tolist() == [specified(a, b, *vertices) for a, b in zip(q0, q2, strict=True)]
 
 
