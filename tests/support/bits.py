@@ -2,8 +2,8 @@
 batches.
 
 ``python -m tests.support.bits THREADS:BATCH ...`` prints a digest for each choice; with ``--assembly`` it
-also counts the fused multiply-adds in the kernels' machine code, which needs kernels that this process
-compiled itself.
+also counts the fused multiply-adds in the kernels' machine code, those that a source asks for and others,
+which needs kernels that this process compiled itself.
 """
 
 import hashlib
@@ -23,11 +23,13 @@ from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
 from fixedpipe.pipeline.programs.fog import fog_thresholds
 from fixedpipe.pipeline.state import Fog
 from fixedpipe.raster.portable.sample import POWERS_OF_TWO
+from fixedpipe.raster.vector import lanes
 from tests.support.strategies import frames
 
 _ROOT = Path(__file__).parents[2]
 FIGURE_SIZE = 64
 FUSED = re.compile(r"\bv?fn?m(?:add|sub)", re.IGNORECASE)  # x86's vfmadd..., Arm's fmadd
+FUNCTION = re.compile(r"^(_Z\S+):", re.MULTILINE)
 
 
 def digests(choices):
@@ -69,18 +71,36 @@ def digests(choices):
 
 
 def fused_operations():
-    """(kernels read, lines of machine code, fused multiply-adds among them) over everything in raster/."""
-    kernels = lines = fused = 0
-    for path in sorted(_ROOT.glob("raster/**/*.py")):
-        name = ".".join(("fixedpipe", *path.relative_to(_ROOT).with_suffix("").parts))
-        module = importlib.import_module(name.removesuffix(".__init__"))
+    """(kernels read, lines of machine code, fused multiply-adds among them, and those in functions of modules
+    that ask for them) over everything in raster/.
+
+    A kernel's text has the kernels that it calls.
+    """
+    kernels = lines = fused = asked = 0
+    names = [
+        ".".join(("fixedpipe", *path.relative_to(_ROOT).with_suffix("").parts)).removesuffix(".__init__")
+        for path in sorted(_ROOT.glob("raster/**/*.py"))
+    ]
+    modules = {name: importlib.import_module(name) for name in names}
+    asking = [
+        "".join(f"{len(part)}{part}" for part in name.split("."))  # as a function's symbol begins
+        for name, module in modules.items()
+        if getattr(module, "fused", None) is lanes.fused and module is not lanes
+    ]
+    for module in modules.values():
         for value in vars(module).values():
             if hasattr(value, "inspect_asm") and value.py_func.__module__ == module.__name__:
                 for text in value.inspect_asm().values():
                     kernels += 1
                     lines += text.count("\n")
-                    fused += len(FUSED.findall(text))
-    return kernels, lines, fused
+                    _before, *functions = FUNCTION.split(text)
+                    for function, code in zip(functions[::2], functions[1::2], strict=True):
+                        found = len(FUSED.findall(code))
+                        if any(mangled in function for mangled in asking):
+                            asked += found
+                        else:
+                            fused += found
+    return kernels, lines, fused, asked
 
 
 if __name__ == "__main__":
