@@ -282,10 +282,8 @@ def small_alone(job, p, t, band, batch, end, buffers, scratch):
     single = boolean(False)
     if draw[R.NEEDS_ITERATION_WEIGHTS]:
         factors = factors_of(p.vertices, t)
-        single, scaled = single_factors(factors)
-        if single:
-            single_column_weights(scratch.singles, floats, begin, n, scaled, area)
-        else:
+        single = single_column_weights(scratch.singles, floats, begin, n, factors, area)
+        if not single:
             triangle_weights(floats, begin, n, factors, area)
             if job[R.JOB_OF_COLORS]:
                 whole_weights(floats, ints, begin, n)

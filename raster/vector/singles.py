@@ -238,24 +238,29 @@ def is_affine(factors):
     return factors[0] == 1.0 and factors[1] == 1.0 and factors[2] == 1.0
 
 
-@kernel
+@kernel(void(float32[:, ::1], int64, int64, THREE, THREE, THREE))
 def single_weights(singles, position, count, n, right, factors):
     """SINGLE_Q0 and SINGLE_Q2 of ``count`` pixels to the right of the one whose edge functions are ``n``:
     those of ``interpolate.run_weights``; ``factors`` of ``single_factors``.
     """
+    separate_function()
     area = (n[0] + n[1]) + n[2]
     once = is_affine(factors) and area < LARGEST_INT32 and are_exact(n, right, area)
     reciprocal = reciprocal_24(area) if once else 0.0
     weights_toward_zero(singles, position, count, n, right, factors, reciprocal)
 
 
-@kernel
+@kernel(boolean(float32[:, ::1], float64[:, ::1], int64, int64, THREE, float64))
 def single_column_weights(singles, floats, position, count, factors, area):
-    """SINGLE_Q0 and SINGLE_Q2 of a triangle's fragments: those of ``interpolate.triangle_weights``;
-    ``factors`` of ``single_factors``.
+    """SINGLE_Q0 and SINGLE_Q2 of a triangle's fragments: those of ``interpolate.triangle_weights``; False
+    where they must be made there. ``factors``: the triangle's own.
     """
-    reciprocal = reciprocal_24(area) if is_affine(factors) else 0.0
-    column_weights_toward_zero(singles, floats, position, count, factors, reciprocal)
+    separate_function()
+    usable, scaled = single_factors(factors)
+    if usable:
+        reciprocal = reciprocal_24(area) if is_affine(scaled) else 0.0
+        column_weights_toward_zero(singles, floats, position, count, scaled, reciprocal)
+    return usable
 
 
 # ----------------------------------------------------------------------------------------------- coordinates

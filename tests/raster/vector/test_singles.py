@@ -143,7 +143,7 @@ def test_weights_of_a_small_triangle_are_those_of_float64(run):
     for row, first, step in zip((R.N0, R.N1, R.N2), n, right, strict=True):
         floats[row] = first + step * (np.arange(columns) - POSITION)
     triangle_weights(floats, POSITION, count, factors, area)
-    single_column_weights(singles, floats, POSITION, count, single_factors(factors)[1], area)
+    assert single_column_weights(singles, floats, POSITION, count, factors, area)
     here = slice(POSITION, POSITION + count)
     assert singles[R.SINGLE_Q0, here].tolist() == floats[R.Q0, here].tolist()
     assert singles[R.SINGLE_Q2, here].tolist() == floats[R.Q2, here].tolist()
@@ -153,6 +153,9 @@ def test_what_is_beyond_float32_stays_with_float64():
     assert single_factors((2.0**-30, 1.0, 2.0**29)) == (True, (2.0**-59, 2.0**-29, 1.0))
     assert not single_factors((2.0**-30, 1.0, 2.0**30))[0]
     assert not single_factors((np.nan, 1.0, 1.0))[0]
+    columns = np.zeros((R.VECTOR_FLOAT_COLUMNS, 64))
+    singles = np.zeros((R.SINGLE_COLUMNS, BLOCK + R.SLACK), np.float32)
+    assert not single_column_weights(singles, columns, 0, 16, (2.0**-30, 1.0, 2.0**30), 4.0)
     assert single_factors((2.0**-250, 2.0**-251, 1.5 * 2.0**-250)) == (True, (1.0, 0.5, 1.5))
 
 
