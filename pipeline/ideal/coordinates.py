@@ -291,7 +291,8 @@ def _unmoving(target, str_, lift):
         return project_on_cube(str_)
     count, axes = len(str_), _axes(target)
     few, bias = _nothing(count, axes), np.full((count, 1), lift)
-    position = np.ascontiguousarray(str_[:, :axes])
+    # Always a copy: ascontiguousarray gives one row back as it is, and broadcast coordinates are read-only.
+    position = np.array(str_[:, :axes], order="C")
     return TextureCoordinates(position, np.zeros(count, np.int64), few, bias, few, few)
 
 

@@ -200,6 +200,19 @@ def test_the_machine_is_the_ideal_but_for_rounding(name):
         )
 
 
+@pytest.mark.parametrize("texture_filter", [TextureFilter.NEAREST, TextureFilter.LINEAR])
+def test_a_rectangle_of_one_pixel_reads_what_its_pixel_in_a_larger_one_reads(texture_filter):
+    large = lookup(texture_filter=texture_filter)
+    one = replace(large, image=PixelImage(OPAQUE.values[:1, :1], "RGB"))
+    for change in ({}, {"pixel_texture": None}):  # coordinates of the colours, and of the raster position
+        of_one, of_all = (
+            execute_ideal((STORED, replace(drawn, **change)), SIZE, SIZE).color for drawn in (one, large)
+        )
+        found = of_one.any(axis=-1)
+        assert found.sum() == 1
+        assert (of_one[found] == of_all[found]).all()
+
+
 def test_sums_beyond_one_are_kept():
     frame = (
         Clear(label="c", color=(0.75, 0.5, 0.25, 1.0), accumulation=(0.5, 0.0, 0.0, 0.0)),
