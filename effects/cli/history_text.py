@@ -6,7 +6,7 @@ from rich.console import Group
 from rich.text import Text
 
 from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage, Touched
-from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, marks_of
+from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, marks_of, meant
 
 
 def history_text(history: PixelHistory, brief: bool = False) -> Group:
@@ -26,6 +26,8 @@ def _lines(history: PixelHistory, brief: bool) -> Iterator[Text]:
     yield Text(
         f"{len(history.touched)} of {history.commands} commands touched it. In the end: {held(history.final)}"
     )
+    if ideal := meant(history):
+        yield Text(ideal)
     for touched in history.touched:
         yield Text()
         yield from _heading(touched, history.surface)

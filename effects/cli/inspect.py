@@ -55,8 +55,9 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
     stage adds, by cause. --registers: of every register after every stage the least, greatest and mean value,
     the shares that were clamped, how many codes it used, how many bits it leaves unused. --row: what the
     machine has along a row of the picture beside the guided ideal: banding. --map: a picture of what happened
-    where. --attribution: the error of the whole picture, and what is left of it when one thing
-    of the machine is as exact as it can be; with --stages, one stage of all passes, or of --command K.
+    where, and the pixel that has most of it. --attribution: the error of the whole picture, and what is left
+    of it when one thing of the machine is as exact as it can be; with --stages, one stage of all passes, or
+    of --command K.
 
     --bits, --without, --constant and --texture look into the frame with something changed; alone, they say
     what that does to its error. PART: combiner, texture, framebuffer, filter_fraction. --replace, and
@@ -289,6 +290,9 @@ def _tell_maps(of, kind, number, out):
             f"{name} {100 * value:.4g} %" if name in SHARES else f"{name} {value:.4g}"
             for name, value in each.numbers().items()
         )
+        # Texels are no pixels of the frame, and the most bits are nothing to look for.
+        if kind not in ("texels", "bits") and "greatest" in each.numbers():
+            numbers += " at pixel {},{}".format(*each.greatest_at())
         click.echo(f"command {each.command}: {each.label}\n    {numbers}")
     if out is not None:
         from fixedpipe.effects.reports.map_picture import maps_png

@@ -67,6 +67,14 @@ class Map:
             "greatest": float(known.max()),
         }
 
+    def greatest_at(self) -> tuple[int, int]:
+        """(x, y) of the greatest value, counted from the top left; of several, the first by rows.
+
+        Raises ValueError where no pixel has a value.
+        """
+        y, x = np.unravel_index(np.nanargmax(self.values), self.values.shape)
+        return int(x), int(y)
+
 
 class _Drawn:
     """An observer of whole frames that draws a map of each command."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, marks_of
+from fixedpipe.pipeline.inspection.words import HEADINGS, causes, cells, held, marks_of, meant
 
 if TYPE_CHECKING:  # For annotations alone: a history shows itself in a notebook as this page.
     from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Stage, Touched
@@ -51,13 +51,16 @@ def history_html(history: PixelHistory) -> str:
     final = (
         f"{len(history.touched)} of {history.commands} commands touched it; in the end {held(history.final)}."
     )
+    lines = [escape(where), f"{_chip(history.final.color, history.one)} {escape(final)}"]
+    if ideal := meant(history):
+        lines.append(f"{_chip(history.ideal, 1)} {escape(ideal)}.")
     parts = "".join(_touched(touched, history.one, history.surface) for touched in history.touched)
-    return f"<p>{escape(where)}<br>{_chip(history.final.color, history.one)} {escape(final)}</p>{parts}"
+    return f"<p>{'<br>'.join(lines)}</p>{parts}"
 
 
 def _chip(color, one):
-    """A square in a colour."""
-    red, green, blue = (min(max(round(255 * code / one), 0), 255) for code in color[:3])
+    """A square in a colour; an ideal's may lie outside 0 to 1, or be no number."""
+    red, green, blue = (round(255 * min(1.0, max(0.0, code / one))) for code in color[:3])
     return f'<span class=chip style="background:rgb({red},{green},{blue})"></span>'
 
 

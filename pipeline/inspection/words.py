@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # For annotations alone: a history's page is made of these words.
-    from fixedpipe.pipeline.inspection.history import Fragment, Quantity
+    from fixedpipe.pipeline.inspection.history import Fragment, PixelHistory, Quantity
     from fixedpipe.pipeline.inspection.pixel import PixelValue
 
 HEADINGS = "", "code", "value", "ideal", "error, 1/255"
@@ -15,6 +15,12 @@ def held(value: PixelValue) -> str:
     """What a pixel holds, in words."""
     color = " ".join(str(code) for code in value.color)
     return f"color {color}, depth {value.depth}, stencil {value.stencil}"
+
+
+def meant(history: PixelHistory) -> str:
+    """The guided ideal's colour in the end, in words and in the framebuffer's codes; "" without an ideal."""
+    color = " ".join(f"{history.one * value:.2f}" for value in history.ideal)
+    return f"The guided ideal's color in the end, not rounded: {color}" if color else ""
 
 
 def marks_of(fragment: Fragment, place: int) -> str:

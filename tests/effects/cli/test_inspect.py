@@ -1,6 +1,7 @@
 """``fixedpipe inspect``: a figure's or a script's pixel in words, as JSON and as a page; what it refuses."""
 
 import csv
+import html
 import json
 import re
 import sys
@@ -15,9 +16,10 @@ from fixedpipe.effects.figures import FIGURES
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.inspection.maps import frame_maps
 from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
 from fixedpipe.pipeline.inspection.recording import record
-from fixedpipe.pipeline.profiles import GEFORCE_256, PROFILES
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL, PROFILES
 
 SCRIPT = """
 import numpy as np
@@ -43,11 +45,20 @@ def test_a_figure_s_pixel_is_told(tmp_path):
     assert status == 0
     assert "general combiner 0, RGB portion: spare0 = 4 * (expand(tex0) . expand(col0))" in text
     assert "adds most to the error" in text and "added by mapping" in text
+    guided = execute_ideal(
+        figure.commands(IDEAL, 64),
+        *figure.dimensions(64),
+        guide=execute(figure.commands(GEFORCE_256, 64), GEFORCE_256, *figure.dimensions(64), record=True),
+    )
+    color = " ".join(f"{255 * value:.2f}" for value in guided.color[34, 40])
+    line = f"The guided ideal's color in the end, not rounded: {color}"
+    assert line in text
     status, _ = said("F004-4", "--size", "64", "--pixel", "40,34", *options)
     assert status == 0
     read = json.loads(files["json"].read_text())
     assert read["final"]["color"] == shown.color[34, 40].tolist()
-    assert "specular pass" in files["html"].read_text()
+    page = html.unescape(files["html"].read_text())
+    assert "specular pass" in page and line in page
 
 
 def test_a_figure_s_registers_are_told():
@@ -66,6 +77,11 @@ def test_a_figure_s_maps_are_told(tmp_path):
     assert "how many components of general combiners a clamp changed" in text
     assert "command 11: specular pass" in text and "greatest 12" in text
     assert re.search(r"reached \d\d\.\d+ %, above zero \d\d\.\d+ %, least 0,", text)
+    (_, last) = re.findall(r"greatest 12 at pixel (\d+),(\d+)\n", text)
+    x, y = map(int, last)
+    figure = FIGURES["F004-4"]
+    maps = frame_maps(figure.commands(GEFORCE_256, 48), GEFORCE_256, *figure.dimensions(48), "clamps")
+    assert maps[-1].values[y, x] == np.nanmax(maps[-1].values) == 12.0
     with Image.open(picture) as image:
         assert image.format == "PNG"
 

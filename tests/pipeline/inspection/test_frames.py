@@ -136,6 +136,8 @@ def test_lambda_and_primitives_are_told():
     assert len(np.unique(known)) == 1  # without perspective it is the same everywhere
     (found,) = frame_maps(commands, GEFORCE_256, SIZE, SIZE, "primitive")
     assert found.numbers()["greatest"] == 0.0 and found.numbers()["reached"] > 0.0
+    found.values[2, 1] = 3.0
+    assert found.greatest_at() == (1, 2)  # x, y
 
 
 READ = re.compile(r"texel \(column (\d+), row (\d+), layer (\d+)\)")
