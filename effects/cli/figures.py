@@ -96,9 +96,9 @@ def figures(
     for figure in chosen:
         for name in changes[figure.id]:
             known = figure.parameter(name, figure.method(machines[figure.id][0]))
-            own = f"{figure.id}'s own is {name}={known.kind.show(known.default)}"
-            said = own if known.default is not None else f"{figure.id} has no {name} of its own"
-            click.echo(f"{said}. {known.does}", err=True)
+            own = f"{figure.id}'s own is {name}={known.kind.show(known.default)}."
+            said = own if known.default is not None else f"{name}:"
+            click.echo(f"{said} {known.does}", err=True)
     from fixedpipe.effects.reports.figure_failures import failures_of, in_words
     from fixedpipe.effects.reports.figure_files import files_of, own_ids, set_aside, tidy, unchanged
     from fixedpipe.effects.reports.figure_inputs import inputs_of

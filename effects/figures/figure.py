@@ -236,6 +236,10 @@ class Figure:
         known = self.parameters_of(method)
         return " ".join(f"{name}={known[name].kind.show(value)}" for name, value in changes.items())
 
+    def caption_with(self, changed: bool) -> str:
+        """The caption; where something was ``changed``, it says that it is the unchanged figure's."""
+        return f"The figure with its own values: {self.caption}" if changed else self.caption
+
     def dimensions(self, size: int | None = None) -> tuple[int, int]:
         """Width and height of the framebuffer in pixels for panels of ``size``.
 

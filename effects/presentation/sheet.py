@@ -194,10 +194,11 @@ class _Composition:
 
     @property
     def caption(self):
-        """The figure's caption, with what was changed of it."""
+        """What was changed, and the figure's caption."""
         drawn = self.drawn
         changed = drawn.figure.said(drawn.method, drawn.changes)
-        return f"{drawn.figure.caption} Drawn with {changed}." if changed else drawn.figure.caption
+        said = f"A variant, drawn with {changed}. " if changed else ""
+        return said + drawn.figure.caption_with(bool(changed))
 
     @property
     def made(self):

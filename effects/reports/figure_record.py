@@ -179,7 +179,7 @@ def record_of(figure, machines, size, changes, with_checks, drawn, failures, fil
     record = {
         "id": variant_name(figure, changes),
         "title": figure.title,
-        "caption": figure.caption,
+        "caption": figure.caption_with(bool(changes)),
         "must_see": figure.must_see,
         "source": figure.source,
         "citation": _citation(figure),

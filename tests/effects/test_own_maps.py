@@ -304,7 +304,7 @@ def test_a_record_says_whose_height_field_was_drawn(tmp_path):
     options = ["--profile", "GEFORCE_3", "--size", "16", "--out", str(tmp_path / "out")]
     result = CliRunner().invoke(main, ["figures", "F004-8", *given, *options])
     assert result.exit_code == 0, result.output
-    assert "F004-8 has no height_field of its own. A height field in the place of" in result.output
+    assert "height_field: A height field in the place of" in result.output
     assert "F004-8's own is alpha_x=" in result.output
     (record,) = (tmp_path / "out").glob("F004-8+*.json")
     said = json.loads(record.read_text())["set"]

@@ -44,6 +44,7 @@ def test_a_variant_is_what_render_draws_and_says_what_was_changed(tmp_path):
     assert record["figure"] == "F004-4"
     assert record["set"] == {"slices": 6, "stacks": 4, "light": [0.0, 1.0, 0.2]}
     assert "must_see" not in record
+    assert record["caption"] == f"The figure with its own values: {FIGURES['F004-4'].caption}"
     captions = [p["caption"] for p in record["machines"][0]["pictures"].values()]
     assert all("slices = 6; stacks = 4; light = 0,1,0.2" in caption for caption in captions)
     assert "F004-4's own is light=0.4,0.3,0.87. The direction towards the light" in done.output

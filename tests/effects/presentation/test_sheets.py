@@ -320,7 +320,8 @@ def test_the_file_beside_it_says_what_was_drawn_and_cites(spheres):
     composed = sheet(spheres, "png")
     assert composed.bib.endswith("\n" + citation("KautzSeidel2000").bibtex)
     comments = [line for line in composed.bib.splitlines() if line.startswith("% ")]
-    assert "Drawn with slices=8 stacks=6." in comments[1]
+    own = f"The figure with its own values: {FIGURES['F004-4'].caption}"
+    assert comments[1] == f"% A variant, drawn with slices=8 stacks=6. {own}"
     command = "fixedpipe print F004-4 --profile GEFORCE_256 --size 32 --style paper --width 170"
     assert comments[-1] == f"% Drawn by: {command} --set slices=8 --set stacks=6"
     again = sheet(spheres, "png", dpi=400.0, pictures=("ideal", "machine")).command
