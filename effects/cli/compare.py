@@ -17,6 +17,8 @@ def compare(what, other, machines, size, out, settings):
     """Draw figure ID, or the frames of two scripts, on two machines, and say where they diverge. Or compare
     two histories of a pixel that `fixedpipe inspect --json` wrote, of two machines or versions.
 
+    Both machines must draw the figure by the same commands; fixedpipe passes ID --profile NAME prints them.
+
     The command compares the frames after each of their commands. For the first that leaves different
     framebuffers it prints how many pixels differ, by how much and where. For the pixel that differs most, it
     prints the first stage with other values. Exit status: 0 if every command leaves the same, 1 if not.
@@ -44,11 +46,11 @@ def compare(what, other, machines, size, out, settings):
     check_plots("--out", out)
     check_files(out)
     announce_compiling()
+    for frame in frames:  # first, because they say by which methods a figure's machines draw it
+        click.echo(frame.title)
     with refusals():
         runs = [Run(tuple(frame.commands), frame.machine) for frame in frames]
         found = compared(runs, *frames[0].size)
-    for frame in frames:
-        click.echo(frame.title)
     if found is None:
         click.echo("Every command leaves the same.")
         return

@@ -18,7 +18,11 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 @click.command(short_help="Every number of a pixel, every register of a frame, maps of what happened where.")
 @click.argument("what", metavar="ID|SCRIPT.py")
 @click.option("--pixel", metavar="X,Y", help="From the top left, as in the picture; y downwards.")
-@click.option("--brief", is_flag=True, help="Of a pixel: the stages that add most and clamp first alone.")
+@click.option(
+    "--brief",
+    is_flag=True,
+    help="Of a pixel: of each fragment only the stage that adds most to the error, and the first clamp.",
+)
 @click.option(
     "--row",
     type=click.IntRange(min=0),
@@ -36,9 +40,9 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 @click.option("--attribution", is_flag=True, help="Was it the clamp, the filter or the bits? By rank.")
 @click.option("--stages", is_flag=True, help="With --attribution: was it this stage of the passes, or that?")
 @click.option("--out", metavar="FILE", help="Of a map: its picture; the commands' maps below one another.")
-@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own, or the script's.")
+@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's first, or the script's.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
-@click.option("--command", "number", type=click.IntRange(min=0), metavar="K", help="This command alone.")
+@click.option("--command", "number", type=click.IntRange(min=0), metavar="K", help="Only this command.")
 @click.option("--surface", metavar="NAME", help="A pbuffer instead of the window.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the history, or the numbers, as JSON.")
 @click.option("--csv", "csv_file", metavar="FILE", help="Write the numbers of a table or of maps as CSV.")

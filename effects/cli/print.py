@@ -19,9 +19,12 @@ _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "referen
     "--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own, or the script's."
 )
 @click.option("--style", metavar="STYLE", default="paper", show_default=True, help=f"{_STYLES}.")
-@click.option("--width", type=float, metavar="MM", help="Of the sheet, mm; otherwise the style's.")
+@click.option("--width", type=float, metavar="MM", help="Width of the sheet; otherwise the style's.")
 @click.option(
-    "--dpi", type=float, metavar="N", help="Of a PNG file; otherwise as panels then fill the sheet."
+    "--dpi",
+    type=float,
+    metavar="N",
+    help="Dots an inch of a PNG file; otherwise the fewest with which the panels fill the sheet.",
 )
 @click.option(
     "--pictures",
@@ -32,7 +35,7 @@ _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "referen
 @click.option(
     "--out",
     metavar="FILE",
-    help=".png, .pdf or .svg; otherwise a PNG file named by figure, or script, and machine.",
+    help=".png, .pdf or .svg; otherwise a PNG file named after the figure or script and the machine.",
 )
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of the figure's panels, pixels.")
 @set_option

@@ -108,3 +108,12 @@ def test_what_cannot_be_compared_is_refused(script, monkeypatch, arguments, sent
     (script.parent / "small.py").write_text(SCRIPT.replace("16, 16", "8, 8"))
     status, text = said(script, *arguments)
     assert (status, sentence in text) == (2, True), text
+
+
+def test_a_figure_drawn_by_two_methods_is_refused_with_both_named():
+    status, text = said("F004-8", "--size", 16, "--machines", "GEFORCE_3", "OCTANE")
+    assert status == 2
+    first, second, refused = text.splitlines()
+    assert first.endswith("on GeForce 3: texture shaders: dot products and dependent lookups")
+    assert second.endswith("on SGI Octane: pixel textures")
+    assert refused.endswith("compare frames of the same commands.")
