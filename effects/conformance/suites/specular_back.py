@@ -68,7 +68,12 @@ def _control_flags(name):
     )
 
 
-def _parameters(coefficients, inputs):
+# Pow2, Pow16 and Pow24 are exact with the same lights and meshes.
+_POW4 = "one step of a lit color at a few vertices' pixels; which bit of the chip's power it is, is open"
+
+
+def _parameters(name, inputs):
+    coefficients = lit_scenes.COEFFICIENTS[name]
     front = lit_scenes.colors(*((0.0, 0.0, 1.0),) * 3)
     lights = (
         lit_scenes.directional(ALONG, **front, **_back(*BACK_COLORS)),
@@ -78,18 +83,18 @@ def _parameters(coefficients, inputs):
     combiners = scenes.shows(SECONDARY)
     state = lit_scenes.state(lighting, combiners, polygon=POLYGON, secondary_color=SecondaryColor.OPAQUE)
     draws = []
-    for name in lit_scenes.MODELS:
-        model = lit_scenes.model(inputs, name)
+    for mesh_name in lit_scenes.MODELS:
+        model = lit_scenes.model(inputs, mesh_name)
         mirrored = replace(model, normals=model.normals * (1.0, 1.0, -1.0))
         mesh = mirrored.mesh((1.0, 0.0, 1.0, 0.75), (1.0, 0.0, 1.0, 0.15))
-        draws.append(Draw(label=name, mesh=mesh, state=state))
-    return Case(commands=(scenes.clear(CLEAR_PARAMETERS), *scenes.background(DARK, BLACK, 20), *draws))
+        draws.append(Draw(label=mesh_name, mesh=mesh, state=state))
+    return Case(
+        commands=(scenes.clear(CLEAR_PARAMETERS), *scenes.background(DARK, BLACK, 20), *draws),
+        explanation=_POW4 if name == "Pow4_0" else "",
+    )
 
 
 CASES = {
     **{name: partial(_control_flags, name) for name in control_flags.NAMES},
-    **{
-        f"SpecParams_FF_{name}": partial(_parameters, given)
-        for name, given in lit_scenes.COEFFICIENTS.items()
-    },
+    **{f"SpecParams_FF_{name}": partial(_parameters, name) for name in lit_scenes.COEFFICIENTS},
 }
