@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.ray_caster import primary_rays
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures import scattering_ways
@@ -13,6 +14,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import texture_space
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
 from fixedpipe.effects.figures.scattering_ways import MACHINES, WAYS, setup_of
+from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.effects.scattering import dependent_tests, height_field, light_transport
 from fixedpipe.effects.scattering.dependent_tests import DIRECT, RESULT, Accumulation
@@ -225,11 +227,104 @@ def _sums(renderer, way, values):
         )
 
 
+# n.l from which a byte tells light from none.
+_TOLD = 0.1
+
+
+def _half_balls(values, texels):
+    """The centres [k, 2] of the domes that stand on the relief and on the tiles beside it, their radius, and
+    their height: half ellipsoids, apart from what draws them.
+    """
+    domes = values["domes"]
+    places = np.arange(-domes, 2 * domes)
+    centers = (2.0 * places + 1.0) / domes - 1.0 - 1.0 / texels
+    x, y = (c.ravel() for c in np.meshgrid(centers, centers))
+    return np.stack([x, y], axis=-1), 0.9 / domes, values["height"] * 0.9 / domes
+
+
+def _met(origins, along, centers, radius, height):
+    """How far rays [n, 3] go until they meet a half ellipsoid, float64 [n], infinite where they meet none."""
+    found = np.full(len(origins), np.inf)
+    scale = np.array([1.0 / radius, 1.0 / radius, 1.0 / height])
+    for center in centers:
+        begin, step = (origins - np.array([*center, 0.0])) * scale, along * scale
+        a, b, c = dot(step, step), dot(begin, step), dot(begin, begin) - 1.0
+        under = b * b - a * c
+        near = (-b - np.sqrt(np.maximum(under, 0.0))) / a
+        inside = (under > 0.0) & (near > 1e-9) & (origins[:, 2] + near * along[:, 2] >= 0.0)
+        found = np.where(inside, np.minimum(found, near), found)
+    return found
+
+
+def _by_analysis(size, values):
+    """What a panel's pixels show, by half ellipsoids: whether the relief is there, how high it is over the
+    domes' height, n.l, and whether the light reaches it: four [size, size], bottom row first.
+    """
+    (panel,) = row_of_panels(1, size)
+    origins, along = primary_rays(oblique_view(panel, EYE))
+    balls = _half_balls(values, scattering_ways.largest_power(size // 2, values["texels"]))
+    centers, radius, height = balls
+    ground = -origins[:, 2] / along[:, 2]
+    reach = np.minimum(_met(origins, along, *balls), ground)
+    points = origins + reach[:, None] * along
+    there = (np.abs(points[:, :2]) <= 1.0).all(axis=-1)
+    raised = reach < ground
+    nearest = centers[((points[:, None, :2] - centers) ** 2).sum(axis=-1).argmin(axis=1)]
+    outward = (points - np.concatenate([nearest, np.zeros((len(points), 1))], axis=1)) / np.array(
+        [radius**2, radius**2, height**2]
+    )
+    normals = np.where(raised[:, None], normalize(outward), (0.0, 0.0, 1.0))
+    light = np.array(height_field.check_light(values["light"]))
+    facing = dot(normals, light)
+    away = points + 1e-6 * normals
+    lit = (facing > 0.0) & np.isinf(_met(away, np.broadcast_to(light, away.shape), *balls))
+    found = there, np.where(raised, points[:, 2] / height, 0.0), facing, lit
+    return tuple(one.reshape(size, size) for one in found)
+
+
+def _displayed(figure, renderer, on, values):
+    """What must be seen, in the picture that is displayed."""
+    size = figure.size
+    window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+    without, scattered = (panel_of(window, k) for k in range(2))
+    there, high, facing, lit = _by_analysis(size, values)
+    red = values["albedo"][0] * values["exposure"]
+    told = there & (np.abs(facing) > _TOLD)
+    drawn = without[..., 0] > 0.5 * red * np.maximum(facing, _TOLD)
+    yield DATA.check(
+        "left: pixels that are lit or dark as rays at half ellipsoids have them",
+        float((drawn == lit)[told].mean()),
+        on,
+    )
+    # Where the light of the domes' pixels is found best, rows above and below.
+    rows, columns = np.nonzero(there & (high > 0.0))
+    expected = (red * np.maximum(facing, 0.0) * lit)[rows, columns]
+    moved = range(-size // 8, size // 8 + 1)
+    errors = [np.square(without[np.clip(rows + k, 0, size - 1), columns, 0] - expected).mean() for k in moved]
+    yield DATA.check(
+        "left: rows by which the domes are off where half ellipsoids stand",
+        abs(moved[int(np.argmin(errors))]),
+        on,
+    )
+    dark, ground = there & ~lit, there & (high == 0.0) & lit
+    gained = (scattered - without).mean(axis=-1)
+    yield DATA.check(
+        "right: what pixels gain that rays leave in shadow, mean", float(gained[dark].mean()), on
+    )
+    yield DATA.check(
+        "right: what the lit ground between the domes gains, over its light on the left",
+        float(gained[ground].sum() / without[ground].mean(axis=-1).sum()),
+        on,
+    )
+
+
 def checks(figure, renderer):
-    """The passes against the float paths, the grooves' analytic answers, and the picture."""
+    """What must be seen, the passes against the float paths, the grooves' analytic answers, the picture."""
     p = figure.parameters_of(renderer.method)
     values = {name: parameter.default for name, parameter in p.items()}
     way, size = WAYS[renderer.method.name], figure.size // 4
+    for on in Answer:
+        yield from _displayed(figure, renderer, on, values)
     yield from _sums(renderer, way, values)
     names = "texels", "domes", "height", "albedo", "directions"
     field, visibility = _domes(64, *(values[name] for name in names))

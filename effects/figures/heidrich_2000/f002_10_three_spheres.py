@@ -144,8 +144,51 @@ def in_software(size, *, intensity, brightness, background, **values):
     return out
 
 
+def _facing(shape, light):
+    """The cosine between a light and the sphere's normals at the texels of ``lights``: [rows, columns]."""
+    rows, columns = shape
+    s, t = np.meshgrid(0.25 + (np.arange(columns) + 0.5) / columns / 2.0, (np.arange(rows) + 0.5) / rows)
+    return sphere_frames(s, t)[0] @ unit_vector(light, "The light's direction")
+
+
+# What is as dark as this is black, and how far a place faces the sun from which only bumps can hide it.
+_BLACK, _FACES = 4.0 / 255.0, 0.2
+
+
+def _displayed(figure, renderer, on):
+    """What must be seen, sentence after sentence, in the picture that is displayed."""
+    pictures = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+    first, second, third = (panel_of(pictures, k) for k in range(3))
+    x, y = pixel_grid(figure.size, 1.0 / HALF_HEIGHT)
+    square = x * x + y * y
+    ball, inner = square < 0.98, square < 0.9
+    sun = unit_vector(figure.values["light"], "The light's direction")
+    facing = (x * sun[0] + y * sun[1]) + np.sqrt(np.maximum(1.0 - square, 0.0)) * sun[2]
+    black = first.max(axis=-1) <= _BLACK
+    yield DATA.check("first sphere: the share of it that is black", float(black[ball].mean()), on)
+    valleys = second[inner & (facing > _FACES) & black]
+    yield DATA.check("second: what is black on the first though it faces the sun, mean", valleys.mean(), on)
+    yield DATA.check("the same: red over blue", float(valleys[:, 0].sum() / valleys[:, 2].sum()), on)
+    yield DATA.check(
+        "third: the share of it that is black", float((third.max(axis=-1) <= _BLACK)[ball].mean()), on
+    )
+    albedo = np.array(figure.values["albedo"])
+    whole = (third < 1.0).all(axis=-1) & inner & (np.abs(x) < 0.5)
+    above, below = ((third - second)[whole & part].mean(axis=0) / albedo for part in (y > 0.5, y < -0.5))
+    yield DATA.check(
+        "what the environment adds above, over the albedo: blue over the larger of red and green",
+        float(above[2] / above[:2].max()),
+        on,
+    )
+    yield DATA.check(
+        "what it adds below, over the albedo: red over the larger of green and blue",
+        float(below[0] / below[1:].max()),
+        on,
+    )
+
+
 def checks(figure, renderer):
-    """The spheres' means, their valleys beside their tops, and what longer paths add."""
+    """The spheres' means, their valleys beside their tops, what longer paths add, and what must be seen."""
     size = figure.size // 2
     inside = (lambda x, y: x * x + y * y < 0.9)(*pixel_grid(size, 1.0 / HALF_HEIGHT))
     for on in Answer:
@@ -156,7 +199,7 @@ def checks(figure, renderer):
             )
     values = {k: v for k, v in figure.values.items() if k not in ("intensity", "background")}
     sun, scattered, _, height = lights(**values)
-    lit = sun.max(axis=-1) >= 0.0
+    lit = _facing(height.shape, values["light"]) > 0.0
     low, high = np.quantile(height, (0.2, 0.8))
     valleys, tops = lit & (height <= low), lit & (height >= high)
     ratio = [light[valleys].mean() / light[tops].mean() for light in (sun, sun + scattered)]
@@ -174,6 +217,8 @@ def checks(figure, renderer):
     rays = in_software(size, **figure.values)[::-1, :, :3]
     apart = np.abs(np.clip(renderer.ideal_window(figure, size), 0.0, 1.0) - rays).max(axis=-1)
     yield DATA.check("median difference from the software renderer", float(np.median(apart)), Answer.IDEAL)
+    for on in Answer:
+        yield from _displayed(figure, renderer, on)
 
 
 FIGURE = Figure(

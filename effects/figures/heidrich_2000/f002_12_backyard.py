@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -145,8 +145,101 @@ def by_rays(size, *, light, directions, bounces):
     return out[::-1]
 
 
+# Pixels without which nothing is said of a part, and shares of a slab's edge that are not its joints.
+_FEWEST, _SLAB = 2000, 0.45
+
+
+def _places(size, light):
+    """What the picture's pixels show, by a ray each: the parts, a tuple; the part's number, -1 of none,
+    [h, w]; its texture coordinates, [h, w, 2]; and whether things leave the sun free, [h, w].
+    """
+    (panel,) = row_of_panels(1, size, ASPECT)
+    parts = backyard.parts(detail_of(size)[1])
+    triangles = [part.surface.triangles for part in parts]
+    corners, coordinates = (
+        np.concatenate([values[t] for values, t in zip(every, triangles, strict=True)])
+        for every in (
+            [part.surface.positions for part in parts],
+            [part.surface.texture_coordinates for part in parts],
+        )
+    )
+    caster = RayCaster(corners, np.repeat(np.arange(len(parts)), [len(t) for t in triangles]))
+    view = replace(camera(panel), projection=perspective(_FIELD, panel.width / panel.height, 0.5, 40.0))
+    origins, along = primary_rays(view)
+    hits = caster.nearest(origins, along)
+    shape = panel.height, panel.width
+    number = np.where(hits.triangle >= 0, caster.objects[hits.triangle], -1).reshape(shape)
+    place = (coordinates[hits.triangle] * hits.barycentrics[..., None]).sum(axis=1).reshape(*shape, 2)
+    points = origins + hits.distance[:, None] * along
+    free = backyard.in_sun(points, caster.normals[hits.triangle], light).reshape(shape)
+    return parts, number, place, free
+
+
+def _displayed(figure, renderer):
+    """What must be seen, sentence after sentence, in the picture that is displayed."""
+    size, light = figure.size, unit_vector(figure.values["light"], "The light's direction")
+    parts, number, place, free = _places(size, light)
+    edge, _ = detail_of(size)
+    column, row = np.moveaxis(np.floor(place * edge).astype(np.int64) % edge, -1, 0)
+
+    def of(values):
+        """A field's values at the pixels."""
+        return values[row, column]
+
+    def called(*names):
+        return np.isin(number, [k for k, part in enumerate(parts) if part.name in names])
+
+    heights = backyard.field_of("bricks", edge).heights
+    joint, wall = of(heights < 0.25 * heights.max()), called("house, front") & free
+    slab = called("floor") & (np.abs(place % 1.0 - 0.5).max(axis=-1) < _SLAB)
+    can = called("bin") & free
+    beside = can[:, 1:] & can[:, :-1]
+    for on in Answer:
+        bright = np.clip(renderer.window(on, figure, size), 0.0, 1.0).mean(axis=-1)
+        yield DATA.check(
+            "the wall's joints over its bricks",
+            float(bright[wall & joint].mean() / bright[wall & ~joint].mean()),
+            on,
+        )
+        yield DATA.check("the wall's joints, mean", float(bright[wall & joint].mean()), on)
+        for field, what in (("planks", "boards"), ("gravel", "gravel")):
+            ratios = []
+            for k, part in enumerate(parts):
+                here = (number == k) & free
+                if part.field != field or here.sum() < _FEWEST:
+                    continue
+                frame = np.array(backyard.frame_of(part.surface))
+                facing = dot(backyard.field_of(field, edge).normals, frame @ light)
+                low, high = np.quantile(facing, (0.25, 0.75))
+                toward, away = here & of(facing > high), here & of(facing < low)
+                ratios.append(float(bright[toward].mean() / bright[away].mean()))
+            yield DATA.check(
+                "{what}: the quarter that faces the sun most over the one that does least",
+                min(ratios),
+                on,
+                what=what,
+            )
+        lit = bright[slab & free]
+        yield DATA.check(
+            "paving in the sun, without joints: what is darker than its median by a quarter",
+            float((lit < 0.75 * np.median(lit)).mean()),
+            on,
+        )
+        yield DATA.check(
+            "bin: median step from pixel to pixel",
+            float(np.median(np.abs(np.diff(bright, axis=1))[beside])),
+            on,
+        )
+        yield DATA.check(
+            "paving from which things hide the sun, over the rest",
+            float(bright[slab & ~free].mean() / lit.mean()),
+            on,
+        )
+
+
 def checks(figure, renderer):
-    """Scattered light's share of the picture's, and the passes beside the software renderer."""
+    """What must be seen, scattered light's share, and the passes beside the software renderer."""
+    yield from _displayed(figure, renderer)
     size = 128
     rays = by_rays(size, **figure.values)[::-1, :, :3]
     for on in Answer:

@@ -179,8 +179,50 @@ def _against_rays(picture, size, p, sun, colors):
     return float(right / (told | turned).sum()), float((~lit & hidden).sum()), float(hidden.sum())
 
 
+# What bytes of normals and of light may move a pixel, and what is left of its light in a shadow at most.
+_OFF, _DARKER = 8.0 / 255.0, 0.75
+
+
+def _displayed(figure, renderer, on):
+    """What must be seen, in the picture that is displayed."""
+    size, p = figure.size, figure.values_of(renderer.method)
+    ground, sun = _land(size, p), unit_vector(p["sun"], "The sun's direction")
+    color, ambient = _colors(p)
+    facing = np.maximum(dot(ground.field.normals, sun), 0.0)
+    light = np.array(ambient) + facing[..., None] * np.array(color)
+    bumps = np.clip(_shown(size, p, ground.colors * light), 0.0, 1.0)
+    values = np.stack([_lit_by_rays(ground, sun), facing, np.ones(facing.shape)], axis=-1)
+    reached, facing, there = np.moveaxis(_shown(size, {**p, "sky": _BLACK, "sky_low": _BLACK}, values), -1, 0)
+    there, told = there > 0.5, facing > _TOLD
+    lit, hidden = told & (reached > 0.9 * facing), told & (reached < 0.1 * facing)
+    left, right = (panel_of(np.clip(renderer.window(on, figure, size), 0.0, 1.0), k) for k in range(2))
+    right_on_the_left = np.abs(left - bumps).max(axis=-1) <= _OFF
+    yield DATA.check(
+        "left: the terrain's pixels that are as bump mapping in float has them, within 8/255",
+        float(right_on_the_left[there].mean()),
+        on,
+    )
+    yield DATA.check(
+        "left: the same of what mountains hide though it faces the sun",
+        float(right_on_the_left[hidden].mean()),
+        on,
+    )
+    dark = right.mean(axis=-1) < _DARKER * left.mean(axis=-1)
+    yield DATA.check(
+        "right: of what mountains hide, what is darker than on the left by a quarter",
+        float(dark[hidden].mean()),
+        on,
+    )
+    yield DATA.check("right: of what the sun reaches, what is not darker so", float((~dark)[lit].mean()), on)
+    yield DATA.check(
+        "right: of what is darker so, what mountains hide", float(hidden[dark & (lit | hidden)].mean()), on
+    )
+
+
 def checks(figure, renderer):
-    """Shadows against rays for suns from 15 degrees on, and the passes."""
+    """What must be seen, shadows against rays for suns from 15 degrees on, and the passes."""
+    for on in Answer:
+        yield from _displayed(figure, renderer, on)
     size, p = 128, {**figure.values_of(renderer.method), **_MASK}
     colors = _shown(size, p, _land(size, p).colors).max(axis=-1)
     for on in Answer:

@@ -151,8 +151,77 @@ _ROW, _EDGE = 160, 0.15
 _BYTE = 1.0 / 255.0
 
 
+# Of the picture that is displayed: every so manieth pixel is asked; texels along a face by which a lobe is
+# summed; radians about a reflection within which the room must have one colour; and what that is.
+_EVERY, _FACES, _AROUND, _ONE = 7, 32, 0.03, 3.0 * _BYTE
+_NAMES = "first row", "second row", "third row"
+
+
+def _lobe(directions, exponent):
+    """The room filtered by the lobe cos^exponent about directions [n, 3], a sum over texels: RGB [n, 3]."""
+    toward = normalize(cube_maps.directions(_FACES)).reshape(-1, 3)
+    room = environments.faces(_FACES).reshape(-1, 3)
+    solid_angles = np.tile(cube_maps.solid_angles(_FACES).ravel(), 6)
+    weights = np.maximum(directions @ toward.T, 0.0) ** exponent * solid_angles
+    return (weights @ room) / weights.sum(axis=1, keepdims=True)
+
+
+def _refracted(eye, normals, index):
+    """Where one who looks from ``eye`` looks through a surface, by Snell's law."""
+    cosine = dot(eye, normals)[:, None]
+    inside = np.sqrt(1.0 - (1.0 - cosine * cosine) / index**2)
+    return (cosine / index - inside) * normals - eye / index
+
+
+def _displayed(figure, renderer):
+    """What must be seen, in the picture that is displayed: the equations' colours in the room itself, without
+    the maps that the figure makes of it.
+    """
+    values, columns = figure.values, cells(figure.size)
+    surface = glass.OBJECTS[values["objects"]](segments(figure.size // ROWS))
+    normals, eye, seen = glass.surface_by_rays(surface, camera(columns[0][0]))
+    grid = np.zeros(seen.shape, np.bool_)
+    grid[::_EVERY, ::_EVERY] = True
+    asked = grid & seen & (dot(normals, eye) > _EDGE)
+    normals, eye = normals[asked], eye[asked]
+    mirrored = reflected(eye, normals)
+    room = environments.room(mirrored)
+    steps = _AROUND * np.concatenate([np.eye(3), -np.eye(3)])
+    around = environments.room(mirrored + steps[:, None])
+    even = np.abs(around - room).max(axis=(0, 2)) <= _ONE
+    under = _lobe(normals, 1.0) * np.array(values["diffuse"])
+    exponent = 1.0 / values["roughness"]
+    blurred = _lobe(mirrored, exponent)
+    through = _lobe(_refracted(eye, normals, values["indices"][0]), exponent)
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+        for number, (panels, index) in enumerate(zip(columns, values["indices"], strict=True)):
+            factor = glass.by_polarizations(dot(normals, eye), index)[:, None]
+            drawn = [window[p.y : p.y + p.height, p.x : p.x + p.width][asked] for p in panels]
+            mirror, frosted = factor * room, factor * blurred
+            rows = mirror, mirror + under, mirror + (1.0 - factor) * under
+            for row, of, expected in zip(_NAMES, drawn, rows, strict=False):
+                off = np.abs(of - np.minimum(expected, 1.0)).max(axis=-1)
+                yield DATA.check(
+                    "index {index:g}, {row}: pixels with the equation's colour of the room, within 6/255",
+                    float((off <= 6.0 * _BYTE)[even].mean()),
+                    on,
+                    index=index,
+                    row=row,
+                )
+            if number == 0:
+                frosted = frosted + (1.0 - factor) * through
+            yield DATA.check(
+                "index {index:g}, lowest row: RMS from Phong's lobe over the room, in the picture",
+                root_mean_square(drawn[3] - frosted),
+                on,
+                index=index,
+            )
+
+
 def checks(figure, renderer):
-    """A ball whose normals rays find: in a white room, in the room, with a lamp alone."""
+    """What must be seen; and a ball whose normals rays find, in a white room, the room, with a lamp alone."""
+    yield from _displayed(figure, renderer)
     size, indices = ROWS * _ROW, figure.values["indices"]
     columns = cells(size)
     normals, eye, seen = glass.ball_by_rays(camera(columns[0][0]))

@@ -20,7 +20,9 @@ from fixedpipe.effects.passes.encoding import factor_texels, vector_texels
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import ellipse_passes, ellipses, height_field, visibility
 from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import TextureFilter, WrapMode
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
+from fixedpipe.pipeline.state import Sampler
 from fixedpipe.pipeline.textures.images import texture_2d
 
 DATA = figure_data(__file__, "F000-9")
@@ -184,6 +186,77 @@ def _agreement(field, forms):
         yield float(((lit & faces) == (visibility.free_view(field, light) & faces)).mean())
 
 
+# The nearest texel, of squares that repeat.
+_TEXELS = Sampler(TextureFilter.NEAREST, TextureFilter.NEAREST, WrapMode.REPEAT, WrapMode.REPEAT)
+# What a component counts at most, and pixels without which nothing is said of a stud.
+_NUMBERS, _FEWEST = 255.0, 20
+
+
+def _places(size, p):
+    """What each pixel of a panel shows, by the texel at its centre: n.l, whether rays find the light free,
+    the side's number, -1 beside the box, and the stud's, 0 of the ground: four [size, size].
+    """
+    field, _ = relief_of(size, p)
+    (panel,) = row_of_panels(1, size)
+    studs = p["studs"]
+    s, t = height_fields.texel_centers(field.columns, field.rows)
+    x, y = (np.abs((studs * c) % 1.0 - 0.5) for c in (s, t))
+    number = 1.0 + np.floor(studs * s) + studs * np.floor(studs * t)
+    stud = np.where(x * x + y * y < _RADIUS * _RADIUS, number, 0.0)
+    out = [panel.clear(_BLACK)]
+    for k, (name, side) in enumerate(sides(), 1):
+        vector = light_vectors(side, Light(p["light"]))[0]
+        free = visibility.free_view(field, vector).astype(np.float64)
+        code = (k * (studs * studs + 1) + stud) / _NUMBERS
+        values = np.stack([0.5 + 0.5 * dot(field.normals, vector), free, code], axis=-1)
+        units = (unit(name, _TEXELS, environment=REPLACE),)
+        out += (
+            TexImage(label=f"load the {name}", texture=name, image=texture_2d(values)),
+            draw(f"the {name}", side.mesh(), _view(panel), None, units, depth_test=FIRST_PASS),
+        )
+    found = execute_ideal(tuple(out), size, size).color[::-1, :, :3]
+    side, stud = np.divmod(np.floor(_NUMBERS * found[..., 2] + 0.5), studs * studs + 1)
+    return 2.0 * found[..., 0] - 1.0, found[..., 1] > 0.5, side - 1.0, stud
+
+
+def _displayed(left, right, places, on):
+    """What must be seen, in the panels that are displayed: red, [size, size] each."""
+    facing, free, side, stud = places
+    sides_seen = [side == k for k in np.unique(side[side >= 0.0])]
+    ratios = []
+    for here in sides_seen:
+        for number in np.unique(stud[here & (stud > 0.0)]):
+            of = here & (stud == number)
+            away, toward = of & (facing < 0.0), of & (facing > 0.5)
+            if min(away.sum(), toward.sum()) >= _FEWEST:
+                ratios.append(float(left[away].mean() / left[toward].mean()))
+    yield DATA.check("left: studs of which a dark and a lit side are seen", len(ratios), on)
+    yield DATA.check("left: a stud's dark side over its lit one, the largest", max(ratios), on)
+    # Ground whose normal the studs' smoothed rims do not turn.
+    ground = [here & (stud == 0.0) for here in sides_seen]
+    level = [here & (np.abs(facing - np.median(facing[here])) < 0.01) for here in ground]
+    level = [here for here in level if (here & ~free).sum() >= _FEWEST]
+    hidden = [here & ~free for here in level]
+    yield DATA.check(
+        "left: ground that rays leave in shadow over ground that they do not, the least of the sides",
+        min(
+            float(left[of].mean() / left[here & free].mean()) for of, here in zip(hidden, level, strict=True)
+        ),
+        on,
+    )
+    yield DATA.check(
+        "right: ground that rays leave in shadow over the same on the left, the largest of the sides",
+        max(float(right[of].mean() / left[of].mean()) for of in hidden),
+        on,
+    )
+    lit = (side >= 0.0) & (facing > 0.0) & free
+    yield DATA.check(
+        "right: of what rays leave lit, what is as bright as on the left within 2/255",
+        float((np.abs(right - left) <= 2.0 / 255.0)[lit].mean()),
+        on,
+    )
+
+
 def checks(figure, renderer):
     """The mask against rays, the machine against the ellipses in float, and where shadows lie."""
     values, size = figure.values, 256
@@ -205,7 +278,10 @@ def checks(figure, renderer):
     facing, free = (panel_of(picture, k).max(axis=-1) for k in range(2))
     clear = facing > 0.1
     told = _told(size, p)
+    places = _places(figure.size, values)
     for on in Answer:
+        displayed = renderer.window(on, figure, figure.size)[..., 0]
+        yield from _displayed(*(panel_of(displayed, k) for k in range(2)), places, on)
         plain, shadowed = (
             panel_of(renderer.window(on, figure, size, **white), k).max(axis=-1) for k in (0, 1)
         )
