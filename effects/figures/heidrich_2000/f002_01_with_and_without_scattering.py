@@ -227,10 +227,6 @@ def _sums(renderer, way, values):
         )
 
 
-# n.l from which a byte tells light from none.
-_TOLD = 0.1
-
-
 def _half_balls(values, texels):
     """The centres [k, 2] of the domes that stand on the relief and on the tiles beside it, their radius, and
     their height: half ellipsoids, apart from what draws them.
@@ -289,13 +285,6 @@ def _displayed(figure, renderer, on, values):
     without, scattered = (panel_of(window, k) for k in range(2))
     there, high, facing, lit = _by_analysis(size, values)
     red = values["albedo"][0] * values["exposure"]
-    told = there & (np.abs(facing) > _TOLD)
-    drawn = without[..., 0] > 0.5 * red * np.maximum(facing, _TOLD)
-    yield DATA.check(
-        "left: pixels that are lit or dark as rays at half ellipsoids have them",
-        float((drawn == lit)[told].mean()),
-        on,
-    )
     # Where the light of the domes' pixels is found best, rows above and below.
     rows, columns = np.nonzero(there & (high > 0.0))
     expected = (red * np.maximum(facing, 0.0) * lit)[rows, columns]

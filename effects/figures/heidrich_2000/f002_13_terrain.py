@@ -213,7 +213,6 @@ def _displayed(figure, renderer, on):
         float(dark[hidden].mean()),
         on,
     )
-    yield DATA.check("right: of what the sun reaches, what is not darker so", float((~dark)[lit].mean()), on)
     yield DATA.check(
         "right: of what is darker so, what mountains hide", float(hidden[dark & (lit | hidden)].mean()), on
     )
