@@ -189,7 +189,8 @@ def signed_reciprocal(value):
 def iteration_weights(n, inverse_w):
     """q0 and q2 with 24 significant bits; the vertex of the highest class takes what the others leave."""
     e, total = weighed_edges(n, inverse_w)
-    reciprocal = reciprocal_24(np.where(total > 0.0, total, 1.0))
+    # Beyond a line's end the sum may be negative.
+    reciprocal = signed_reciprocal(np.where(total == 0.0, 1.0, total))
     return _largest_rests([cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e])
 
 

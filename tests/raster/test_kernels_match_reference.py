@@ -902,6 +902,25 @@ def test_color_weights_of_random_edge_values_in_perspective(seed, size):
     assert list(zip(q0.tolist(), q2.tolist(), strict=True)) == [tuple(q) for _, *q in expected]
 
 
+@settings(max_examples=100)
+@given(st.integers(0, 2**32 - 1))
+def test_weights_beyond_a_line_s_end_whose_sum_may_be_negative(seed):
+    random = np.random.default_rng(seed)
+    along, length = random.integers(-5000, 0, 40), random.integers(1, 10000, 40)
+    n = np.stack([along, np.zeros_like(along), length - along], axis=1)
+    near, far = np.exp(random.uniform(-5.0, 5.0, 2))
+    inverse_w = np.array([near, far, far])
+    sums = [
+        interpolate.weight_sum(interpolate.weighed_edges(row, interpolate.weight_factors(inverse_w)))
+        for row in n
+    ]
+    n = n[np.array(sums) != 0.0]
+    expected = [specified_weights(row, inverse_w.tolist()) for row in n.tolist()]
+    assert kernel_color_weights(n, inverse_w.tolist()) == expected
+    q0, q2 = columns_interpolate.iteration_weights(list(n.T), np.broadcast_to(inverse_w, (len(n), 3)))
+    assert list(zip(q0.tolist(), q2.tolist(), strict=True)) == [tuple(q) for _, *q in expected]
+
+
 def kernel_exact_colors(n, inverse_w, colors):
     """The byte of each row of edge values, of a triangle whose vertices have ``colors``."""
     columns = [np.ascontiguousarray(c) for c in (np.array(n, np.float64) * inverse_w).T]
