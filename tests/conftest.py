@@ -7,7 +7,6 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from fixedpipe.pipeline.native import background_compiling
-from tests.support.times import Times
 
 # Another project's tests, which tests/project/test_golden_outside.py runs where they belong.
 collect_ignore = ["stranger"]
@@ -91,6 +90,8 @@ def pytest_configure(config):
     """Arm the check where a run must use the folder `shared`; keep times where they are asked for."""
     path = config.getoption("--times")
     if path and not hasattr(config, "workerinput"):  # a process of several hands its reports to the first
+        from tests.support.times import Times
+
         config.pluginmanager.register(Times(path), "times")
     if os.environ.get("FIXEDPIPE_REQUIRE_SHARED") == "1":
         config.pluginmanager.register(SkipsOfShared(), "skips-of-shared")

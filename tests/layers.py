@@ -61,7 +61,7 @@ PACKAGES = {
         "pipeline": "enums state state_kinds textures commands profiles programs vertices framebuffers",
     },
     "pipeline/columns": {
-        "raster": "codes rows observer columns pixels",
+        "raster": "codes floats rows observer columns pixels",
         "pipeline": "enums pixel_transfer textures commands profiles programs vertices framebuffers",
     },
     "pipeline/execution": {

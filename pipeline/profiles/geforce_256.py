@@ -122,9 +122,7 @@ GEFORCE_256 = Profile(
         ),
         cylinder_wrap=known(False, "Source: no OpenGL extension has it"),
         signed_components=known(False, "Source: NV_texture_shader (introduced with the GeForce 3)"),
-        border_color_as_given=known(
-            False, "Inferred: OpenGL 1.2.1 section 3.8.5, which a driver keeps by the register that it writes"
-        ),
+        border_color_as_given=known(False, "Source: OpenGL 1.2.1 section 3.8.5"),
         hilo_as_color=known(False, "Source: NV_texture_shader (introduced with the GeForce 3)"),
         max_lod_bias=known(4.0, "Assumed: 4; a MAX_TEXTURE_LOD_BIAS_EXT query would settle it"),
         max_anisotropy=known(2.0, "Assumed: 2; a MAX_TEXTURE_MAX_ANISOTROPY_EXT query would settle it"),

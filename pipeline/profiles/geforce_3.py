@@ -118,7 +118,7 @@ GEFORCE_3 = Profile(
             True, "Inferred: from the NV2A: 732800 of 732800 pixels (Texture_signed_component_tests captures)"
         ),
         border_color_as_given=known(
-            False, "Inferred: OpenGL 1.2.1 section 3.8.5, which a driver keeps by the register that it writes"
+            False, "Inferred: from OpenGL 1.2.1 section 3.8.5; the driver writes the color that follows it"
         ),
         hilo_as_color=known(
             False, "Source: NV_texture_shader table 3.D (0, 0, 0, 0 where the texel is no RGBA)"

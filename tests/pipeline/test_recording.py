@@ -77,7 +77,8 @@ def huge(layers):
 
 
 @pytest.mark.parametrize(("engine", "drawings"), [(None, 0), ("portable", 1)])
-def test_triangles_are_recorded_in_one_drawing(passes, engine, drawings):
+def test_triangles_are_recorded_in_one_drawing(passes, monkeypatch, engine, drawings):
+    monkeypatch.setattr(recording, "_USUAL", 1000)
     fragments = recorded(huge(3), 320, engine)
     assert len(passes) == drawings and len(fragments.x) == 3 * 320 * 320 > recording._USUAL
     counts = np.zeros((320, 320), int)
