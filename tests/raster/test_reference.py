@@ -331,7 +331,7 @@ def test_q_divides_unless_it_is_one_everywhere():
     assert not sample.has_unit_q([*ones[:2], (0.0, 0.0, 0.0, 2.0)])
     assert sample.divide_by_q((3.0, 5.0, 7.0, 2.0), False) == (3.0, 5.0, 7.0)
     assert sample.divide_by_q((3.0, 5.0, 7.0, 2.0), True) == (1.5, 2.5, 3.5)
-    assert sample.divide_by_q((3.0, 5.0, 7.0, 0.0), True) == (3.0, 5.0, 7.0)
+    assert sample.divide_by_q((3.0, 0.0, -7.0, 0.0), True) == (3.0 * 2.0**64, 0.0, -7.0 * 2.0**64)
 
 
 @pytest.mark.parametrize(

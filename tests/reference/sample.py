@@ -72,16 +72,17 @@ def has_unit_q(coordinates):
     return all(vertex[3] == 1.0 for vertex in coordinates)
 
 
-def divide_by_q(strq, divided):
-    """(s, t, r), ``divided`` by q or not; where q is 0, by 2**-64.
+def divisor(q):
+    """What coordinates are divided by. Measured: Texture_Matrix Arbitrary; Inferred: the power, from RCC."""
+    return 2.0**-64 if q == 0.0 else q
 
-    Source: OpenGL 1.2.1 section 3.8; Measured: Texture_Matrix Arbitrary; Inferred: the power, from RCC.
-    """
+
+def divide_by_q(strq, divided):
+    """(s, t, r), ``divided`` by q or not. Source: OpenGL 1.2.1 section 3.8."""
     *str_, q = strq
     if not divided:
         return tuple(str_)
-    divisor = 2.0**-64 if q == 0.0 else q
-    return tuple(coordinate / divisor for coordinate in str_)
+    return tuple(coordinate / divisor(q) for coordinate in str_)
 
 
 def cube_map_face(strq):

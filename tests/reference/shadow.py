@@ -5,7 +5,7 @@ from math import floor, frexp
 from types import SimpleNamespace
 
 from fixedpipe.pipeline.enums import BaseFormat, ComparisonFunction, InternalFormat, TextureCompareMode
-from tests.reference import fixed, texel_formats
+from tests.reference import fixed, sample, texel_formats
 
 FIXED = {InternalFormat.DEPTH_COMPONENT16: 0xFFFF, InternalFormat.DEPTH_COMPONENT24: 0xFFFFFF}
 FLOAT = {  # largest word, mantissa bits, exponent bias
@@ -43,7 +43,7 @@ def reference_word(strq, projective, internal_format, mode, profile):
         return 0
     r, q = strq[2], strq[3]
     if projective:
-        r = r / (q if q != 0.0 else 1.0)
+        r = r / sample.divisor(q)
     largest = FIXED[internal_format] if internal_format in FIXED else FLOAT[internal_format][0]
     units = 1.0 if profile.textures.depth_units_in_coordinates else float(largest)
     return depth_word(r * units, internal_format)
