@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.ray_caster import primary_rays
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures import scattering_ways
@@ -227,15 +228,14 @@ def _sums(renderer, way, values):
         )
 
 
-def _half_balls(values, texels):
+def _half_balls(domes, height, texels):
     """The centres [k, 2] of the domes that stand on the relief and on the tiles beside it, their radius, and
     their height: half ellipsoids, apart from what draws them.
     """
-    domes = values["domes"]
     places = np.arange(-domes, 2 * domes)
     centers = (2.0 * places + 1.0) / domes - 1.0 - 1.0 / texels
     x, y = (c.ravel() for c in np.meshgrid(centers, centers))
-    return np.stack([x, y], axis=-1), 0.9 / domes, values["height"] * 0.9 / domes
+    return np.stack([x, y], axis=-1), 0.9 / domes, height * 0.9 / domes
 
 
 def _met(origins, along, centers, radius, height):
@@ -252,13 +252,14 @@ def _met(origins, along, centers, radius, height):
     return found
 
 
-def _by_analysis(size, values):
+@computed_once
+def _by_analysis(size, domes, height, texels, light):
     """What a panel's pixels show, by half ellipsoids: whether the relief is there, how high it is over the
-    domes' height, n.l, and whether the light reaches it: four [size, size], bottom row first.
+    domes' height, n.l, and whether the light reaches it: float64 [4, size, size], bottom row first.
     """
     (panel,) = row_of_panels(1, size)
     origins, along = primary_rays(oblique_view(panel, EYE))
-    balls = _half_balls(values, scattering_ways.largest_power(size // 2, values["texels"]))
+    balls = _half_balls(domes, height, scattering_ways.largest_power(size // 2, texels))
     centers, radius, height = balls
     ground = -origins[:, 2] / along[:, 2]
     reach = np.minimum(_met(origins, along, *balls), ground)
@@ -270,12 +271,12 @@ def _by_analysis(size, values):
         [radius**2, radius**2, height**2]
     )
     normals = np.where(raised[:, None], normalize(outward), (0.0, 0.0, 1.0))
-    light = np.array(height_field.check_light(values["light"]))
+    light = np.array(height_field.check_light(light))
     facing = dot(normals, light)
     away = points + 1e-6 * normals
     lit = (facing > 0.0) & np.isinf(_met(away, np.broadcast_to(light, away.shape), *balls))
     found = there, np.where(raised, points[:, 2] / height, 0.0), facing, lit
-    return tuple(one.reshape(size, size) for one in found)
+    return np.stack([one.reshape(size, size) for one in found]).astype(np.float64)
 
 
 def _displayed(figure, renderer, on, values):
@@ -283,7 +284,9 @@ def _displayed(figure, renderer, on, values):
     size = figure.size
     window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
     without, scattered = (panel_of(window, k) for k in range(2))
-    there, high, facing, lit = _by_analysis(size, values)
+    of_relief = (values[name] for name in ("domes", "height", "texels", "light"))
+    there, high, facing, lit = _by_analysis(size, *of_relief)
+    there, lit = there > 0.0, lit > 0.0
     red = values["albedo"][0] * values["exposure"]
     # Where the light of the domes' pixels is found best, rows above and below.
     rows, columns = np.nonzero(there & (high > 0.0))

@@ -6,6 +6,7 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.environment_maps import (
     environments,
@@ -157,6 +158,7 @@ _EVERY, _FACES, _AROUND, _ONE = 7, 32, 0.03, 3.0 * _BYTE
 _NAMES = "first row", "second row", "third row"
 
 
+@computed_once
 def _lobe(directions, exponent):
     """The room filtered by the lobe cos^exponent about directions [n, 3], a sum over texels: RGB [n, 3]."""
     toward = normalize(cube_maps.directions(_FACES)).reshape(-1, 3)
