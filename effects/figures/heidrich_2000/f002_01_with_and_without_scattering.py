@@ -91,22 +91,34 @@ def reference(size, *, texels, domes, height, albedo, specular, lookups, light, 
     """The light of many more paths in float64, shown on the same relief: RGBA, top row first."""
     field, visibility = _domes(size, texels, domes, height, albedo, REFERENCE_DIRECTIONS)
     field = replace(field, specular=specular, exponent=EXPONENT)
-    towards, up = height_field.check_light(light), (0.0, 0.0, 1.0)
+    towards = height_field.check_light(light)
     numbers = light_transport.sequences(REFERENCE_DIRECTIONS, lookups, REFERENCE_DIRECTIONS)
     lights = (
-        light_transport.chain(field, visibility, [], towards, up, lit=free_view(field, towards)),
+        _direct(field, visibility, towards),
         light_transport.scattered(field, visibility, numbers, towards),
     )
+    picture = np.ones((size, 2 * size, 4))
+    picture[..., :3] = _in_float(size, field, [exposure * values for values in lights])
+    return picture
+
+
+def _direct(field, visibility, light):
+    """Direct light with its shadows, as the eye straight above has it: float64 [rows, columns, 3]."""
+    up = (0.0, 0.0, 1.0)
+    return light_transport.chain(field, visibility, [], light, up, lit=free_view(field, light))
+
+
+def _in_float(size, field, lights):
+    """Panels of a field's relief, a texture of light each: RGB [size, n size, 3], top row first."""
     drawn = []
-    for name, panel, values in zip((WITHOUT, RESULT), row_of_panels(2, size), lights, strict=True):
+    for number, (panel, values) in enumerate(zip(row_of_panels(len(lights), size), lights, strict=True)):
+        name = f"light {number}"
         drawn += (
-            TexImage(label=f"load {name}", texture=name, image=texture_2d(exposure * values)),
+            TexImage(label=f"load {name}", texture=name, image=texture_2d(values)),
             panel.clear(BACKGROUND),
             lit_relief(name, relief(field), oblique_view(panel, EYE), name),
         )
-    picture = np.ones((size, 2 * size, 4))
-    picture[..., :3] = execute_ideal(tuple(drawn), 2 * size, size).color[..., :3]
-    return picture
+    return execute_ideal(tuple(drawn), len(lights) * size, size).color[..., :3]
 
 
 # ---------------------------------------------------------------------------------------------- checks
@@ -298,6 +310,16 @@ def _displayed(figure, renderer, on, values):
         abs(moved[int(np.argmin(errors))]),
         on,
     )
+    names = "texels", "domes", "height", "albedo", "directions"
+    field, visibility = _domes(size, *(values[name] for name in names))
+    light = height_field.check_light(values["light"])
+    expected = _in_float(size, field, [values["exposure"] * _direct(field, visibility, light)])[::-1]
+    right = np.abs(without - np.clip(expected, 0.0, 1.0)).max(axis=-1) <= 8.0 / 255.0
+    yield DATA.check(
+        "left: the relief's pixels that direct light with its shadows has in float, within 8/255",
+        float(right[there].mean()),
+        on,
+    )
     dark, ground = there & ~lit, there & (high == 0.0) & lit
     gained = (scattered - without).mean(axis=-1)
     yield DATA.check(
@@ -323,7 +345,7 @@ def checks(figure, renderer):
     light = height_field.check_light(values["light"])
     numbers = light_transport.sequences(values["directions"], 1, values["directions"])
     expected = light_transport.scattered(field, visibility, numbers, light)
-    direct = light_transport.chain(field, visibility, [], light, (0.0, 0.0, 1.0), lit=free_view(field, light))
+    direct = _direct(field, visibility, light)
     yield from _grooves(renderer, way)
     high = field.heights / field.heights.max()
     valleys, tops = (high < 0.25) & (direct.max(axis=-1) == 0.0), high > 0.8

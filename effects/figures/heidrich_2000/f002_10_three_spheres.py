@@ -155,6 +155,12 @@ def _facing(shape, light):
 _BLACK, _FACES = 4.0 / 255.0, 0.2
 
 
+def _off_the_sun(bright, x, y, ball, sun):
+    """Degrees by which the middle of a sphere's light lies beside the line from its centre to the sun."""
+    middle = np.array([(bright * place)[ball].sum() for place in (x, y)])
+    return float(np.degrees(np.arccos(middle @ sun[:2] / np.linalg.norm(middle) / np.linalg.norm(sun[:2]))))
+
+
 def _displayed(figure, renderer, on):
     """What must be seen, sentence after sentence, in the picture that is displayed."""
     pictures = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
@@ -163,6 +169,9 @@ def _displayed(figure, renderer, on):
     square = x * x + y * y
     ball, inner = square < 0.98, square < 0.9
     sun = unit_vector(figure.values["light"], "The light's direction")
+    for what, sphere in (("first", first), ("second", second)):
+        off = _off_the_sun(sphere.mean(axis=-1), x, y, ball, sun)
+        yield DATA.check("{what} sphere: degrees from the sun to the middle of its light", off, on, what=what)
     facing = (x * sun[0] + y * sun[1]) + np.sqrt(np.maximum(1.0 - square, 0.0)) * sun[2]
     black = first.max(axis=-1) <= _BLACK
     yield DATA.check("first sphere: the share of it that is black", float(black[ball].mean()), on)
@@ -185,6 +194,10 @@ def _displayed(figure, renderer, on):
         float(below[0] / below[1:].max()),
         on,
     )
+    beside, high = (square > 1.05) & (np.abs(y) > 0.75 * HALF_HEIGHT), y > 0.0
+    sky, earth = third[beside & high].mean(axis=0), third[beside & ~high].mean(axis=0)
+    yield DATA.check("behind the third, above: blue over red", float(sky[2] / sky[0]), on)
+    yield DATA.check("behind the third, below: red over blue", float(earth[0] / earth[2]), on)
 
 
 def checks(figure, renderer):

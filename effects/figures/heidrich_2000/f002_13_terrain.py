@@ -202,6 +202,7 @@ def _displayed(figure, renderer, on):
         float(right_on_the_left[there].mean()),
         on,
     )
+    yield DATA.check("left: the sky's pixels, the same", float(right_on_the_left[~there].mean()), on)
     yield DATA.check(
         "left: the same of what mountains hide though it faces the sun",
         float(right_on_the_left[hidden].mean()),
