@@ -27,11 +27,11 @@ from fixedpipe.effects.refusal import nearest
 
 # The data files, by name: what each of their tables has, and what it may have.
 WORDS = {
-    "figures.toml": (("title", "caption", "must_see", "source", "techniques"), ("panels",)),
+    "figures.toml": (("title", "caption", "must_see", "source", "techniques"), ("panels", "parts")),
     "studies.toml": (("title", "question", "source", "techniques"), ("method",)),
 }
 # What is a tuple of texts; every other word is a text.
-_SEVERAL = ("techniques", "panels")
+_SEVERAL = ("techniques", "panels", "parts")
 _OF_A_CHECK = ("at_most", "at_least", "reason")
 _ANSWERS = {answer.value for answer in Answer}
 

@@ -1,14 +1,18 @@
-"""The check of diagrams: their marks are where the geometry has them."""
+"""The checks of diagrams: where marks are, whether every part is seen, whether letters can be read."""
 
 import numpy as np
+from PIL import ImageFont
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.geometry.views import panel_of
+from fixedpipe.pipeline.commands import Draw
 
 
 def drawn_check(figure, renderer, places):
-    """The Checks that a diagram's marks are at the places of the geometry, on the ideal and on the machine.
+    """The Checks of a diagram: marks are at the places of the geometry, on the ideal and on the machine, all
+    parts of its data file are seen, and its letters can be read.
 
     ``places``: (panel's number, its view at half the figure's size, point, colour) for each mark. The
     measured number is the largest distance of a pixel there from its colour.
@@ -26,3 +30,53 @@ def drawn_check(figure, renderer, places):
             on=on,
             reason="a mark covers the pixel's middle",
         )
+    yield parts_check(figure, renderer)
+    yield from letters_check(figure, renderer)
+
+
+def letters_check(figure, renderer):
+    """The Check that the displayed letters are the font's glyphs, upright, in their label's order.
+
+    The glyphs are Pillow's own, not those of the texture that is drawn. The measured number is the least
+    share of a label's glyph pixels that have its colour, minus the share of its other pixels that have it.
+    """
+    image = renderer.machine_window(figure, figure.size)
+    font, least, labels = ImageFont.load_default_imagefont(), 1.0, 0
+    for command in figure.commands(renderer.profile, figure.size, renderer.method):
+        if not _is_text(command):
+            continue
+        labels += 1
+        viewport = command.state.vertex.viewport
+        panel = image[viewport.y : viewport.y + viewport.height, viewport.x : viewport.x + viewport.width]
+        letters = command.label.replace(" ", "")
+        # The last quads are the letters; those before them are their outline.
+        corners = command.mesh.positions[-4 * len(letters) :].reshape(-1, 4, 3)
+        color, shown = np.array(command.mesh.colors[-1][:3]), [[], []]
+        for letter, quad in zip(letters, corners, strict=True):
+            (left, bottom), (right, top) = (np.floor(quad[k, :2] + 0.5).astype(int) for k in (0, 2))
+            if left < 0 or bottom < 0 or right > panel.shape[1] or top > panel.shape[0]:
+                shown[1].append(np.zeros(1, bool))
+                continue
+            mask = font.getmask(letter)
+            glyph = np.array(mask).reshape(mask.size[::-1])[::-1] > 0
+            rows = (np.arange(top - bottom) + 0.5) * glyph.shape[0] / (top - bottom)
+            columns = (np.arange(right - left) + 0.5) * glyph.shape[1] / (right - left)
+            inside = glyph[np.ix_(rows.astype(int), columns.astype(int))]
+            same = np.abs(panel[bottom:top, left:right] - color).max(axis=-1) <= 1.0 / 255.0
+            shown[1].append(same[inside])
+            shown[0].append(same[~inside])
+        beside, on = (np.concatenate(parts).mean() if parts else 0.0 for parts in shown)
+        least = min(least, float(on - beside))
+    if labels:
+        yield Check(
+            f"the least legible of {labels} labels: its glyphs' pixels in its colour, less those beside them",
+            least,
+            at_least=0.9,
+            on=Answer.MACHINE,
+            reason="what crosses a letter takes few of its pixels; a turned or filled one loses a third",
+        )
+
+
+def _is_text(command):
+    units = command.state.texture_units if isinstance(command, Draw) else ()
+    return any(unit is not None and unit.texture == drawing.FONT for unit in units)

@@ -88,6 +88,7 @@ class Figure:
     techniques   the catalogue's ids of the techniques used
     panels       what each of its panels shows, from left to right, in a label's few words; whatever
                  presents the figure draws the labels, the machine does not
+    parts        labels of the Draws that must be seen, which ``parts_check`` asks for
     size         default height of a panel, pixels
     aspect       a panel's width to its height, as whole numbers: (8, 5)
     parameters   what may be changed of it, by name; ``commands`` takes other values by these names
@@ -104,6 +105,7 @@ class Figure:
     source: str
     techniques: tuple[str, ...]
     panels: tuple[str, ...] = ("",)
+    parts: tuple[str, ...] = ()
     size: int = 512
     aspect: tuple[int, int] = (1, 1)
     parameters: Mapping[str, Parameter] = field(default_factory=dict)

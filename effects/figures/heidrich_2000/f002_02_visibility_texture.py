@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -174,6 +175,7 @@ def checks(figure, renderer):
         Answer.IDEAL,
     )
     yield DATA.check("share of texels that see another", float((seen >= 0).mean()), Answer.IDEAL)
+    yield parts_check(figure, renderer)
 
 
 FIGURE = Figure(

@@ -3,6 +3,7 @@
 from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
+from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -34,6 +35,7 @@ def checks(figure, renderer):
         yield DATA.check("too much: gap behind the board, texels", gaps[2], on)
         yield DATA.check("correct: floor that agrees with rays", found.agreeing, on)
         yield DATA.check("correct: floor of no understood kind", found.other, on)
+    yield parts_check(figure, renderer)
 
 
 def reference(size, *, offsets, shading, **_):
