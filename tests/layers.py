@@ -84,6 +84,7 @@ PACKAGES = {
             "framebuffers validation native columns execution ideal"
         ),
     },
+    "pipeline/traces": {},
     "pipeline/selftest": {
         "raster": "kernel",
         "pipeline": ("enums state pixel_transfer textures commands profiles framebuffers native execution"),
@@ -221,6 +222,7 @@ LIBRARIES = {
     "pipeline/native": ("numba",),
     "pipeline/ideal": ("numba",),
     "pipeline/selftest": ("llvmlite", "numba"),
+    "pipeline/traces": ("brotli", "cramjam"),
     "pipeline/golden": ("PIL", "pytest", "syrupy"),
     "effects/scattering": ("scipy",),
     "effects/texture_filtering": ("PIL",),
