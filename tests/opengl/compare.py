@@ -410,6 +410,27 @@ def edge_pixels(commands, profile, width, height, within):
     return found
 
 
+def fold_pixels(commands, profile, width, height):
+    """Bool [h, w]: pixels whose centre lies exactly on an edge that two triangles of a Draw have in common,
+    both on the same side of it. Both have the edge's depth there, so rounding alone orders them.
+    """
+    found = np.zeros((height, width), bool)
+    px, py = np.meshgrid(16 * np.arange(width) + 8, 16 * np.arange(height) + 8)
+    for draw in (c for c in commands if isinstance(c, Draw)):
+        primitives = stage.process(draw.mesh, draw.state, profile, width, height)
+        sides = {}
+        for corners in primitives.triangles[:, :3]:
+            points = [(int(primitives.x[k]), int(primitives.y[k]), float(primitives.z[k])) for k in corners]
+            for a, b, c in (points, points[1:] + points[:1], points[2:] + points[:2]):
+                (ax, ay, _), (bx, by, _) = edge = tuple(sorted((a, b)))
+                side = np.sign((bx - ax) * (c[1] - ay) - (by - ay) * (c[0] - ax))
+                if side and side in sides.setdefault(edge, set()):
+                    on_line = (px - ax) * (by - ay) == (py - ay) * (bx - ax)
+                    found |= on_line & (px >= ax) & (px <= bx) & (py >= min(ay, by)) & (py <= max(ay, by))
+                sides.setdefault(edge, set()).add(side)
+    return found
+
+
 def diamond_ties(commands, profile, width, height):
     """Pixels, bool [h, w], whose centre a line passes at half a pixel, to within 1/128: llvmpipe draws a line
     as a quadrilateral with corners on 1/256 pixels.

@@ -1,5 +1,7 @@
 """Random passes, drawn here with OpenGL's rules and by Mesa: equal, or as far apart as roundings explain."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -7,10 +9,10 @@ from hypothesis import strategies as st
 
 from bench.peers.mesa import PeerError
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
-from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, StencilOperation
+from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, PrimitiveType, StencilOperation
 from fixedpipe.pipeline.profiles import OPENGL_1_2
-from fixedpipe.pipeline.state import AlphaTest, Blending, PassState, StencilTest
-from tests.opengl.compare import compare, diamond_ties, edge_pixels, example
+from fixedpipe.pipeline.state import AlphaTest, Blending, DepthTest, PassState, StencilTest
+from tests.opengl.compare import compare, diamond_ties, edge_pixels, example, fold_pixels
 from tests.opengl.mesa import Mesa
 from tests.opengl.passes import EXTENDED, HEIGHT, PROFILES, WIDTH, anywhere, frames, strokes
 
@@ -50,6 +52,24 @@ def assert_alike_off_edges(peer, commands, profile, within):
     assert_alike(peer, commands, profile, edge_pixels(commands, profile, WIDTH, HEIGHT, within))
 
 
+def test_a_folded_fan_is_ordered_by_rounding_alone_on_its_fold(llvmpipe):
+    """Two triangles on the same side of their common edge, whose pixels' centres lie exactly on it."""
+    positions = [
+        [-0.03125, 0.5625, 0.46],
+        [-0.3125, 0.4375, 0.24],
+        [-0.625, 0.5625, -0.33],
+        [-0.9, 0.4375, 0.23],
+    ]
+    mesh = Mesh(np.array(positions), PrimitiveType.TRIANGLE_FAN)
+    commands = (Clear(label="clear"), Draw(label="draw", mesh=mesh, state=PassState(depth_test=DepthTest())))
+    folds = fold_pixels(commands, OPENGL_1_2, WIDTH, HEIGHT)
+    assert np.argwhere(folds).tolist() == [[3, column] for column in range(6, 16)]
+    assert_alike(llvmpipe, commands, OPENGL_1_2, folds)
+    apart = replace(mesh, positions=np.array([*positions[:3], [-0.9, 0.75, 0.23]]))
+    unfolded = (commands[0], replace(commands[1], mesh=apart))
+    assert not fold_pixels(unfolded, OPENGL_1_2, WIDTH, HEIGHT).any()
+
+
 def collapsed(commands):
     """The most triangles of a Draw that name a vertex twice; beside two of them llvmpipe may lose a third."""
     meshes = [command.mesh for command in commands if isinstance(command, Draw)]
@@ -64,7 +84,7 @@ def test_passes_are_llvmpipe_s(llvmpipe, data, textured):
     profile = data.draw(profiles)
     commands = data.draw(frames(profile, textured=textured))
     assume(collapsed(commands) < 2)
-    assert_alike(llvmpipe, commands, profile)
+    assert_alike(llvmpipe, commands, profile, fold_pixels(commands, profile, WIDTH, HEIGHT))
 
 
 # softpipe finds the ends of its spans in single precision: on which side of an edge a centre lies that is
@@ -106,7 +126,7 @@ def test_thousands_of_passes_are_llvmpipe_s(llvmpipe, textured, data):
     profile = data.draw(profiles)
     commands = data.draw(frames(profile, textured=textured))
     assume(collapsed(commands) < 2)
-    assert_alike(llvmpipe, commands, profile)
+    assert_alike(llvmpipe, commands, profile, fold_pixels(commands, profile, WIDTH, HEIGHT))
 
 
 @pytest.mark.slow

@@ -194,6 +194,19 @@ _DEPENDENT = (  # operations, how many DOT_PRODUCT stages they follow, the targe
 )
 
 
+def _may_be_repeated(draw, since):
+    """Whether a Draw is valid after the commands ``since``. They may give its texture another base format,
+    which its environment does not take, or fewer levels than its filter reads.
+    """
+    stored = {c.texture for c in since if isinstance(c, TexImage | CopyTexImage)}
+    return not any(
+        unit is not None
+        and unit.texture in stored
+        and (draw.state.register_combiners is None or unit.sampler.min_filter not in _COUNTED)
+        for unit in draw.state.texture_units
+    )
+
+
 class _Maker:
     """Draws a frame's parts; ``known``: what its commands made so far, by name."""
 
@@ -328,7 +341,7 @@ class _Maker:
 
     def step(self, before):
         """One thing that a frame does next, as commands."""
-        draws = [c for c in before if type(c) is Draw]
+        draws = [c for k, c in enumerate(before) if type(c) is Draw and _may_be_repeated(c, before[k:])]
         what = self.chooser.random()
         if what < 0.6 or not draws:
             return [self.draw()]
