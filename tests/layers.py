@@ -50,6 +50,10 @@ PACKAGES = {
         "raster": "codes rows primitives columns pixel_groups pixels",
         "pipeline": "enums state pixel_transfer textures commands profiles",
     },
+    "pipeline/opengl": {
+        "raster": "pixels",
+        "pipeline": ("enums state pixel_transfer textures commands profiles programs vertices framebuffers"),
+    },
     "pipeline/validation": {
         "pipeline": (
             "enums messages state pixel_transfer interned_states state_kinds textures commands profiles"
@@ -193,6 +197,13 @@ PACKAGES = {
         "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
         "effects": "refusal technique bibliography acceptance data_files figures arithmetic conformance",
     },
+    "effects/replays": {
+        "pipeline": (
+            "enums messages state pixel_transfer textures commands profiles framebuffers opengl validation "
+            "execution traces"
+        ),
+        "effects": "refusal",
+    },
     "effects/presentation": {
         "pipeline": "profiles",
         "effects": "refusal bibliography acceptance figures",
@@ -205,7 +216,7 @@ PACKAGES = {
         ),
         "effects": (
             "refusal technique bump_mapping volumes scattering acceptance figures studies "
-            "conformance user_pictures reports presentation"
+            "conformance user_pictures reports replays presentation"
         ),
     },
 }

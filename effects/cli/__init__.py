@@ -18,6 +18,7 @@ _COMMANDS = (
     "inspect",
     "compare",
     "animate",
+    "replay",
     "bump",
     "roughness",
     "material",
@@ -51,6 +52,7 @@ What to do next:
   fixedpipe parameters F004-4   what may be changed of it; fixedpipe figures F004-4 --set alpha_x=0.15
   fixedpipe print F003-21       for a page: machine, ideal, reference, difference, with labels and caption
   fixedpipe animate F004-4      a figure that moves: its light, its camera, its bits, as a lossless animation
+  fixedpipe replay GAME.trace   what a recorded OpenGL program drew, on the machine that it was written for
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
   fixedpipe roughness sample:gravel --out gravel.npz --picture gravel.png

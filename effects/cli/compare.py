@@ -7,8 +7,8 @@ from fixedpipe.effects.cli.options import set_option
 
 
 @click.command(short_help="Where two machines' pictures part: command, pixel, stage.")
-@click.argument("what", metavar="ID|SCRIPT.py|HISTORY.json")
-@click.argument("other", metavar="[SCRIPT.py|HISTORY.json]", required=False)
+@click.argument("what", metavar="ID|SCRIPT.py|TRACE#N|HISTORY.json")
+@click.argument("other", metavar="[SCRIPT.py|TRACE#N|HISTORY.json]", required=False)
 @click.option("--machines", nargs=2, metavar="A B", help="The machines; a script may have its own.")
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
 @click.option("--out", metavar="FILE", help="A picture of the difference after the command where they part.")

@@ -1,4 +1,6 @@
-"""The frame that a subcommand examines: a figure's, or the one that a script makes."""
+"""The frame that a subcommand examines: a figure's, the one that a script makes, or one of a trace."""
+
+import re
 
 import click
 
@@ -61,11 +63,21 @@ class FrameAsked:
         return frame, record_ideal(self.ideal, frame, self.commands)
 
 
+# A trace, and the number of a frame of it: FILE.trace#12. Without the number, the first frame that draws.
+_TRACE = re.compile(r"(?P<path>.+)#(?P<number>\d+)|.+\.trace", re.DOTALL)
+_MACHINE_OF_TRACES = "GEFORCE_256"
+
+
+def is_own_frame(what):
+    """Whether a frame is a script's or a trace's, and no figure's."""
+    return what.endswith(".py") or _TRACE.fullmatch(what) is not None
+
+
 def frame_asked(what, profile, size, settings):
-    """The FrameAsked of figure ID or of SCRIPT.py. ``profile``: a machine's name, or None; ``size``, or None,
-    and ``settings``: a figure's. Raises Refusal.
+    """The FrameAsked of figure ID, of SCRIPT.py or of FILE.trace#N. ``profile``: a machine's name, or None;
+    ``size``, or None, and ``settings``: a figure's. Raises Refusal.
     """
-    return (script_frame if what.endswith(".py") else _figure)(what, profile, size, settings)
+    return (script_frame if is_own_frame(what) else _figure)(what, profile, size, settings)
 
 
 def _figure(figure_id, profile, size, settings):
@@ -85,14 +97,29 @@ def _figure(figure_id, profile, size, settings):
         return FrameAsked(title, machine, dimensions, lambda of: figure.commands(of, size, method, **changes))
 
 
+def _trace_frame(path, number, profile, profile_of):
+    """The FrameAsked of a trace's frame, with the commands that its machine draws it by."""
+    from fixedpipe.effects.replays.driving import frame_of_trace
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    machine = profile_of(profile or _MACHINE_OF_TRACES)
+    drawing = PROFILES[_MACHINE_OF_TRACES] if machine.arithmetic.exact else machine
+    commands, width, height, found = frame_of_trace(path, number, drawing)
+    title = f"{path}, frame {found}, on {machine.name}"
+    return FrameAsked(title, machine, (width, height), lambda of: commands)
+
+
 def script_frame(path, profile, size, settings, profile_of=machine_of):
-    """The FrameAsked of SCRIPT.py; ``profile_of``: the Profile of a name. Raises Refusal."""
+    """The FrameAsked of SCRIPT.py or FILE.trace#N; ``profile_of``: the Profile of a name. Raises Refusal."""
     import runpy
 
     from fixedpipe.effects.refusal import Refusal, line_of
 
     if size is not None or settings:
         raise Refusal("--size and --set are a figure's; a script says its own width, height and values.")
+    if (trace := _TRACE.fullmatch(path)) is not None and not path.endswith(".py"):
+        number = trace["number"]
+        return _trace_frame(trace["path"] or path, number and int(number), profile, profile_of)
     try:
         made = runpy.run_path(path)
     except OSError as error:

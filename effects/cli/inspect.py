@@ -16,7 +16,7 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 
 
 @click.command(short_help="Every number of a pixel, every register of a frame, maps of what happened where.")
-@click.argument("what", metavar="ID|SCRIPT.py")
+@click.argument("what", metavar="ID|SCRIPT.py|TRACE#N")
 @click.option("--pixel", metavar="X,Y", help="From the top left, as in the picture; y downwards.")
 @click.option(
     "--brief",
@@ -52,7 +52,7 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 @what_if_options
 @set_option
 def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
-    """Look into figure ID, or into the frame that SCRIPT.py makes.
+    """Look into figure ID, into the frame that SCRIPT.py makes, or into frame N of a trace.
 
     --pixel: every command that touched a pixel, every fragment there and every stage of each: what the
     machine read and made, as codes and as values, the guided ideal's values, and how much of the error each

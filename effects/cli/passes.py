@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import click
 
-from fixedpipe.effects.cli.frames import script_frame
+from fixedpipe.effects.cli.frames import is_own_frame, script_frame
 from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 
 # Of a trace that was not asked for as --all. Assumed: what one looks through, and what a disk has room for.
@@ -12,7 +12,7 @@ _MOST_FILES, _MOST_BYTES = 1000, 4000 << 20
 
 
 @click.command(short_help="Print a frame's passes in words.")
-@click.argument("what", metavar="ID|SCRIPT.py")
+@click.argument("what", metavar="ID|SCRIPT.py|TRACE#N")
 @click.option(
     "--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own, or the script's."
 )
@@ -37,8 +37,8 @@ _MOST_FILES, _MOST_BYTES = 1000, 4000 << 20
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a traced panel, pixels.")
 @set_option
 def passes(what, profile, trace, numbers, every, ideal, whole, size, settings):
-    """Print the pass sequence of figure ID, or of the frame that SCRIPT.py makes: every command, and every
-    state that differs from the default.
+    """Print the pass sequence of figure ID, of the frame that SCRIPT.py makes, or of frame N of a trace:
+    every command, and every state that differs from the default.
 
     Where the same few commands come for polygon after polygon, they are printed once, and how often. A trace
     has a page, index.html; commands that draw nothing have no picture, and equal pictures are written once.
@@ -51,7 +51,7 @@ def passes(what, profile, trace, numbers, every, ideal, whole, size, settings):
     if trace is None:
         names = "numbers", "every", "ideal"
         refuse_ignored(click.get_current_context(), names, "nothing is traced without --trace DIR; give one")
-    of_script = what.endswith(".py")
+    of_script = is_own_frame(what)
     of = (_script if of_script else _figure)(what, profile, size, settings)
     if trace is not None:
         chosen = _chosen(numbers, every, len(of.commands))

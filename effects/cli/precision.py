@@ -2,14 +2,14 @@
 
 import click
 
-from fixedpipe.effects.cli.frames import check_files, frame_asked, sign_beside, write_rows
+from fixedpipe.effects.cli.frames import check_files, frame_asked, is_own_frame, sign_beside, write_rows
 from fixedpipe.effects.cli.options import set_option
 
 _SIZE = 96  # pixels an edge of a figure's panel, where nothing else is asked for
 
 
 @click.command(short_help="Was it the clamp or the bits? A frame's error by each.")
-@click.argument("what", metavar="ID|SCRIPT.py", default="F004-4")
+@click.argument("what", metavar="ID|SCRIPT.py|TRACE#N", default="F004-4")
 @click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own, or the script's.")
 @click.option(
     "--size",
@@ -51,7 +51,7 @@ def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
     from fixedpipe.effects.reports.rows import precision_rows
 
     widths, parts = _widths(bits), _parts(parts, measured.PARTS)
-    of = frame_asked(what, profile, size or (None if what.endswith(".py") else _SIZE), settings)
+    of = frame_asked(what, profile, size or (None if is_own_frame(what) else _SIZE), settings)
     check_files(json_file, csv_file)
     announce_compiling("portable")  # from which the column engine takes coverage
     steps = 2 * len(widths) + 1 + len(measured.clamps_of(of.machine))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from fixedpipe.effects.cli.frames import script_frame
+from fixedpipe.effects.cli.frames import is_own_frame, script_frame
 from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option, threads_option
 
 _STYLES = "paper: 170 mm wide, white, the caption below; slide, light-slide: 16:9, the title on top"
@@ -14,7 +14,7 @@ _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "referen
 
 
 @click.command(short_help="Compose a figure for a page or a slide: PNG, PDF or SVG.")
-@click.argument("what", metavar="ID|SCRIPT.py")
+@click.argument("what", metavar="ID|SCRIPT.py|TRACE#N")
 @click.option(
     "--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own, or the script's."
 )
@@ -59,7 +59,7 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
     from fixedpipe.effects.reports.files import writable_file, write_whole
 
     asked_of(style, width, dpi)
-    of_script = what.endswith(".py")
+    of_script = is_own_frame(what)
     figure, machine, method, changes, stem = (_script if of_script else _figure)(
         what, profile, size, settings
     )

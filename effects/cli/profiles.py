@@ -2,6 +2,8 @@
 
 import click
 
+from fixedpipe.effects.cli.options import machine_of, refuse_ignored
+
 _WIDE = 110  # columns of a terminal that shows whole descriptions
 
 
@@ -117,9 +119,29 @@ def _driver_lines(profile, driver):
         yield f"  {'; '.join(texts)}. {evidence}."
 
 
+def _print_conf(names, year):
+    """gltrace.conf of a machine. Raises Refusal."""
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.replays.gltrace_conf import conf_text, of_year
+
+    if len(names) != 1:
+        raise Refusal("--gltrace-conf is of one machine; name it, as in fixedpipe profiles GEFORCE_256.")
+    machine = machine_of(names[0])
+    click.echo(conf_text(names[0], machine if year is None else of_year(machine, year)), nl=False)
+
+
 @click.command(short_help="Print the machines, with evidence.")
 @click.argument("names", metavar="[NAME …]", nargs=-1)
-def profiles(names):
+@click.option(
+    "--gltrace-conf",
+    "conf",
+    is_flag=True,
+    help="Print apitrace's gltrace.conf, by which a traced program sees the machine NAME.",
+)
+@click.option(
+    "--year", type=int, metavar="N", help="With it: the machine with its driver of a year, as 2001."
+)
+def profiles(names, conf, year):
     """List the machines; of those that are named print all values: what each can do, how wide its numbers
     are, and how each value is known.
 
@@ -129,6 +151,11 @@ def profiles(names):
 
     from fixedpipe.effects.refusal import choose
     from fixedpipe.pipeline.profiles import PROFILES
+
+    if conf:
+        _print_conf(names, year)
+        return
+    refuse_ignored(click.get_current_context(), ("year",), "it is of --gltrace-conf; give both")
 
     console = Console(soft_wrap=False, highlight=False)
     if not names:

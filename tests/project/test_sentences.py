@@ -34,6 +34,7 @@ DONE = (
     "docs/papers/catalogue/artefacts.md",
     "docs/precision.md",
     "docs/reading-guide.md",
+    "docs/replay.md",
     "docs/same-bits.md",
     "docs/silicon.md",
     "docs/studies.md",

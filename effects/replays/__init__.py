@@ -1,0 +1,1 @@
+"""Recorded programs on emulated machines: a trace's calls, window by window and frame by frame."""

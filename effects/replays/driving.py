@@ -1,0 +1,106 @@
+"""A trace from its file to its frames: opened, read call by call, its asked frames given one by one."""
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import BinaryIO
+
+from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.replays.asked import FramesAsked
+from fixedpipe.effects.replays.recording import frame_commands
+from fixedpipe.effects.replays.replay import Frame, Replay
+from fixedpipe.pipeline.commands import Command
+from fixedpipe.pipeline.messages import count
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.traces.calls import Trace, TraceError
+
+
+class _Counted:
+    """A file that counts the bytes that were read of it."""
+
+    def __init__(self, file: BinaryIO):
+        self._file, self.place = file, 0
+
+    def read(self, size: int) -> bytes:
+        """As a file's."""
+        data = self._file.read(size)
+        self.place += len(data)
+        return data
+
+
+@contextmanager
+def opened(path: str) -> Iterator[tuple[Trace, Callable[[], float | None]]]:
+    """(Trace, a function that gives the share of its file that was read, or None for a pipe).
+
+    ``-`` is standard input. Raises Refusal for what is no trace.
+    """
+    try:
+        if path == "-":
+            with Trace("-") as trace:
+                yield trace, lambda: None
+            return
+        with open(path, "rb") as file:
+            counted = _Counted(file)
+            size = os.fstat(file.fileno()).st_size
+            with Trace(counted) as trace:
+                yield trace, lambda: counted.place / size if size else None
+    except TraceError as error:
+        raise Refusal(f"{path}: {error}") from error
+    except OSError as error:
+        raise Refusal(f"{path} cannot be read: {error.strerror}.") from error
+    except ValueError as error:
+        if isinstance(error, Refusal):
+            raise
+        raise Refusal(f"{path!r} is no name of a file: {error}.") from error
+
+
+def frames_of(
+    trace: Trace, replay: Replay, asked: FramesAsked, *, to_the_end: bool = False
+) -> Iterator[Frame]:
+    """All frames of a trace, up to the last that is asked for, or ``to_the_end``.
+
+    Frames behind the last that is asked for are not drawn, and not given.
+    """
+    over = False
+    for call in trace:
+        for frame in replay.take(call):
+            if over:
+                continue
+            yield frame
+            over = asked.is_over(frame.number, frame.draws)
+            if over:
+                replay.stop_drawing()
+        if over and not to_the_end:
+            return
+    for frame in replay.finish():
+        if not over:
+            yield frame
+            over = asked.is_over(frame.number, frame.draws)
+
+
+def frame_of_trace(
+    path: str, number: int | None, profile: Profile
+) -> tuple[tuple[Command, ...], int, int, int]:
+    """(commands, width, height, number) of a frame of a trace; None: the first that draws something.
+
+    Raises Refusal where there is no such frame.
+    """
+    asked = FramesAsked.of(None if number is None else str(number))
+    replay = Replay(profile, wanted=lambda *_: False, needed=asked.may_want, recorded=asked.may_want)
+    with opened(path) as (trace, _):
+        for frame in frames_of(trace, replay, asked):
+            if asked.wants(frame.number, frame.draws) and frame.recording is not None:
+                commands = frame_commands(frame.recording, frame.shown)
+                return commands, frame.width, frame.height, frame.number
+        damage = trace.damage
+    raise Refusal(f"{path} {no_such_frame(number, replay.frames)}{f' {damage}' if damage else ''}")
+
+
+def no_such_frame(number: int | None, frames: int) -> str:
+    """That a trace lacks a frame: the end of a sentence."""
+    if not frames:
+        return "has no frame: nothing is drawn."
+    if number is None:
+        return f"has {count(frames, 'frame')}, and none draws anything."
+    there = "its frame is 0" if frames == 1 else f"its frames are 0 to {frames - 1}"
+    return f"has no frame {number}; {there}."

@@ -1,0 +1,230 @@
+"""What a frame of a trace consists of: its commands, and what its machine held when it began.
+
+``frame_commands`` makes it a frame of its own, which a new machine draws with the same bits.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fixedpipe.pipeline.commands import (
+    Accum,
+    BindTexImage,
+    Bitmap,
+    Clear,
+    Command,
+    CopyPixels,
+    CopyTexImage,
+    CopyTexSubImage,
+    Draw,
+    DrawPixels,
+    GetTexImage,
+    MakeCurrent,
+    ReadPixels,
+    TexImage,
+    kind_of,
+)
+from fixedpipe.pipeline.enums import ComparisonFunction, PixelCopyType
+from fixedpipe.pipeline.framebuffers.framebuffer import Framebuffer
+from fixedpipe.pipeline.pixel_transfer import PixelImage
+from fixedpipe.pipeline.state import ColorMask, DepthTest, PassState, RasterPosition
+from fixedpipe.pipeline.textures.images import Texture
+
+_NONE = ColorMask(False, False, False, False)
+_ALL = ColorMask()
+_DEFINING = (TexImage, CopyTexImage, BindTexImage)
+
+
+@dataclass(eq=False)
+class Recording:
+    """A frame as it is drawn.
+
+    - ``textures``: those that the machine held when it began, by name.
+    - ``framebuffers``: copies of the window's buffers and of the pbuffers, by name, when it began.
+    - ``commands``: (the buffer of the window that it draws into, a command) in order; None: into none.
+    """
+
+    textures: dict[str, Texture]
+    framebuffers: dict[str, Framebuffer]
+    commands: list[tuple[str | None, Command]] = field(default_factory=list)
+
+    def add(self, buffer: str | None, commands: Iterable[Command]) -> None:
+        """Add commands that draw into a buffer."""
+        self.commands += [(buffer, command) for command in commands]
+
+
+def frame_commands(recording: Recording, shown: str) -> tuple[Command, ...]:
+    """The commands of a frame that leave in the window what ``shown``, a buffer or a pbuffer, showed.
+
+    They begin with what its machine held, as far as the frame reads it: textures, colours, depths, stencil
+    values. A pbuffer that is shown takes the window's place.
+    """
+    commands = _of_buffer(recording.commands, shown)
+    pbuffers = {c.surface for c in commands if isinstance(c, MakeCurrent) and c.surface is not None}
+    if shown in pbuffers:
+        commands = list(_as_window(commands, shown))
+    held = []
+    for name, framebuffer in recording.framebuffers.items():
+        surface = None if name == shown else name
+        if surface is None or surface in pbuffers:
+            held += _contents(framebuffer, surface, list(_drawn_into(commands, surface)), commands)
+    return (*_textures(recording.textures, commands), *held, *commands)
+
+
+def _of_buffer(recorded, shown):
+    """The commands that concern the shown buffer: those into other buffers of the window are left out."""
+    kept, surface, surfaces = [], None, {c.surface for _, c in recorded if isinstance(c, MakeCurrent)}
+    for buffer, command in recorded:
+        if isinstance(command, MakeCurrent):
+            surface = command.surface
+        elif surface is None and buffer not in (None, shown) and shown not in surfaces:
+            continue
+        kept.append(command)
+    return kept
+
+
+def _as_window(commands, shown) -> Iterator[Command]:
+    """The commands with the pbuffer ``shown`` as the window, and without those for the window itself."""
+    surface = None
+    for command in commands:
+        kind = type(command)
+        if kind is MakeCurrent:
+            surface = command.surface
+            if surface == shown:
+                yield MakeCurrent(label=command.label)
+            elif surface is not None:
+                yield command
+        elif kind is BindTexImage and command.surface == shown:
+            copied = ("label", "texture", "target", "internal_format")
+            yield CopyTexImage(**{name: getattr(command, name) for name in copied})
+        elif surface is not None or kind in (*_DEFINING, CopyTexSubImage):
+            yield command
+
+
+def _drawn_into(commands, wanted):
+    """The commands that a framebuffer is current for; None: the window."""
+    surface = None
+    for command in commands:
+        if isinstance(command, MakeCurrent):
+            surface = command.surface
+        elif surface == wanted:
+            yield command
+
+
+# ------------------------------------------------------------------------------------------- textures
+
+
+def _textures(held, commands) -> Iterator[Command]:
+    """TexImages of the textures that the commands use before they define them."""
+    defined: set[str] = set()
+    for command in commands:
+        for name in _used_by(command):
+            if name not in defined and name in held:
+                yield TexImage(label=f"as the frame before left {name}", texture=name, image=held[name])
+            defined.add(name)
+        if isinstance(command, _DEFINING):
+            defined.add(command.texture)
+
+
+def _used_by(command):
+    if isinstance(command, CopyTexSubImage | GetTexImage):
+        yield command.texture
+    state = getattr(command, "state", None)
+    for unit in () if state is None else state.texture_units:
+        if unit is not None and unit.texture is not None:
+            yield unit.texture
+
+
+# ----------------------------------------------------------------------------------------- framebuffers
+
+
+def _contents(framebuffer, surface, drawn, commands) -> Iterator[Command]:
+    """Commands that give a framebuffer its contents, as far as the frame does not clear them first."""
+    needed = _read_before_cleared(drawn)
+    parts = [part for part in _parts(framebuffer) if part[0] in needed]
+    if not parts:
+        return
+    if surface is not None:
+        yield next(c for c in commands if isinstance(c, MakeCurrent) and c.surface == surface)
+    where = "" if surface is None else f" of {surface}"
+    for what, image, state in parts:
+        label = f"the {what}s{where} as the frame before left them"
+        if what == "color" and (framebuffer.color == framebuffer.color[0, 0]).all():
+            one = float(2**framebuffer.color_bits - 1)
+            yield Clear(label=label, color=tuple([c / one for c in framebuffer.color[0, 0].tolist()]))
+        else:
+            yield DrawPixels(label=label, image=image, state=state, position=RasterPosition(window=True))
+    if surface is not None:
+        yield MakeCurrent(label="the window")
+
+
+def _parts(framebuffer):
+    """(what, its image, the state that draws it) of what differs from an empty framebuffer's."""
+    depth, stencil, color = framebuffer.depth, framebuffer.stencil, framebuffer.color
+    farthest = np.uint64(2**framebuffer.depth_bits - 1)
+    if not framebuffer.depth_format.is_float and (depth != farthest).any():
+        # The depths as fractions of 32 bits, from which the machine gets the same ones.
+        scaled = (depth.astype(np.uint64) * np.uint64(2**32 - 1) + farthest // 2) // farthest
+        image = PixelImage(scaled.astype(np.uint32)[::-1], "DEPTH_COMPONENT")
+        state = PassState(color_mask=_NONE, depth_test=DepthTest(ComparisonFunction.ALWAYS, True))
+        yield "depth", image, state
+    if stencil.any():
+        yield "stencil value", PixelImage(stencil[::-1], "STENCIL_INDEX"), PassState()
+    if color.any():
+        one = 2**framebuffer.color_bits - 1
+        values = color if framebuffer.is_bytes else color / one
+        yield "color", PixelImage(values[::-1], "RGBA"), PassState()
+
+
+def _read_before_cleared(commands):
+    """Which of color, depth and stencil value the commands may read or keep before they clear them."""
+    open_, needed = {"color", "depth", "stencil value"}, set()
+    for command in commands:
+        if type(command) is Clear:
+            open_ -= cleared_by(command)
+        else:
+            needed |= touched_by(command) & open_
+    return needed | (open_ & {"color"})  # colours that nobody clears are seen in the end
+
+
+def cleared_by(command: Clear) -> set[str]:
+    """What a Clear clears everywhere, of color, depth and stencil value."""
+    if command.scissor is not None:
+        return set()
+    found = {"color"} if command.color is not None and command.color_mask == _ALL else set()
+    if command.depth is not None:
+        found.add("depth")
+    if command.stencil is not None and command.stencil_write_mask == 0xFF:
+        found.add("stencil value")
+    return found
+
+
+def touched_by(command: Command) -> set[str]:
+    """What a command reads or writes, of color, depth and stencil value."""
+    return _TOUCHED.get(type(command), _nothing)(command)
+
+
+def _by_fragments(command):
+    found, state = {"color"}, command.state
+    kind = kind_of(command) if type(command) in (DrawPixels, CopyPixels) else PixelCopyType.COLOR
+    if state.depth_test is not None or kind is PixelCopyType.DEPTH:
+        found.add("depth")
+    if state.stencil_test is not None or kind is PixelCopyType.STENCIL:
+        found.add("stencil value")
+    return found
+
+
+def _colors(command):
+    return {"color"}
+
+
+def _nothing(command):
+    return set()
+
+
+_TOUCHED = {
+    Clear: cleared_by,
+    **dict.fromkeys((Draw, DrawPixels, CopyPixels, Bitmap), _by_fragments),
+    **dict.fromkeys((Accum, CopyTexImage, CopyTexSubImage, ReadPixels), _colors),
+}

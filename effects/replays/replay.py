@@ -1,0 +1,395 @@
+"""A trace on a machine, call by call: what draws, where a frame ends, and its picture.
+
+A frame ends
+- at a swap of its drawable's buffers;
+- of a single-buffered window at Flush or Finish after a draw;
+- at FrameTerminatorGREMEDY;
+- at the end of its context or of the trace, where something was drawn since the last one.
+
+A swap shows the back buffer, Flush and Finish show the front buffer. Every other end shows what was drawn
+into last, which may be a framebuffer object.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fixedpipe.effects.replays.check import ANSWERING, Check
+from fixedpipe.effects.replays.recording import Recording
+from fixedpipe.effects.replays.targets import BACK, FRONT, MOST_PIXELS, Drawn, Target
+from fixedpipe.effects.replays.window_calls import DESTROYING, is_window_call, take_window_call
+from fixedpipe.effects.replays.windows import GLContext, Window, WindowSystem
+from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.outcomes import Tally
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.traces.calls import FAKE, Call
+
+THE_END = "the trace's end"  # what ends a frame that no call ends
+# Commands that wait at most, so that a program without frames does not fill the memory.
+_MOST_WAITING = 4096
+_BUFFERS = {
+    tokens.NONE: (),
+    tokens.BACK: (BACK,),
+    tokens.BACK_LEFT: (BACK,),
+    tokens.FRONT: (FRONT,),
+    tokens.FRONT_LEFT: (FRONT,),
+    tokens.FRONT_AND_BACK: (FRONT, BACK),
+    tokens.LEFT: (FRONT, BACK),
+    tokens.AUX0: ("auxiliary 0",),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A frame that has ended.
+
+    - ``number``: counted from 0, of all windows.
+    - ``window``: the number of its window; ``width``, ``height``: the picture's size in pixels.
+    - ``first_call``, ``last_call``: the calls that it consists of.
+    - ``ended``: the call that ended it, or "the trace's end".
+    - ``draws``: how many draws it has; ``refused``: how many of these the machine refused.
+    - ``image``: uint8 [h, w, 4], top row first; None: it was not asked for.
+    - ``recording``: what it consists of, where that was asked for; ``shown``: the buffer of it that is shown.
+    """
+
+    number: int
+    window: int
+    width: int
+    height: int
+    first_call: int
+    last_call: int
+    ended: str
+    draws: int
+    refused: int
+    image: NDArray[np.uint8] | None = field(default=None, repr=False)
+    recording: Recording | None = None
+    shown: str = BACK
+
+
+class Replay:
+    """Replays a trace's calls on ``profile``.
+
+        replay = Replay(GEFORCE_256)
+        for call in trace:
+            for frame in replay.take(call):
+                ...
+        for frame in replay.finish():
+            ...
+
+    - ``wanted``: whether the picture of a frame is asked for, by its number and its draws.
+    - ``needed``: whether it may be asked for, by its number; what draws the others may be left undrawn.
+    - ``recorded``: whether the Recording of a frame is asked for, by its number.
+    - ``size``: of every window; None: as the trace says.
+    - ``target``: the kind of Target that commands run on.
+    - ``check``: compares the trace's own answers, or None.
+    - ``threads``: that draw; None: one per processor. Any number gives the same bits.
+    - ``tally``: what became of the calls.
+    - ``calls``, ``frames``, ``draws``, ``refused`` draws among these: how many there were.
+    """
+
+    def __init__(
+        self,
+        profile: Profile,
+        *,
+        wanted: Callable[[int, int], bool] = lambda number, draws: True,
+        needed: Callable[[int], bool] = lambda number: True,
+        recorded: Callable[[int], bool] = lambda number: False,
+        size: tuple[int, int] | None = None,
+        target: type[Target] = Drawn,
+        check: Check | None = None,
+        threads: int | None = None,
+    ):
+        self.profile, self.tally, self.check = profile, Tally(), check
+        self.windows = WindowSystem(profile, self.tally, size)
+        self.calls = self.frames = self.draws = self.refused = 0
+        self._wanted, self._needed, self._recorded, self._kind = wanted, needed, recorded, target
+        self._threads = threads
+        self._targets: dict[Window, Target] = {}
+        self._running: GLContext | None = None  # whose commands wait
+        self._buffers: tuple[Any, Any] = (None, None)  # that they draw into and read from, as OpenGL's tokens
+        self._first_call = 0
+        self._last_call = 0
+        self._drawing = True
+        self._markers: list[str] = []  # the program's own, of the draws to come
+        self._event = ""
+        self._unlabelled = 0  # waiting commands that have their markers
+
+    # --------------------------------------------------------------------------------------------- calls
+
+    def take(self, call: Call) -> Sequence[Frame]:
+        """Answer a call; returns the frames that it ends."""
+        self.calls += 1
+        name = call.name
+        self.windows.tally.call = self._last_call = call.number
+        if is_window_call(name):
+            return self._take_window_call(call)
+        context = self.windows.current_or_own(call.thread)
+        if context is None:
+            self.windows.tally.add("no effect", f"{name}, with no context current")
+            return ()
+        if context is not self._running:
+            self._switch(context)
+        if context.known.indexed:
+            self.windows.tally.add(
+                "refused", "a window of colour indices: the machines here draw colours alone"
+            )
+            return ()
+        if name in _OWN:
+            self.windows.tally.add("no effect", name)
+            return _OWN[name](self, context, call)
+        if name.startswith(_QUERIES) and not name.startswith(_RESETTING):
+            self.windows.tally.add("no effect", name)  # the program has its answer
+            if self.check is not None:
+                self.check.query(context.gl, call)
+            return ()
+        gl = context.gl
+        waiting = len(gl.commands)
+        answered = gl.call(name, call.arguments, call.result)
+        if self.check is not None and name in ANSWERING:
+            self.check.returned(call, answered)
+        if name in _AFTER:
+            return _AFTER[name](self, context, call, waiting)
+        if len(gl.commands) > _MOST_WAITING:
+            self._run_waiting()
+        return ()
+
+    def finish(self) -> Sequence[Frame]:
+        """The trace has ended; returns the frames that end with it."""
+        self._run_waiting()
+        return [frame for window in list(self._targets) for frame in self._end_if_drawn(window, THE_END)]
+
+    def stop_drawing(self) -> None:
+        """From now on nothing is drawn or counted: calls change the state, and answers are compared."""
+        self._drawing = False
+        self.windows.count_in(Tally())
+
+    def _take_window_call(self, call):
+        self._run_waiting()
+        window = take_window_call(self.windows, call)
+        if window is None:
+            return ()
+        if call.name in DESTROYING:
+            self._running = None
+            return self._end_if_drawn(window, call.name)
+        return (self._end(window, call.name, self._target(window), BACK, swapped=True),)
+
+    def _switch(self, context):
+        """Another context's commands are to run now."""
+        self._run_waiting()
+        self._running = context
+        values = context.gl.values
+        self._buffers = values["draw_buffer"], values["read_buffer"]
+
+    def _run_waiting(self, count: int | None = None) -> None:
+        """Run the commands that wait, or the first ``count`` of them."""
+        context = self._running
+        if context is None or not context.gl.commands:
+            return
+        if not self._drawing:
+            context.gl.commands.clear()
+            return
+        self._label()
+        commands = context.gl.commands[:count]
+        del context.gl.commands[:count]
+        self._unlabelled = max(0, self._unlabelled - len(commands))
+        target = self._target(context.window)
+        if target.textures is not context.group.textures:
+            target.use_textures(context.group.textures)
+        draws, refused = target.draws, target.refused
+        target.run(commands, *self._where(context.window))
+        self.draws += target.draws - draws
+        self.refused += target.refused - refused
+
+    def _where(self, window):
+        """(buffers that are drawn into, the one that is read)."""
+        if window.double is False:
+            return (FRONT,), FRONT
+        draws, reads = self._buffers
+        into, of = _BUFFERS.get(draws, (BACK,)), _BUFFERS.get(reads, (BACK,))
+        return into, of[0] if of else BACK
+
+    def _target(self, window):
+        found = self._targets.get(window)
+        if found is None:
+            textures = self._running.group.textures if self._running is not None else {}
+            given = self.profile, *window.size, textures, self.tally, self._threads
+            found = self._targets[window] = self._kind(*given)
+            self._forget_windows(window)
+            self._begin_frame()
+        return found
+
+    def _forget_windows(self, kept):
+        """Forget the windows that were drawn into first, where there are too many; ``kept`` stays."""
+        pixels = sum(target.width * target.height for target in self._targets.values())
+        for window in list(self._targets):
+            if pixels <= MOST_PIXELS or window is kept:
+                break
+            target = self._targets.pop(window)
+            pixels -= target.width * target.height
+
+    # -------------------------------------------------------------------------------------------- frames
+
+    def _end_if_drawn(self, window, name):
+        target = self._targets.get(window)
+        return (self._end(window, name, *target.shown()),) if target is not None and target.drawn_into else ()
+
+    def _end(self, window, name, shown, buffer, *, swapped=False):
+        """The frame of a window, which shows a buffer of a Target. ``swapped``: its buffers are then."""
+        target, number = self._target(window), self.frames
+        recording, wanted = shown.recording, self._wanted(number, target.draws)
+        frame = Frame(
+            number=number,
+            window=window.number,
+            width=shown.width,
+            height=shown.height,
+            first_call=self._first_call,
+            last_call=self._last_call,
+            ended=name,
+            draws=target.draws,
+            refused=target.refused,
+            image=shown.picture(buffer) if wanted else None,
+            recording=recording,
+            shown=buffer,
+        )
+        if frame.image is not None:
+            frame = replace(frame, height=frame.image.shape[0], width=frame.image.shape[1])
+        self.frames += 1
+        self._first_call = self._last_call + 1
+        target.end_frame()
+        for each in self._targets.values():
+            each.recording = None
+        if swapped:
+            target.swap()
+        self._begin_frame()
+        return frame
+
+    def _begin_frame(self):
+        """Record what is asked for; let wait what is not, where there is one window."""
+        recorded = self._recorded(self.frames)
+        waits = not (recorded or self._needed(self.frames)) and len(self._targets) == 1
+        for target in self._targets.values():
+            target.postponing = waits
+            if not waits:
+                target.settle()
+            if recorded and target.recording is None:
+                target.record()
+
+    # -------------------------------------------------------------------------------- calls of its own
+
+    def _flush(self, context, call, waiting):
+        """Flush or Finish."""
+        window = context.window
+        if window.double and not window.unbound:
+            return ()
+        self._run_waiting()
+        target = self._targets.get(window)
+        if window.unbound:  # its swaps are not recorded
+            return self._end_if_drawn(window, call.name)
+        if target is not None and FRONT in target.drawn_into:
+            return (self._end(window, call.name, target, FRONT),)
+        return ()
+
+    def _terminate(self, context, call):
+        self._run_waiting()
+        return (self._end(context.window, call.name, *self._target(context.window).shown()),)
+
+    def _choose_buffers(self, context, call, waiting):
+        """The buffers may be others now; what waited draws into the earlier ones."""
+        values = context.gl.values
+        now = values["draw_buffer"], values["read_buffer"]
+        if now != self._buffers:
+            self._run_waiting(waiting)
+            self._buffers = now
+        return ()
+
+    def _size(self, context, call, waiting):
+        gl = context.gl
+        if gl.begun is not None or gl.list is not None or gl.drawable is not context.window.drawable:
+            return ()
+        size = self.windows.take_viewport(context, call.arguments, bool(call.flags & FAKE))
+        if size is not None:
+            self._run_waiting()
+            drawable = context.window.drawable
+            drawable.width, drawable.height = size
+            if (target := self._targets.get(context.window)) is not None:
+                target.resize(*size)
+        return ()
+
+    # ------------------------------------------------------------------------------------------- markers
+
+    def _label(self):
+        """Write the program's markers into the labels of the commands that came since."""
+        commands = self._running.gl.commands
+        words = [*self._markers, self._event] if self._event else self._markers
+        if words:
+            said = ": ".join(words)
+            for place in range(self._unlabelled, len(commands)):
+                command = commands[place]
+                commands[place] = replace(command, label=f"{said}: {command.label}")
+        self._unlabelled = len(commands)
+
+    def _push_marker(self, context, call):
+        self._label()
+        texts = [argument for argument in call.arguments if isinstance(argument, str)]
+        if len(self._markers) < _MOST_MARKERS:
+            self._markers.append(_short(texts[-1]) if texts else "group")
+        return ()
+
+    def _pop_marker(self, context, call):
+        self._label()
+        if self._markers:
+            self._markers.pop()
+        self._event = ""
+        return ()
+
+    def _mark_event(self, context, call):
+        self._label()
+        texts = [argument for argument in call.arguments if isinstance(argument, str)]
+        self._event = _short(texts[-1]) if texts else ""
+        return ()
+
+
+_QUERIES = ("glGet", "glIs")
+_RESETTING = ("glGetHistogram", "glGetMinmax")  # they may reset what they tell
+_MOST_MARKERS = 64  # as many groups as KHR_debug asks for
+_LONGEST_MARKER = 80
+
+
+def _short(text):
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST_MARKER else text[: _LONGEST_MARKER - 1] + "…"
+
+
+_OWN = {
+    "glFrameTerminatorGREMEDY": Replay._terminate,
+    "glPushDebugGroup": Replay._push_marker,
+    "glPushDebugGroupKHR": Replay._push_marker,
+    "glPushGroupMarkerEXT": Replay._push_marker,
+    "glPopDebugGroup": Replay._pop_marker,
+    "glPopDebugGroupKHR": Replay._pop_marker,
+    "glPopGroupMarkerEXT": Replay._pop_marker,
+    "glInsertEventMarkerEXT": Replay._mark_event,
+    "glStringMarkerGREMEDY": Replay._mark_event,
+    "glDebugMessageInsert": Replay._mark_event,
+    "glDebugMessageInsertARB": Replay._mark_event,
+}
+_AFTER = {
+    "glFlush": Replay._flush,
+    "glFinish": Replay._flush,
+    "glViewport": Replay._size,
+    **dict.fromkeys(
+        (
+            "glDrawBuffer",
+            "glReadBuffer",
+            "glPopAttrib",
+            "glCallList",
+            "glCallLists",
+            "glBindFramebuffer",
+            "glBindFramebufferEXT",
+        ),
+        Replay._choose_buffers,
+    ),
+}

@@ -1,0 +1,255 @@
+"""Contexts and drawables: which Context a call goes to, and what it draws into.
+
+A drawable's size stands in the trace only where apitrace inserts a call of Viewport after MakeCurrent. Later
+calls of Viewport that reach beyond it make it larger, as glretrace does. A pbuffer's size is among its
+arguments.
+
+A drawable that no configuration calls single- or double-buffered is taken for double-buffered. A frame of it
+ends at Flush or Finish where something was drawn into its front buffer, until its buffers are swapped once.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.context import Context, Drawable, Shared
+from fixedpipe.pipeline.opengl.framebuffer_objects import bind_window
+from fixedpipe.pipeline.opengl.outcomes import Tally
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.images import Texture
+
+# A drawable's pixels until the trace says them. Assumed: what most programs of the time opened.
+USUAL_SIZE = (640, 480)
+
+
+class Known(NamedTuple):
+    """What is known of a configuration, a visual, a pixel format or a drawable.
+
+    - ``double``: whether it has a back buffer; None: nothing says so.
+    - ``indexed``: whether its colours are indices.
+    """
+
+    double: bool | None = None
+    indexed: bool = False
+
+
+@dataclass(eq=False)
+class Group:
+    """What contexts that share their objects have in common.
+
+    - ``textures``: the textures that machines hold, by name: one dictionary for all machines of the group.
+    - ``stored``: the version of each texture object that they hold.
+    """
+
+    shared: Shared = field(default_factory=Shared)
+    textures: dict[str, Texture] = field(default_factory=dict)
+    stored: dict[int, int] = field(default_factory=dict)
+
+
+@dataclass(eq=False)
+class Window:
+    """A drawable: a window, a pbuffer or a pixmap.
+
+    - ``number``: in the order in which drawables were made current, from 0.
+    - ``drawable``: what its Context knows of it.
+    - ``double``: whether it has a back buffer; None: nothing says so.
+    - ``sized``: whether the trace said its size.
+    - ``unbound``: whether no call made it current: the program's window system was not recorded.
+    """
+
+    number: int
+    drawable: Drawable
+    double: bool | None
+    sized: bool
+    unbound: bool = False
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Its width and height in pixels."""
+        return self.drawable.width, self.drawable.height
+
+
+@dataclass(eq=False)
+class GLContext:
+    """A context of the window system; its Context is made when it is first made current.
+
+    - ``known``: its configuration, for a drawable that has none of its own.
+    - ``window``: the drawable that it was last bound to.
+    """
+
+    group: Group
+    known: Known = field(default_factory=Known)
+    gl: Context | None = None
+    window: Window | None = None
+
+
+class WindowSystem:
+    """The contexts and drawables of a trace, on ``profile``.
+
+    - ``size``: of every drawable, as far as the machine has it, whatever the trace says; None: as it says.
+    - ``tally``: where all contexts count.
+    """
+
+    def __init__(self, profile: Profile, tally: Tally, size: tuple[int, int] | None = None):
+        self.profile, self.tally = profile, tally
+        largest = profile.framebuffers.max_viewport
+        self._size = None if size is None else (min(size[0], largest), min(size[1], largest))
+        self._contexts: dict[Any, GLContext] = {}
+        self._windows: dict[Any, Window] = {}
+        self._sizes: dict[Any, tuple[int, int]] = {}  # of pbuffers
+        self._known: dict[Any, Known] = {}  # by configuration, visual, pixel format or drawable
+        self._aliases: dict[Any, Any] = {}  # a pbuffer's device context: the pbuffer
+        self._current: dict[int, GLContext] = {}  # by thread
+        self._made = 0
+
+    def count_in(self, tally: Tally) -> None:
+        """Let all contexts count elsewhere."""
+        self.tally = tally
+        for context in self._contexts.values():
+            if context.gl is not None:
+                context.gl.tally = tally
+
+    def current(self, thread: int) -> GLContext | None:
+        """The context that is current in a thread; None: none is."""
+        return self._current.get(thread)
+
+    def current_or_own(self, thread: int) -> GLContext | None:
+        """As ``current``; where the trace has no window system's calls, a context of its own."""
+        found = self._current.get(thread)
+        if found is None and (not self._contexts or None in self._contexts):
+            found = self._contexts.setdefault(None, GLContext(Group()))
+            self._bind(thread, found, None)
+            found.window.unbound = True
+        return found
+
+    def take_viewport(
+        self, context: GLContext, arguments: list[Any], inserted: bool
+    ) -> tuple[int, int] | None:
+        """The size that a call of Viewport gives to the context's drawable; None: it keeps its size.
+
+        ``inserted``: whether apitrace made the call, whose rectangle is the whole drawable.
+        """
+        window = context.window
+        if window is None or self._size is not None or len(arguments) != 4:
+            return None
+        x, y, width, height = arguments
+        if not all(type(number) is int for number in arguments) or width < 1 or height < 1 or x < 0 or y < 0:
+            return None
+        if not inserted and window.sized:
+            width, height = max(x + width, window.size[0]), max(y + height, window.size[1])
+        elif not inserted:
+            width, height = x + width, y + height
+        window.sized = True
+        largest = self.profile.framebuffers.max_viewport
+        asked = min(width, largest), min(height, largest)
+        return None if asked == window.size else asked
+
+    # --------------------------------------------------------------------------------------- making things
+
+    def make_context(self, key: Any, config: Any, share: Any, indexed: bool = False) -> None:
+        """Enter the context ``key`` of a configuration, which shares the objects of ``share``."""
+        if not key:
+            return  # it was not made
+        other = self._contexts.get(share) if share else None
+        group = Group() if other is None else other.group
+        known = self.known(config)
+        self._contexts[key] = GLContext(group, known._replace(indexed=indexed or known.indexed))
+
+    def make_pbuffer(self, key: Any, config: Any, width: int, height: int) -> None:
+        """Enter a pbuffer of a configuration."""
+        largest = self.profile.framebuffers.max_viewport
+        self._sizes[key] = min(max(int(width), 1), largest), min(max(int(height), 1), largest)
+        self.say(key, self.known(config))
+
+    def say(self, key: Any, known: Known) -> None:
+        """Keep what is known of a configuration, a visual, a pixel format or a drawable."""
+        self._known[_key_of(key)] = known
+
+    def known(self, key: Any) -> Known:
+        """What is known of one of these."""
+        return self._known.get(_key_of(key), Known())
+
+    def alias(self, name: Any, of: Any) -> None:
+        """Let ``name`` be another name of a drawable."""
+        self._aliases[name] = of
+
+    def forget_drawable(self, key: Any) -> None:
+        """A drawable is destroyed; another one may get its name."""
+        for known in (self._windows, self._sizes, self._known, self._aliases):
+            known.pop(key, None)
+
+    def make_current(self, call: Any, drawable: Any, context: Any) -> None:
+        """Bind a context and a drawable in the call's thread; no context unbinds."""
+        if call.result == 0 and call.result is not None:
+            return  # the program was refused
+        if not context:
+            self._current.pop(call.thread, None)
+            return
+        # One that the trace does not make was there before recording began.
+        found = self._contexts.setdefault(context, GLContext(Group()))
+        self._bind(call.thread, found, self._aliases.get(drawable, drawable))
+
+    def destroy_context(self, key: Any) -> Window | None:
+        """Forget a context; returns the drawable that it was bound to."""
+        found = self._contexts.pop(key, None)
+        if found is None:
+            return None
+        for thread, current in list(self._current.items()):
+            if current is found:
+                del self._current[thread]
+        return found.window
+
+    def share(self, first: Any, second: Any) -> None:
+        """Let two contexts share their objects: wglShareLists."""
+        given, taking = self._contexts[first], self._contexts[second]
+        taking.group = given.group
+        if taking.gl is not None:
+            taking.gl.shared = given.group.shared
+
+    def window_of(self, drawable: Any) -> Window | None:
+        """The Window of a drawable that was made current; where none was bound, the program's only one."""
+        found = self._windows.get(self._aliases.get(drawable, drawable))
+        return self._windows.get(None) if found is None else found
+
+    def current_window(self, thread: int) -> Window | None:
+        """The Window that a thread draws into."""
+        found = self._current.get(thread)
+        return None if found is None else found.window
+
+    def window_of_context(self, key: Any) -> Window | None:
+        """The Window that a context was last bound to."""
+        found = self._contexts.get(key)
+        return None if found is None else found.window
+
+    def _bind(self, thread, context, key):
+        window = self._windows.get(key)
+        if window is None:
+            known = self._known.get(key, context.known)
+            double = context.known.double if known.double is None else known.double
+            size = self._size or self._sizes.get(key) or USUAL_SIZE
+            drawable = Drawable(*size, double=double is not False)
+            window = Window(self._made, drawable, double, self._size is not None or key in self._sizes)
+            self._windows[key] = window
+            self._made += 1
+        drawable = window.drawable
+        if context.gl is None:
+            context.gl = Context(self.profile, drawable.width, drawable.height, shared=context.group.shared)
+            context.gl.tally = self.tally
+            if not drawable.double:
+                for buffer in ("draw_buffer", "read_buffer"):
+                    context.gl.values.set(buffer, tokens.FRONT)
+        drawable.stored = context.group.stored
+        bind_window(context.gl, drawable)
+        context.window = window
+        self._current[thread] = context
+
+
+def _key_of(key):
+    """What is known of a thing stands under this key: a visual is a structure, or an array of one."""
+    key = only(key)
+    return ("visual", key.get("visualid")) if isinstance(key, dict) else key
+
+
+def only(value: Any) -> Any:
+    """What an array of one holds, or what a pointer points to."""
+    return value[0] if isinstance(value, list) and value else value

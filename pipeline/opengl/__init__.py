@@ -1,0 +1,39 @@
+"""OpenGL 1.0 to 1.5 as calls: a ``Context`` takes entry points and gives commands.
+
+``Context(profile, width, height)`` has OpenGL's entry points as methods. Nothing is drawn here: what an
+application asks for becomes ``Draw``, ``TexImage`` and the other commands, which a ``Machine`` runs.
+"""
+
+# Each of these modules enters its own calls into the table of entry points, and declares its own state.
+from fixedpipe.pipeline.opengl import (  # noqa: F401
+    array_draws,
+    arrays,
+    attributes,
+    buffers,
+    capabilities,
+    combiners,
+    compressed_images,
+    current,
+    environments,
+    evaluators,
+    fog,
+    fragments,
+    framebuffer_objects,
+    images,
+    lighting,
+    lists,
+    matrices,
+    pass_state,
+    pixel_transfers,
+    pixels,
+    points,
+    queries,
+    rectangles,
+    selection,
+    texture_queries,
+    texturing,
+    vertex_programs,
+)
+from fixedpipe.pipeline.opengl.context import Context
+
+__all__ = ["Context"]

@@ -1,0 +1,125 @@
+"""PushAttrib, PopAttrib and the client's two groups (OpenGL 1.2.1 section 6.1.9, tables 6.5 to 6.19).
+
+A group is the values that were declared with its bit. What is not kept as values stands in two tables:
+current values and textures' parameters, and the client's arrays.
+"""
+
+from functools import lru_cache
+from typing import Any
+
+from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.entry_points import entry
+from fixedpipe.pipeline.opengl.lighting import settle_materials
+from fixedpipe.pipeline.opengl.outcomes import GLError
+from fixedpipe.pipeline.opengl.values import VALUES, declare
+
+# Both stacks hold 16 groups (table 6.24), of which one more is a stack overflow.
+STACK_DEPTH = 16
+
+declare("attribute stack", ())
+declare("client attribute stack", ())
+
+
+@lru_cache(maxsize=256)
+def _keys(mask):
+    """The values that belong to any group of a mask."""
+    return tuple([key for key, value in VALUES.items() if value.groups & mask])
+
+
+# Of a server's group: what PushAttrib keeps beside values, and how PopAttrib sets it again.
+_BESIDE_VALUES = {
+    tokens.CURRENT_BIT: (
+        lambda gl: gl.current.values(),
+        lambda gl, saved: gl.current.restore(saved),
+    ),
+    tokens.TEXTURE_BIT: (
+        lambda gl: _texturing().bound_parameters(gl),
+        lambda gl, saved: _texturing().restore_parameters(gl, saved),
+    ),
+}
+_STORES = ("pack", "unpack")
+_PIXEL_BUFFERS = (tokens.PIXEL_PACK_BUFFER_ARB, tokens.PIXEL_UNPACK_BUFFER_ARB)
+_ARRAY_BUFFERS = (tokens.ARRAY_BUFFER, tokens.ELEMENT_ARRAY_BUFFER)
+
+
+def _restore_stores(gl, saved):
+    stores, buffers = saved
+    for key, store in zip(_STORES, stores, strict=True):
+        gl.values.set(key, store)
+    gl.buffers.restore(buffers)
+
+
+def _restore_arrays(gl, saved):
+    arrays, buffers = saved
+    gl.arrays.restore(arrays)
+    gl.buffers.restore(buffers)
+
+
+# Of a client's group, which has the buffers that are bound for it too (ARB_vertex_buffer_object).
+_CLIENT_GROUPS = {
+    tokens.CLIENT_PIXEL_STORE_BIT: (
+        lambda gl: ([gl.values[key] for key in _STORES], gl.buffers.values(*_PIXEL_BUFFERS)),
+        _restore_stores,
+    ),
+    tokens.CLIENT_VERTEX_ARRAY_BIT: (
+        lambda gl: (gl.arrays.values(), gl.buffers.values(*_ARRAY_BUFFERS)),
+        _restore_arrays,
+    ),
+}
+
+
+def _texturing():
+    from fixedpipe.pipeline.opengl import texturing
+
+    return texturing
+
+
+def _push(gl, stack, saved):
+    kept = gl.values[stack]
+    if len(kept) >= STACK_DEPTH:
+        raise GLError(tokens.STACK_OVERFLOW)
+    gl.values.set(stack, (*kept, saved))
+
+
+def _pop(gl, stack) -> Any:
+    kept = gl.values[stack]
+    if not kept:
+        raise GLError(tokens.STACK_UNDERFLOW)
+    gl.values.set(stack, kept[:-1])
+    return kept[-1]
+
+
+def _saved(gl, groups, mask):
+    return [(restore, save(gl)) for bit, (save, restore) in groups.items() if mask & bit]
+
+
+@entry("PushAttrib")
+def push_attrib(gl, mask):
+    """Keep the groups of a mask."""
+    keys = _keys(mask & 0xFFFFFFFF)
+    saved = tuple([gl.values[key] for key in keys])
+    _push(gl, "attribute stack", (keys, saved, _saved(gl, _BESIDE_VALUES, mask)))
+
+
+@entry("PopAttrib")
+def pop_attrib(gl):
+    """Set again what the last PushAttrib kept."""
+    keys, saved, beside = _pop(gl, "attribute stack")
+    settle_materials(gl)  # the group of enables may end what colours follow, and has no materials
+    for key, value in zip(keys, saved, strict=True):
+        gl.values.set(key, value)
+    for restore, kept in beside:
+        restore(gl, kept)
+
+
+@entry("PushClientAttrib", compiled=False)
+def push_client_attrib(gl, mask):
+    """Keep the client's groups of a mask."""
+    _push(gl, "client attribute stack", _saved(gl, _CLIENT_GROUPS, mask))
+
+
+@entry("PopClientAttrib", compiled=False)
+def pop_client_attrib(gl):
+    """Set again what the last PushClientAttrib kept."""
+    for restore, kept in _pop(gl, "client attribute stack"):
+        restore(gl, kept)

@@ -1,0 +1,537 @@
+"""Rasterization's modes, per-fragment operations and whole framebuffers (OpenGL 1.2.1 chapters 3 and 4)."""
+
+import math
+
+from fixedpipe.pipeline.commands import Accum, Clear
+from fixedpipe.pipeline.enums import (
+    AccumOperation,
+    BlendEquation,
+    BlendFactor,
+    ComparisonFunction,
+    Face,
+    FrontFace,
+    LineRasterization,
+    LogicOperation,
+    PolygonMode,
+    ProvokingVertex,
+    ShadeModel,
+    StencilOperation,
+)
+from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.capabilities import capability
+from fixedpipe.pipeline.opengl.entry_points import entry, no_effect
+from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
+from fixedpipe.pipeline.opengl.values import declare, section
+from fixedpipe.pipeline.state import (
+    AlphaTest,
+    Blending,
+    ColorMask,
+    DepthTest,
+    LineState,
+    PolygonState,
+    Scissor,
+    StencilTest,
+)
+
+
+def words(enumeration, **other_names):
+    """{token: member} of an enumeration whose members have the tokens' names, but for a vendor's suffix.
+
+    ``other_names``: member's name = token's name, where the two differ.
+    """
+    found = {}
+    for member in enumeration:
+        stem = other_names.get(member.name, member.name)
+        for suffix in ("", "_EXT", "_ARB", "_NV", "_SGIS", "_SGIX"):
+            value = getattr(tokens, stem + suffix, None)
+            if isinstance(value, int):
+                found.setdefault(value, member)
+                break
+    return found
+
+
+COMPARISONS = words(ComparisonFunction)
+STENCIL_OPERATIONS = words(StencilOperation) | {
+    tokens.INCR_WRAP: StencilOperation.INCR_WRAP,
+    tokens.DECR_WRAP: StencilOperation.DECR_WRAP,
+}
+BLEND_FACTORS = words(BlendFactor)
+BLEND_EQUATIONS = words(BlendEquation)
+LOGIC_OPERATIONS = words(LogicOperation)
+FACES = words(Face)
+FRONT_FACES = words(FrontFace)
+POLYGON_MODES = words(PolygonMode)
+SHADE_MODELS = words(ShadeModel)
+ACCUM_OPERATIONS = words(AccumOperation)
+
+
+def member(table, token):
+    """The member of a table for a token. Raises GLError(INVALID_ENUM)."""
+    found = table.get(token)
+    if found is None:
+        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(token)} is not among its values")
+    return found
+
+
+def clamped(*components):
+    """Components clamped to [0, 1]."""
+    return tuple([min(max(float(c), 0.0), 1.0) for c in components])
+
+
+# ---------------------------------------------------------------------------------- rasterization (chapter 3)
+
+_POLYGON, _LINE, _POINT = tokens.POLYGON_BIT, tokens.LINE_BIT, tokens.POINT_BIT
+
+capability(tokens.CULL_FACE, _POLYGON)
+capability(tokens.POLYGON_OFFSET_FILL, _POLYGON)
+capability(tokens.POLYGON_OFFSET_LINE, _POLYGON)
+capability(tokens.POLYGON_OFFSET_POINT, _POLYGON)
+capability(tokens.POLYGON_STIPPLE, _POLYGON)
+capability(tokens.POLYGON_SMOOTH, _POLYGON)
+capability(tokens.LINE_STIPPLE, _LINE)
+capability(tokens.LINE_SMOOTH, _LINE)
+capability(tokens.MULTISAMPLE, tokens.MULTISAMPLE_BIT, initial=True)
+declare("cull_face_mode", tokens.BACK, _POLYGON)
+declare("front_face", tokens.CCW, _POLYGON)
+declare("front_mode", tokens.FILL, _POLYGON)
+declare("back_mode", tokens.FILL, _POLYGON)
+declare("polygon_offset", (0.0, 0.0), _POLYGON)
+declare("polygon_stipple", b"\xff" * 128, tokens.POLYGON_STIPPLE_BIT)
+declare("shade_model", tokens.SMOOTH, tokens.LIGHTING_BIT)
+declare("provoking_vertex", ProvokingVertex.LAST, tokens.LIGHTING_BIT)
+declare("line_width", 1.0, _LINE)
+declare("line_stipple", (1, 0xFFFF), _LINE)
+
+
+@section(
+    "polygon",
+    ("enabled", tokens.CULL_FACE),
+    "cull_face_mode",
+    "front_face",
+    "front_mode",
+    "back_mode",
+    "polygon_offset",
+    ("enabled", tokens.POLYGON_OFFSET_FILL),
+    ("enabled", tokens.POLYGON_OFFSET_LINE),
+    ("enabled", tokens.POLYGON_OFFSET_POINT),
+    ("enabled", tokens.POLYGON_STIPPLE),
+    "polygon_stipple",
+    ("enabled", tokens.POLYGON_SMOOTH),
+    "shade_model",
+    "provoking_vertex",
+)
+def _polygon(
+    gl,
+    cull,
+    culled,
+    front,
+    front_mode,
+    back_mode,
+    offset,
+    fill,
+    line,
+    point,
+    stipple,
+    pattern,
+    smooth,
+    shade,
+    provoking,
+):
+    return PolygonState(
+        cull_face=FACES[culled] if cull else None,
+        front_face=FRONT_FACES[front],
+        offset_fill=fill,
+        offset_factor=offset[0] if fill or line or point else 0.0,
+        offset_units=offset[1] if fill or line or point else 0.0,
+        shade_model=SHADE_MODELS[shade],
+        provoking_vertex=provoking,
+        front_mode=POLYGON_MODES[front_mode],
+        back_mode=POLYGON_MODES[back_mode],
+        offset_line=line,
+        offset_point=point,
+        stipple=pattern if stipple else None,
+        smooth=_smooths(gl, smooth, "POLYGON_SMOOTH", "polygons"),
+    )
+
+
+def _smooths(gl, enabled, capability_name, what):
+    """Whether the machine smooths what it is to smooth; where it does not, that is counted."""
+    if enabled and not gl.profile.primitives.smoothing_samples:
+        gl.tally.add("no effect", f"{capability_name}: {gl.profile.name} has no smooth {what}")
+        return False
+    return enabled
+
+
+@section(
+    "line", "line_width", ("enabled", tokens.LINE_STIPPLE), "line_stipple", ("enabled", tokens.LINE_SMOOTH)
+)
+def _line(gl, width, stipple, pattern, smooth):
+    primitives = gl.profile.primitives
+    smooth = _smooths(gl, smooth, "LINE_SMOOTH", "lines")
+    # Section 3.4.2.1: an aliased line's width is rounded to the nearest integer, and clamped to the range.
+    if not smooth:
+        width = max(1.0, math.floor(width + 0.5))
+    return LineState(
+        width=min(width, primitives.max_line_width),
+        # Section 3.4.4: a smooth line is a rectangle.
+        rasterization=LineRasterization.RECTANGLE if smooth else LineRasterization.STEPS,
+        stipple=pattern if stipple else None,
+        smooth=smooth,
+    )
+
+
+@entry("CullFace")
+def cull_face(gl, mode):
+    """Which faces CULL_FACE discards."""
+    member(FACES, mode)
+    gl.values.set("cull_face_mode", mode)
+
+
+@entry("FrontFace")
+def front_face(gl, mode):
+    """Which orientation faces the front."""
+    member(FRONT_FACES, mode)
+    gl.values.set("front_face", mode)
+
+
+@entry("PolygonMode")
+def polygon_mode(gl, face, mode):
+    """How polygons are drawn (section 3.5.4)."""
+    member(POLYGON_MODES, mode)
+    member(FACES, face)
+    if face != tokens.BACK:
+        gl.values.set("front_mode", mode)
+    if face != tokens.FRONT:
+        gl.values.set("back_mode", mode)
+
+
+@entry("PolygonOffset")
+def polygon_offset(gl, factor, units):
+    """The depth offset (section 3.5.5)."""
+    gl.values.set("polygon_offset", (float(factor), float(units)))
+
+
+@entry("ShadeModel")
+def shade_model(gl, mode):
+    """FLAT or SMOOTH."""
+    member(SHADE_MODELS, mode)
+    gl.values.set("shade_model", mode)
+
+
+@entry("ProvokingVertex")
+def provoking_vertex(gl, mode):
+    """Which vertex gives a flat primitive's colour (EXT_provoking_vertex)."""
+    first, last = 0x8E4D, 0x8E4E  # FIRST_VERTEX_CONVENTION_EXT, LAST_VERTEX_CONVENTION_EXT
+    chosen = member({first: ProvokingVertex.FIRST, last: ProvokingVertex.LAST}, mode)
+    gl.values.set("provoking_vertex", chosen)
+
+
+@entry("LineWidth")
+def line_width(gl, width):
+    """The width of lines, in pixels."""
+    if not width > 0:
+        raise GLError(tokens.INVALID_VALUE)
+    gl.values.set("line_width", float(width))
+
+
+@entry("LineStipple")
+def line_stipple(gl, factor, pattern):
+    """The stipple of lines; the factor is clamped to [1, 256]."""
+    gl.values.set("line_stipple", (min(max(int(factor), 1), 256), int(pattern) & 0xFFFF))
+
+
+# ----------------------------------------------------------------------- per-fragment operations (chapter 4)
+
+_COLOR_BUFFER, _STENCIL, _DEPTH = tokens.COLOR_BUFFER_BIT, tokens.STENCIL_BUFFER_BIT, tokens.DEPTH_BUFFER_BIT
+
+capability(tokens.SCISSOR_TEST, tokens.SCISSOR_BIT)
+capability(tokens.ALPHA_TEST, _COLOR_BUFFER)
+capability(tokens.STENCIL_TEST, _STENCIL)
+capability(tokens.DEPTH_TEST, _DEPTH)
+capability(tokens.BLEND, _COLOR_BUFFER)
+capability(tokens.COLOR_LOGIC_OP, _COLOR_BUFFER)
+capability(tokens.INDEX_LOGIC_OP, _COLOR_BUFFER)
+capability(tokens.DITHER, _COLOR_BUFFER, initial=True)
+declare("scissor", lambda gl: (0, 0, gl.drawable.width, gl.drawable.height), tokens.SCISSOR_BIT)
+declare("alpha_function", (tokens.ALWAYS, 0.0), _COLOR_BUFFER)
+declare("stencil_function", (tokens.ALWAYS, 0, 0xFFFFFFFF), _STENCIL)
+declare("stencil_operations", (tokens.KEEP, tokens.KEEP, tokens.KEEP), _STENCIL)
+declare("stencil_write_mask", 0xFFFFFFFF, _STENCIL)
+declare("depth_function", tokens.LESS, _DEPTH)
+declare("depth_mask", True, _DEPTH)
+declare("blend_factors", (tokens.ONE, tokens.ZERO), _COLOR_BUFFER)
+declare("blend_equation", tokens.FUNC_ADD, _COLOR_BUFFER)
+declare("blend_color", (0.0, 0.0, 0.0, 0.0), _COLOR_BUFFER)
+declare("logic_operation", tokens.COPY, _COLOR_BUFFER)
+declare("color_mask", (True, True, True, True), _COLOR_BUFFER)
+declare("draw_buffer", lambda gl: tokens.BACK if gl.drawable.double else tokens.FRONT, _COLOR_BUFFER)
+declare("read_buffer", lambda gl: tokens.BACK if gl.drawable.double else tokens.FRONT, tokens.PIXEL_MODE_BIT)
+declare("clear_color", (0.0, 0.0, 0.0, 0.0), _COLOR_BUFFER)
+declare("clear_depth", 1.0, _DEPTH)
+declare("clear_stencil", 0, _STENCIL)
+declare("clear_accum", (0.0, 0.0, 0.0, 0.0), tokens.ACCUM_BUFFER_BIT)
+declare("render_mode", tokens.RENDER)
+
+
+@section("scissor section", ("enabled", tokens.SCISSOR_TEST), "scissor")
+def _scissor(gl, enabled, box):
+    return Scissor(*box) if enabled else None
+
+
+@section("alpha_test", ("enabled", tokens.ALPHA_TEST), "alpha_function")
+def _alpha_test(gl, enabled, function):
+    return AlphaTest(COMPARISONS[function[0]], function[1]) if enabled else None
+
+
+@section(
+    "stencil_test",
+    ("enabled", tokens.STENCIL_TEST),
+    "stencil_function",
+    "stencil_operations",
+    "stencil_write_mask",
+)
+def _stencil_test(gl, enabled, function, operations, write_mask):
+    if not enabled:
+        return None
+    fail, depth_fail, depth_pass = [STENCIL_OPERATIONS[operation] for operation in operations]
+    compared, reference, mask = function
+    return StencilTest(
+        COMPARISONS[compared],
+        min(max(reference, 0), 255),
+        mask & 0xFF,
+        fail,
+        depth_fail,
+        depth_pass,
+        write_mask & 0xFF,
+    )
+
+
+@section("depth_test", ("enabled", tokens.DEPTH_TEST), "depth_function", "depth_mask")
+def _depth_test(gl, enabled, function, mask):
+    return DepthTest(COMPARISONS[function], mask) if enabled else None
+
+
+@section(
+    "blending",
+    ("enabled", tokens.BLEND),
+    ("enabled", tokens.COLOR_LOGIC_OP),
+    "blend_factors",
+    "blend_equation",
+    "blend_color",
+)
+def _blending(gl, enabled, logic, factors, equation, color):
+    # Section 4.1.8: an enabled COLOR_LOGIC_OP takes blending's place.
+    if not enabled or logic:
+        return None
+    source, destination = [BLEND_FACTORS[factor] for factor in factors]
+    return Blending(source, destination, BLEND_EQUATIONS[equation], color)
+
+
+@section("logic_op", ("enabled", tokens.COLOR_LOGIC_OP), "logic_operation")
+def _logic_op(gl, enabled, operation):
+    return LOGIC_OPERATIONS[operation] if enabled else None
+
+
+@section("color_mask section", "color_mask")
+def _color_mask(gl, mask):
+    return ColorMask(*mask)
+
+
+@entry("Scissor")
+def scissor(gl, x, y, width, height):
+    """The scissor box (section 4.1.2)."""
+    if width < 0 or height < 0:
+        raise GLError(tokens.INVALID_VALUE)
+    gl.values.set("scissor", (int(x), int(y), int(width), int(height)))
+
+
+@entry("AlphaFunc")
+def alpha_func(gl, function, reference):
+    """The alpha test (section 4.1.3)."""
+    member(COMPARISONS, function)
+    gl.values.set("alpha_function", (function, *clamped(reference)))
+
+
+@entry("StencilFunc")
+def stencil_func(gl, function, reference, mask):
+    """The stencil test (section 4.1.4)."""
+    member(COMPARISONS, function)
+    gl.values.set("stencil_function", (function, int(reference), int(mask) & 0xFFFFFFFF))
+
+
+@entry("StencilOp")
+def stencil_op(gl, *operations):
+    """What becomes of stencil values."""
+    for operation in operations:
+        member(STENCIL_OPERATIONS, operation)
+    fail, depth_fail, depth_pass = operations
+    gl.values.set("stencil_operations", (fail, depth_fail, depth_pass))
+
+
+@entry("StencilMask")
+def stencil_mask(gl, mask):
+    """Which bits of stencil values are written."""
+    gl.values.set("stencil_write_mask", int(mask) & 0xFFFFFFFF)
+
+
+@entry("DepthFunc")
+def depth_func(gl, function):
+    """The depth test (section 4.1.5)."""
+    member(COMPARISONS, function)
+    gl.values.set("depth_function", function)
+
+
+@entry("DepthMask")
+def depth_mask(gl, flag):
+    """Whether depths are written."""
+    gl.values.set("depth_mask", bool(flag))
+
+
+@entry("BlendFunc")
+def blend_func(gl, source, destination):
+    """The blend factors (section 4.1.6)."""
+    member(BLEND_FACTORS, source)
+    member(BLEND_FACTORS, destination)
+    gl.values.set("blend_factors", (source, destination))
+
+
+@entry("BlendFuncSeparate")
+def blend_func_separate(gl, source, destination, source_alpha, destination_alpha):
+    """EXT_blend_func_separate. Refused where the two differ: no machine here blends alpha otherwise."""
+    if (source, destination) != (source_alpha, destination_alpha):
+        raise Refused(
+            "blending alpha by other factors than colours: no machine here has EXT_blend_func_separate"
+        )
+    blend_func(gl, source, destination)
+
+
+@entry("BlendEquation")
+def blend_equation(gl, equation):
+    """The blend equation."""
+    member(BLEND_EQUATIONS, equation)
+    gl.values.set("blend_equation", equation)
+
+
+@entry("BlendColor")
+def blend_color(gl, *color):
+    """The constant blend colour."""
+    gl.values.set("blend_color", clamped(*color))
+
+
+@entry("LogicOp")
+def logic_op(gl, operation):
+    """The logic operation (section 4.1.8)."""
+    member(LOGIC_OPERATIONS, operation)
+    gl.values.set("logic_operation", operation)
+
+
+@entry("ColorMask")
+def color_mask(gl, *mask):
+    """Which components are written."""
+    gl.values.set("color_mask", tuple(map(bool, mask)))
+
+
+# ----------------------------------------------------------------------------------------- whole framebuffers
+
+_BUFFERS = {
+    tokens.NONE,
+    tokens.FRONT_LEFT,
+    tokens.BACK_LEFT,
+    tokens.FRONT,
+    tokens.BACK,
+    tokens.LEFT,
+    tokens.FRONT_AND_BACK,
+    tokens.AUX0,
+}
+
+
+@entry("DrawBuffer")
+def draw_buffer(gl, buffer):
+    """Which colour buffer is written (section 4.2.1)."""
+    if buffer not in _BUFFERS:
+        raise GLError(tokens.INVALID_OPERATION, f"the window has no buffer {tokens.name_of(buffer)}")
+    gl.values.set("draw_buffer", buffer)
+
+
+@entry("ReadBuffer")
+def read_buffer(gl, buffer):
+    """Which colour buffer is read (section 4.3.2)."""
+    if buffer not in _BUFFERS or buffer == tokens.NONE:
+        raise GLError(tokens.INVALID_OPERATION, f"the window has no buffer {tokens.name_of(buffer)}")
+    gl.values.set("read_buffer", buffer)
+
+
+@entry("ClearColor")
+def clear_color(gl, *color):
+    """The colour that Clear writes."""
+    gl.values.set("clear_color", clamped(*color))
+
+
+@entry("ClearDepth", "ClearDepthf")
+def clear_depth(gl, depth):
+    """The depth that Clear writes."""
+    gl.values.set("clear_depth", clamped(depth)[0])
+
+
+@entry("ClearStencil")
+def clear_stencil(gl, value):
+    """The stencil value that Clear writes."""
+    gl.values.set("clear_stencil", int(value) & 0xFF)
+
+
+@entry("ClearAccum")
+def clear_accum(gl, *color):
+    """The value that Clear writes into the accumulation buffer."""
+    gl.values.set("clear_accum", tuple([min(max(float(c), -1.0), 1.0) for c in color]))
+
+
+@entry("Clear")
+def clear(gl, mask):
+    """Clear buffers (section 4.2.3)."""
+    known = (
+        tokens.COLOR_BUFFER_BIT
+        | tokens.DEPTH_BUFFER_BIT
+        | tokens.STENCIL_BUFFER_BIT
+        | tokens.ACCUM_BUFFER_BIT
+    )
+    if mask & ~known:
+        raise GLError(tokens.INVALID_VALUE)
+    if gl.values["render_mode"] != tokens.RENDER:
+        return
+    values = gl.values
+    color = mask & tokens.COLOR_BUFFER_BIT and values["draw_buffer"] != tokens.NONE
+    depth = mask & tokens.DEPTH_BUFFER_BIT and values["depth_mask"]
+    stencil = mask & tokens.STENCIL_BUFFER_BIT
+    accumulation = mask & tokens.ACCUM_BUFFER_BIT
+    if not (color or depth or stencil or accumulation):
+        return
+    gl.commands.append(
+        Clear(
+            label=f"{gl.called} (call {gl.tally.call})",
+            color=values["clear_color"] if color else None,
+            depth=values["clear_depth"] if depth else None,
+            stencil=values["clear_stencil"] if stencil else None,
+            accumulation=values["clear_accum"] if accumulation else None,
+            scissor=values.section("scissor section"),
+            color_mask=values.section("color_mask section"),
+            stencil_write_mask=values["stencil_write_mask"] & 0xFF,
+        )
+    )
+
+
+@entry("Accum")
+def accum(gl, operation, value):
+    """Move colours to and from the accumulation buffer (section 4.2.4)."""
+    gl.commands.append(
+        Accum(
+            label=f"{gl.called} (call {gl.tally.call})",
+            operation=member(ACCUM_OPERATIONS, operation),
+            value=float(value),
+            scissor=gl.values.section("scissor section"),
+            color_mask=gl.values.section("color_mask section"),
+        )
+    )
+
+
+no_effect("ClearIndex", "IndexMask", "SampleCoverage")
+no_effect("Finish", "Flush", compiled=False)

@@ -1,0 +1,32 @@
+"""The PassState of a draw, from its sections. Each stands in the module of its subject."""
+
+from fixedpipe.pipeline.opengl import driver
+from fixedpipe.pipeline.opengl.values import section
+from fixedpipe.pipeline.state import PassState
+
+# Fields of PassState, and the section that makes each.
+_FIELDS = {
+    "vertex": "vertex",
+    "polygon": "polygon",
+    "texture_units": "texture_units",
+    "register_combiners": "register_combiners",
+    "color_sum": "color_sum",
+    "fog": "fog",
+    "scissor": "scissor section",
+    "alpha_test": "alpha_test",
+    "stencil_test": "stencil_test",
+    "depth_test": "depth_test",
+    "blending": "blending",
+    "logic_op": "logic_op",
+    "color_mask": "color_mask section",
+    "texture_shader": "texture_shader",
+    "perspective_correction": "perspective_correction",
+    "point": "point",
+    "line": "line",
+    "depth_clamp": "depth_clamp",
+}
+
+
+@section("pass", *_FIELDS.values())
+def _pass(gl, *parts):
+    return driver.place_sprite(gl.profile, PassState(**dict(zip(_FIELDS, parts, strict=True))))

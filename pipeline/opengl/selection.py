@@ -1,0 +1,235 @@
+"""Selection and feedback (OpenGL 1.2.1 sections 5.2 and 5.3): host work, which draws nothing.
+
+``selected_primitives`` has what they take of a primitive. It is loaded at need, because it needs kernels.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from fixedpipe.pipeline.commands import Mesh
+from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.entry_points import entry
+from fixedpipe.pipeline.opengl.outcomes import GLError
+from fixedpipe.pipeline.state import PassState, RasterPosition
+
+# Section 5.2: at least 64.
+MAX_NAME_STACK_DEPTH = 64
+_LARGEST = 0xFFFFFFFF
+
+# Of a feedback type: how many coordinates, and whether colours and texture coordinates follow (table 5.2).
+_TYPES = {
+    tokens._2D: (2, False, False),
+    tokens._3D: (3, False, False),
+    tokens._3D_COLOR: (3, True, False),
+    tokens._3D_COLOR_TEXTURE: (3, True, True),
+    tokens._4D_COLOR_TEXTURE: (4, True, True),
+}
+# Places in a vertex: window x, y, z and clip w, the colour, the texture coordinates.
+_COLOR, _TEXTURE = slice(4, 8), slice(8, 12)
+
+
+class Selection:
+    """The state of selection and feedback.
+
+    - ``written``: the values of the selection or feedback array, so far or of the last such mode.
+    - ``names``: the name stack, bottommost first.
+    """
+
+    def __init__(self):
+        self.names: list[int] = []
+        self.written: list[Any] = []
+        self.select_buffer: tuple[int, Any] | None = None  # its size, and the caller's array
+        self.feedback_buffer: tuple[int, Any] | None = None
+        self.feedback_type = tokens._2D
+        self._room = 0
+        self._overflowed = False
+        self._records = 0
+        self._depths: tuple[float, float] | None = None  # of hits since the last record
+
+    def enter(self, size: int) -> None:
+        """Begin a mode whose array holds ``size`` values."""
+        self.written, self._room, self._overflowed = [], size, False
+        self._records, self._depths = 0, None
+
+    def write(self, values: Sequence[Any]) -> None:
+        """Write what of the values there is room for."""
+        room = self._room - len(self.written)
+        self.written += values[:room]
+        self._overflowed |= len(values) > room
+
+    def hit(self, depths: Iterable[float]) -> None:
+        """Note vertices of window depths ``depths`` that lie in the view volume."""
+        known = (*depths, *(self._depths or ()))
+        self._depths = min(known), max(known)
+
+    def record(self) -> None:
+        """Write a hit record, if there was a hit since the last one."""
+        if self._depths is None:
+            return
+        # Python's integers: float64 has the product exactly rounded, and its nearest whole number.
+        scaled = [round(min(max(depth, 0.0), 1.0) * _LARGEST) for depth in self._depths]
+        self.write([len(self.names), *scaled, *self.names])
+        self._records += 1
+        self._depths = None
+
+    def chosen(self, values: Sequence[float]) -> list[float]:
+        """What of a vertex the feedback's type returns.
+
+        ``values``: window x, y and z, clip w, the colour and the texture coordinates.
+        """
+        coordinates, color, texture = _TYPES[self.feedback_type]
+        parts = values[:coordinates], values[_COLOR] if color else (), values[_TEXTURE] if texture else ()
+        return [value for part in parts for value in part]
+
+    def leave(self, mode: int) -> int:
+        """End a mode; return what RenderMode returns."""
+        if mode == tokens.SELECT:
+            self.record()
+            _fill(self.select_buffer, self.written)
+        elif mode == tokens.FEEDBACK:
+            _fill(self.feedback_buffer, self.written)
+        else:
+            return 0
+        count = self._records if mode == tokens.SELECT else len(self.written)
+        return -1 if self._overflowed else count
+
+
+def _fill(buffer, written):
+    """Copy the values into the caller's array, if it is one."""
+    if buffer is not None and isinstance(buffer[1], list | np.ndarray):
+        buffer[1][: len(written)] = written
+
+
+@entry("RenderMode", compiled=False)
+def render_mode(gl, mode):
+    """Choose drawing, selection or feedback; return how much the last mode gave."""
+    selection, before = gl.selection, gl.values["render_mode"]
+    if mode not in (tokens.RENDER, tokens.SELECT, tokens.FEEDBACK):
+        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(mode)} is no mode of rendering")
+    buffer = {tokens.SELECT: selection.select_buffer, tokens.FEEDBACK: selection.feedback_buffer}.get(
+        mode, (0, None)
+    )
+    if buffer is None:
+        raise GLError(tokens.INVALID_OPERATION, "the mode has no buffer")
+    result = selection.leave(before)
+    selection.names = []
+    if mode != tokens.RENDER:
+        selection.enter(buffer[0])
+    gl.values.set("render_mode", mode)
+    return result
+
+
+@entry("SelectBuffer", compiled=False)
+def select_buffer(gl, size, buffer=None):
+    """Where hit records go. A list or an array of whole numbers that is given is filled."""
+    if gl.values["render_mode"] == tokens.SELECT:
+        raise GLError(tokens.INVALID_OPERATION, "the buffer is in use")
+    if size < 0:
+        raise GLError(tokens.INVALID_VALUE)
+    gl.selection.select_buffer = int(size), buffer
+
+
+@entry("FeedbackBuffer", compiled=False)
+def feedback_buffer(gl, size, type_, buffer=None):
+    """Where feedback goes, and of which type it is. A list or an array that is given is filled."""
+    if gl.values["render_mode"] == tokens.FEEDBACK:
+        raise GLError(tokens.INVALID_OPERATION, "the buffer is in use")
+    if type_ not in _TYPES:
+        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(type_)} is no type of feedback")
+    if size < 0:
+        raise GLError(tokens.INVALID_VALUE)
+    gl.selection.feedback_buffer, gl.selection.feedback_type = (int(size), buffer), type_
+
+
+# --------------------------------------------------------------------------------------------- name stack
+
+
+def _names(gl):
+    """The name stack, after the record of what it named; None outside selection."""
+    if gl.values["render_mode"] != tokens.SELECT:
+        return None
+    gl.selection.record()
+    return gl.selection.names
+
+
+@entry("InitNames")
+def init_names(gl):
+    """Empty the name stack."""
+    names = _names(gl)
+    if names is not None:
+        names.clear()
+
+
+@entry("LoadName")
+def load_name(gl, name):
+    """Replace the topmost name."""
+    names = _names(gl)
+    if names is None:
+        return
+    if not names:
+        raise GLError(tokens.INVALID_OPERATION, "the name stack is empty")
+    names[-1] = int(name) & _LARGEST
+
+
+@entry("PushName")
+def push_name(gl, name):
+    """Push a name."""
+    names = _names(gl)
+    if names is None:
+        return
+    if len(names) >= MAX_NAME_STACK_DEPTH:
+        raise GLError(tokens.STACK_OVERFLOW)
+    names.append(int(name) & _LARGEST)
+
+
+@entry("PopName")
+def pop_name(gl):
+    """Pop a name."""
+    names = _names(gl)
+    if names is None:
+        return
+    if not names:
+        raise GLError(tokens.STACK_UNDERFLOW)
+    names.pop()
+
+
+@entry("PassThrough")
+def pass_through(gl, token):
+    """Write a marker into the feedback array."""
+    if gl.values["render_mode"] == tokens.FEEDBACK:
+        gl.selection.write([float(tokens.PASS_THROUGH_TOKEN), float(token)])
+
+
+# ---------------------------------------------------------------------------------------------- primitives
+
+
+def select(gl, mesh: Mesh) -> None:
+    """What a draw of ``mesh`` does in selection or feedback."""
+    from fixedpipe.pipeline.opengl.selected_primitives import take_mesh
+
+    take_mesh(gl, mesh)
+
+
+def select_raster_position(gl, position: RasterPosition, state: PassState) -> None:
+    """Note the hit of a RasterPos in selection, if the position is valid."""
+    from fixedpipe.pipeline.opengl.selected_primitives import raster_position_depth
+
+    depth = raster_position_depth(gl, position, state)
+    if depth is not None and gl.values["render_mode"] == tokens.SELECT:
+        gl.selection.hit((depth,))
+
+
+def feed_back_rectangle(gl, token: int, position: RasterPosition, state: PassState) -> None:
+    """Write a bitmap's or a pixel rectangle's token and its raster position, if that is valid.
+
+    ``token``: BITMAP_TOKEN, DRAW_PIXEL_TOKEN or COPY_PIXEL_TOKEN. Nothing happens outside feedback.
+    """
+    from fixedpipe.pipeline.opengl.selected_primitives import raster_position_values
+
+    if gl.values["render_mode"] != tokens.FEEDBACK:
+        return
+    values = raster_position_values(gl, position, state)
+    if values is not None:
+        gl.selection.write([float(token), *gl.selection.chosen(values)])

@@ -1,0 +1,82 @@
+"""Programs and shaders: refused by name (ARB and NV vertex programs, and what came after the machines here).
+
+A call that makes or sets a program is refused where it is made. So is a draw while a program is in use.
+"""
+
+from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.capabilities import capability
+from fixedpipe.pipeline.opengl.entry_points import entry, register
+from fixedpipe.pipeline.opengl.outcomes import Refused
+from fixedpipe.pipeline.opengl.values import declare, section
+
+# GetIntegerv(CURRENT_PROGRAM), and ATI_fragment_shader's capability.
+CURRENT_PROGRAM, _FRAGMENT_SHADER_ATI = 0x8B8D, 0x8920
+
+_ASSEMBLY = "vertex and fragment programs are not drawn here"
+_SHADERS = "OpenGL's shaders came after the machines here"
+_ATI = "no machine here has ATI_fragment_shader"
+
+for _token in (tokens.VERTEX_PROGRAM_ARB, tokens.FRAGMENT_PROGRAM_ARB, _FRAGMENT_SHADER_ATI):
+    capability(_token)
+# The shader program in use; 0: none.
+declare("program", 0)
+
+
+@section(
+    "programs",
+    "program",
+    ("enabled", tokens.VERTEX_PROGRAM_ARB),
+    ("enabled", tokens.FRAGMENT_PROGRAM_ARB),
+    ("enabled", _FRAGMENT_SHADER_ATI),
+)
+def _programs(gl, program, vertex, fragment, ati):
+    """None. Raises Refused while a program would take part in drawing."""
+    if program:
+        raise Refused(_SHADERS)
+    if vertex or fragment:
+        raise Refused(_ASSEMBLY)
+    if ati:
+        raise Refused(_ATI)
+
+
+def _refused(sentence):
+    def refuse(gl, *arguments):
+        raise Refused(sentence)
+
+    return refuse
+
+
+@entry("UseProgram", "UseProgramObject")
+def use_program(gl, program):
+    """The shader program that later draws use. They are refused."""
+    gl.values.set("program", int(program or 0))
+
+
+def _register_refused():
+    sizes = ("4f", "4d", "4fv", "4dv", "s4fv", "s4dv")
+    parameters = [f"Program{kind}Parameter{size}" for kind in ("Env", "Local", "") for size in sizes]
+    assembly = (
+        *("BindProgram", "GenPrograms", "DeletePrograms", "IsProgram", "ProgramString", "LoadProgram"),
+        *("ExecuteProgram", "RequestResidentPrograms", "TrackMatrix", *parameters),
+    )
+    shaders = (
+        *("CreateShader", "CreateShaderObject", "CreateProgram", "CreateProgramObject", "ShaderSource"),
+        *("CompileShader", "AttachShader", "AttachObject", "LinkProgram", "ValidateProgram"),
+        *("DeleteShader", "DeleteProgram", "DeleteObject", "DetachShader", "DetachObject"),
+        *("BindAttribLocation", "GetUniformLocation", "GetAttribLocation", "BindFragDataLocation"),
+        *("GetShaderiv", "GetProgramiv", "GetShaderInfoLog", "GetProgramInfoLog", "GetInfoLog"),
+        *("GetObjectParameteriv", "GetAttachedShaders", "GetActiveUniform", "GetShaderSource"),
+    )
+    uniforms = [f"Uniform{n}{t}{v}" for n in "1234" for t in ("f", "i", "ui") for v in ("", "v")]
+    matrices = [f"UniformMatrix{n}fv" for n in ("2", "3", "4", "2x3", "3x2", "2x4", "4x2", "3x4", "4x3")]
+    ati = (
+        *("GenFragmentShaders", "BindFragmentShader", "DeleteFragmentShader", "BeginFragmentShader"),
+        *("EndFragmentShader", "PassTexCoord", "SampleMap", "SetFragmentShaderConstant"),
+        *(f"{kind}FragmentOp{n}" for kind in ("Color", "Alpha") for n in "123"),
+    )
+    for names, sentence in ((assembly, _ASSEMBLY), ((*shaders, *uniforms, *matrices), _SHADERS), (ati, _ATI)):
+        for name in names:
+            register(name, _refused(sentence), compiled=False)
+
+
+_register_refused()
