@@ -34,14 +34,17 @@ def drawn_check(figure, renderer, places):
     yield from letters_check(figure, renderer)
 
 
-def letters_check(figure, renderer):
+def letters_check(figure, renderer, expected=()):
     """The Check that the displayed letters are the font's glyphs, upright, in their label's order.
 
+    ``expected``: labels without which nothing can be read; the others are what the commands have.
+
     The glyphs are Pillow's own, not those of the texture that is drawn. The measured number is the least
-    share of a label's glyph pixels that have its colour, minus the share of its other pixels that have it.
+    share of a label's glyph pixels that have its colour, minus the share of its other pixels that have it. Of
+    a label with an outline those others are the outline's, for what lies behind may be as light.
     """
     image = renderer.machine_window(figure, figure.size)
-    font, least, labels = ImageFont.load_default_imagefont(), 1.0, 0
+    font, least, labels, missing = ImageFont.load_default_imagefont(), 1.0, 0, set(expected)
     for command in figure.commands(renderer.profile, figure.size, renderer.method):
         if not _is_text(command):
             continue
@@ -52,6 +55,7 @@ def letters_check(figure, renderer):
         # The last quads are the letters; those before them are their outline.
         corners = command.mesh.positions[-4 * len(letters) :].reshape(-1, 4, 3)
         color, shown = np.array(command.mesh.colors[-1][:3]), [[], []]
+        outlined = len(command.mesh.positions) > 4 * len(letters)
         for letter, quad in zip(letters, corners, strict=True):
             (left, bottom), (right, top) = (np.floor(quad[k, :2] + 0.5).astype(int) for k in (0, 2))
             if left < 0 or bottom < 0 or right > panel.shape[1] or top > panel.shape[0]:
@@ -61,20 +65,30 @@ def letters_check(figure, renderer):
             glyph = np.array(mask).reshape(mask.size[::-1])[::-1] > 0
             rows = (np.arange(top - bottom) + 0.5) * glyph.shape[0] / (top - bottom)
             columns = (np.arange(right - left) + 0.5) * glyph.shape[1] / (right - left)
-            inside = glyph[np.ix_(rows.astype(int), columns.astype(int))]
+            inside, beside = (
+                part[np.ix_(rows.astype(int), columns.astype(int))]
+                for part in (glyph, _round(glyph) if outlined else ~glyph)
+            )
             same = np.abs(panel[bottom:top, left:right] - color).max(axis=-1) <= 1.0 / 255.0
             shown[1].append(same[inside])
-            shown[0].append(same[~inside])
+            shown[0].append(same[beside])
         beside, on = (np.concatenate(parts).mean() if parts else 0.0 for parts in shown)
         least = min(least, float(on - beside))
-    if labels:
+        missing.discard(command.label)
+    if labels or expected:
         yield Check(
             f"the least legible of {labels} labels: its glyphs' pixels in its colour, less those beside them",
-            least,
+            0.0 if missing else least,
             at_least=0.9,
             on=Answer.MACHINE,
             reason="what crosses a letter takes few of its pixels; a turned or filled one loses a third",
         )
+
+
+def _round(glyph):
+    """The pixels beside, above or below a glyph's own: bool [rows, columns]."""
+    wide = np.pad(glyph, 1)
+    return (wide[1:-1, :-2] | wide[1:-1, 2:] | wide[:-2, 1:-1] | wide[2:, 1:-1]) & ~glyph
 
 
 def _is_text(command):

@@ -201,7 +201,9 @@ def test_a_file_in_pieces_says_what_the_whole_file_says(path):
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.parent.name)
 def test_each_table_and_each_check_is_read_by_a_module(path):
-    readers = {identifier: texts(tree) for tree, identifier in modules(path)}
+    # A check that figures of several folders have is measured in effects/acceptance.
+    shared = set().union(*(texts(ast.parse(p.read_text())) for p in (EFFECTS / "acceptance").glob("*.py")))
+    readers = {identifier: texts(tree) | shared for tree, identifier in modules(path)}
     assert list(sections_of(path)) == sorted(readers, key=list(sections_of(path)).index)
     for identifier, known in readers.items():
         assert [name for name in Data(path, identifier).checks if name not in known] == []

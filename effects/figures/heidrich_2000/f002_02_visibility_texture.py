@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
@@ -12,7 +13,7 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
 from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
-from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
 from fixedpipe.effects.passes.draws import ADD, NEAREST, REPLACE, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.passes.pixel_texture_copies import float_image, texture_format
@@ -175,6 +176,14 @@ def checks(figure, renderer):
         Answer.IDEAL,
     )
     yield DATA.check("share of texels that see another", float((seen >= 0).mean()), Answer.IDEAL)
+    edge, toward = figure.size, normalize(np.array(_LIGHT))
+    there = seen_places.surface(relief(field), oblique_view(Panel(0, 0, edge, edge), _EYE))
+    lit = field.albedo * (0.15 + 0.85 * np.maximum(field.normals @ toward, 0.0))[..., None]
+    true = {1: (there.where, seen_places.looked_up(lit, there))}
+    for on, share in seen_places.shares_alike(figure, renderer, true):
+        yield DATA.check(
+            "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
+        )
     yield parts_check(figure, renderer)
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -36,8 +37,22 @@ def separation(above, below):
     return abs(math.log(above[0] / above[1]) - math.log(below[0] / below[1]))
 
 
+def _checks_by_pixels(figure, renderer):
+    """What the two displayed panels of geometry show, by the texels that rays meet on it."""
+    size, body = figure.size, ridged_body.Body(**figure.values)
+    true = [
+        ridged_body.by_rays(body, size, 1.0, ridged_body.radiance_map(body, bounces))
+        for bounces in (0, body.bounces)
+    ]
+    for on, share in seen_places.shares_alike(figure, renderer, dict(enumerate(true))):
+        yield DATA.check(
+            "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
+        )
+
+
 def checks(figure, renderer):
-    """Colours of geometry against those of the BRDF, and what scattering does to both."""
+    """What geometry shows by pixels; its colours against those of the BRDF; what scattering does to both."""
+    yield from _checks_by_pixels(figure, renderer)
     size = figure.size // 2
     above, below, ball = ridged_body.regions(size, 1.0)
     for on in Answer:

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.acceptance.parts import parts_check
@@ -17,7 +18,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
 from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.surfaces import plane
-from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, row_of_panels
 from fixedpipe.effects.passes.draws import NEAREST, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering import height_field, light_transport, path_tracer
@@ -164,8 +165,31 @@ def _steps(panel):
     return float(energy[border].mean()), float(energy[~border].mean())
 
 
+def _true_panels(size, v):
+    """Of each panel which pixels are compared, bool [size, size], and their colours, [n, 3]."""
+    edge, shared = edge_of(size, v["texels"]), (v["domes"], v["height"], tuple(v["albedo"]), v["directions"])
+    field, _ = _domes(edge, *shared)
+    seen = seen_places.surface(relief(field), oblique_view(Panel(0, 0, size, size), EYE))
+    for light in lights(edge, *shared, v["paths"], v["lookups"], tuple(v["light"]))[:3]:
+        yield seen.where, seen_places.looked_up(light, seen)
+    points = min(_PART * _POINTS, 1 << (size.bit_length() - 1))
+    for part in magnified(points, *shared, v["samples"], tuple(v["light"])):
+        whole = np.ones((size, size), np.bool_)
+        yield whole, seen_places.still(v["brighter"] * part, size)[whole]
+
+
+def _checks_by_pixels(figure, renderer):
+    """What each panel shows at every pixel."""
+    true = list(_true_panels(figure.size, figure.values))
+    for on, share in seen_places.shares_alike(figure, renderer, dict(enumerate(true))):
+        yield DATA.check(
+            "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
+        )
+
+
 def checks(figure, renderer):
-    """Means against all directions, noise between neighbours, and blocks in the drawn picture."""
+    """What panels show by pixels; means against all directions, noise between neighbours, blocks."""
+    yield from _checks_by_pixels(figure, renderer)
     v = figure.values
     shared = (v["domes"], v["height"], tuple(v["albedo"]), v["directions"])
     random, several, dependent, all_of = lights(

@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.measures import arithmetic_check
+from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -83,8 +83,28 @@ def scene(profile, size, *, intensity, **values):
     return tuple(out)
 
 
+def _checks_at_vertices(figure, renderer):
+    """Each displayed panel against its own lobe, at the pixels in which vertices lie."""
+    size, values = figure.size, dict(figure.values)
+    intensity = values.pop("intensity")
+    positions, _, _ = views(rings(size))
+    # Those well within the rim, beyond which the background begins.
+    inside = (positions * positions).sum(axis=-1) < (0.97 * EXTENT) ** 2
+    x, y = (np.floor(0.5 * (positions[inside, k] + 1.0) * size).astype(np.int64) for k in (0, 1))
+    true = [np.clip(intensity * math.pi * one[inside], 0.0, 1.0) for one in lobes(rings(size), **values)]
+    for on in Answer:
+        window = renderer.window(on, figure, size)
+        errors = [panel_of(window, k)[y, x] - one for k, one in enumerate(true)]
+        yield DATA.check(
+            "RMS of a panel from its own f_r pi where vertices lie, the largest",
+            max(map(root_mean_square, errors)),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """The four against each other over the disc's pixels, by the light that is sent: times the cosine."""
+    yield from _checks_at_vertices(figure, renderer)
     size = figure.size // 2
     edge = ((np.arange(size) + 0.5) / size * 2.0 - 1.0) / EXTENT * RIM
     x, y = np.meshgrid(edge, edge)

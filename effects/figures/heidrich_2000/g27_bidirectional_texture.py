@@ -9,7 +9,7 @@ from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.heidrich_2000.shared.stills import cells, mosaic, still
+from fixedpipe.effects.figures.heidrich_2000.shared.stills import as_computed, cells, mosaic, still
 from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.effects.scattering import btf, made_fields, visibility
@@ -37,22 +37,34 @@ def simulated(depth, bounces, count):
     return btf.simulated(field, seen, directions(), directions(), size=TEXELS, bounces=bounces)
 
 
-def scene(profile, size, *, depth, bounces, directions, windows, intensity):
-    """G27: three mosaics of lights and views."""
+def _shown(depth, bounces, directions, windows, intensity):
+    """Each panel's pictures, lights by views: three float64 [4, 4, n, n, 3]."""
     kept = simulated(depth, bounces, directions)
     n, m = kept.pictures.shape[:2]
     pictures = np.stack([np.stack([kept.radiance(i, j) for j in range(m)]) for i in range(n)])
     facing = np.pi * kept.irradiance[:, None, None, None, None]
-    out = []
     shown = (pictures, kept.windows(windows) * facing, kept.windows(1) * facing)
-    for panel, name, light in zip(row_of_panels(3, size), PANELS, shown, strict=True):
-        picture = mosaic(np.clip(intensity * light, 0.0, 1.0), size)
+    return tuple(np.clip(intensity * light, 0.0, 1.0) for light in shown)
+
+
+def scene(profile, size, **values):
+    """G27: three mosaics of lights and views."""
+    out = []
+    for panel, name, light in zip(row_of_panels(3, size), PANELS, _shown(**values), strict=True):
+        picture = mosaic(light, size)
         out += (panel.clear(BACKGROUND), *still(picture, panel, name, profile))
     return tuple(out)
 
 
 def checks(figure, renderer):
     """Means stay and contrast goes, picture by picture."""
+    for on in Answer:
+        shown = renderer.window(on, figure, figure.size)
+        yield DATA.check(
+            "pixels that are shown as they were computed, within 2/255, the least of the panels",
+            min(as_computed(panel_of(shown, k), one) for k, one in enumerate(_shown(**figure.values))),
+            on,
+        )
     size, n = figure.size // 2, len(TILTS)
     window = renderer.window(Answer.IDEAL, figure, size)
     parts = [cells(panel_of(window, k), n) for k in range(3)]

@@ -4,12 +4,13 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
-from fixedpipe.effects.figures.heidrich_2000.shared.stills import cells, enlarged, mosaic, still
+from fixedpipe.effects.figures.heidrich_2000.shared.stills import as_computed, cells, enlarged, mosaic, still
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.effects.scattering import goniometer, light_field, made_fields, visibility
 from fixedpipe.effects.scattering.directions import spiral
@@ -37,8 +38,10 @@ def _light_field(pixels, *values):
     return light_field.simulated(*_sent(*values), EYES, pixels, spread=SPREAD, distance=DISTANCE)
 
 
-def scene(profile, size, *, light, depth, bounces, directions, eye, intensity):
-    """G28: all pictures, one from between them, and what is seen from there by rays."""
+def _shown(size, light, depth, bounces, directions, eye, intensity):
+    """The pictures of 4 by 4 eyes, the one from between, and the same by rays: float64 [n, n, pixels, pixels,
+    3] each.
+    """
     values = light, depth, bounces, directions
     pixels = min(PIXELS, size)
     kept = _light_field(pixels, *values)
@@ -46,10 +49,14 @@ def scene(profile, size, *, light, depth, bounces, directions, eye, intensity):
     some = kept.pictures[list(SHOWN)][:, list(SHOWN)]
     s, t = 0.5 + kept.spread * eye[0], 0.5 + kept.spread * eye[1]
     truth = sent.reshape(-1, 3)[light_field.seen_from(field, (s, t, kept.distance), pixels)]
-    shown = (
-        mosaic(np.clip(intensity * some, 0.0, 1.0), size),
-        *(enlarged(np.clip(intensity * one, 0.0, 1.0), size) for one in (kept.at(s, t), truth)),
-    )
+    shown = some, kept.at(s, t)[None, None], truth[None, None]
+    return tuple(np.clip(intensity * one, 0.0, 1.0) for one in shown)
+
+
+def scene(profile, size, **values):
+    """G28: all pictures, one from between them, and what is seen from there by rays."""
+    some, *single = _shown(size, **values)
+    shown = mosaic(some, size), *(enlarged(one[0, 0], size) for one in single)
     out = []
     for panel, name, picture in zip(row_of_panels(3, size), PANELS, shown, strict=True):
         out += (panel.clear(BACKGROUND), *still(picture, panel, name, profile))
@@ -58,6 +65,19 @@ def scene(profile, size, *, light, depth, bounces, directions, eye, intensity):
 
 def checks(figure, renderer):
     """The picture from between against rays, and against another eye's."""
+    for on in Answer:
+        shown = renderer.window(on, figure, figure.size)
+        some, *single = _shown(figure.size, **figure.values)
+        found = [as_computed(panel_of(shown, 0), some)]
+        found += [
+            seen_places.alike(panel_of(shown, k), seen_places.still(one[0, 0], figure.size), 2.0 / 255.0)
+            for k, one in enumerate(single, 1)
+        ]
+        yield DATA.check(
+            "pixels that are shown as they were computed, within 2/255, the least of the panels",
+            min(found),
+            on,
+        )
     size = figure.size // 2
     window = renderer.window(Answer.IDEAL, figure, size)
     between, truth = (panel_of(window, k) for k in (1, 2))

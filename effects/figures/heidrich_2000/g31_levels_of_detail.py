@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.data_files import figure_data
@@ -34,8 +35,22 @@ def scene(profile, size, **values):
     return tuple(out)
 
 
+def _checks_by_pixels(figure, renderer):
+    """What each displayed panel shows, by the texels that rays meet on its ball."""
+    size, body, true = figure.size, ridged_body.Body(**figure.values), []
+    for texels in TEXELS_A_PIXEL:
+        geometry, _, brdf = levels.shares(texels)
+        light = ridged_body.level(body, brdf, (0.0, 0.0, 1.0))
+        true.append(ridged_body.by_rays(body, size, geometry, light))
+    for on, share in seen_places.shares_alike(figure, renderer, dict(enumerate(true))):
+        yield DATA.check(
+            "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
+        )
+
+
 def checks(figure, renderer):
-    """The light that the levels send, and where they differ."""
+    """What panels show by pixels; the light that the levels send, and where they differ."""
+    yield from _checks_by_pixels(figure, renderer)
     size = figure.size // 2
     above, below, ball = ridged_body.regions(size, 1.0)
     for on in Answer:

@@ -8,13 +8,14 @@ from functools import cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.ray_caster import RayCaster, primary_rays
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, dot, sine
-from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_of, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS, NEAREST, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.scattering import curved_base, height_field, masking, visibility
@@ -118,8 +119,21 @@ def by_rays(texels, height, cells, angle, size):
     return light[at[:, 1], at[:, 0]]
 
 
+def _checks_by_pixels(figure, renderer):
+    """What each displayed panel shows, by the texels that rays meet on its mesh."""
+    size, values, true = figure.size, figure.values, []
+    for surface, light in _parts(**values):
+        seen = seen_places.surface(surface, camera(Panel(0, 0, size, size), values["angle"]))
+        true.append((seen.where, seen_places.nearest(light, seen)))
+    for on, share in seen_places.shares_alike(figure, renderer, dict(enumerate(true))):
+        yield DATA.check(
+            "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
+        )
+
+
 def checks(figure, renderer):
-    """How much of the far sides each panel shows."""
+    """What panels show by pixels; how much of the far sides each panel shows."""
+    yield from _checks_by_pixels(figure, renderer)
     values, size = figure.values, 256
     truth = redness(by_rays(size=size, **values))
     for on in Answer:

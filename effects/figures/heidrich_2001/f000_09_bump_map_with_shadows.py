@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import bump_shadows
+from fixedpipe.effects.acceptance import bump_shadows, seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
@@ -277,6 +277,12 @@ def checks(figure, renderer):
     picture = renderer.execute_ideal(drawn, 2 * size, size).color[::-1, :, :3]
     facing, free = (panel_of(picture, k).max(axis=-1) for k in range(2))
     clear = facing > 0.1
+    rays = panel_of(figure.reference_picture()[::-1], 0)[..., :3]
+    box = (rays != np.array(values["background"])).any(axis=-1)
+    for on, share in seen_places.shares_alike(figure, renderer, {0: (box, rays[box])}):
+        yield DATA.check(
+            "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
+        )
     told = _told(size, p)
     places = _places(figure.size, values)
     for on in Answer:

@@ -4,10 +4,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
+from fixedpipe.effects.diagrams.checks import letters_check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
@@ -116,14 +118,59 @@ def texture_shaders_scene(profile, size, **parameters):
     return _scene(profile, size, passes, **parameters)
 
 
+# Rows of pixels under a tile's upper edge that its name takes.
+_NAME = 20
+
+
+def _tile_in_float(number, textures, toward_light, seen):
+    """What tile ``number`` of LETTERS must show at the pixels: float64 [n] or [n, 3]."""
+    s, t = seen.s, seen.t
+    if number < 2:
+        vectors = (textures.directions, textures.normals)[number]
+        return 0.5 + 0.5 * seen_places.looked_up(vectors, seen)
+    if number < 4:
+        return np.exp(-s / np.maximum(t, 1e-30)) if number == 2 else s ** (4.0 * t)
+    along, normals = (
+        seen_places.looked_up(vectors, seen) for vectors in (textures.directions, textures.normals)
+    )
+    minus_s, u = (np.maximum(vectors @ toward_light, 0.0) for vectors in (along, normals))
+    t, eighth = normals @ EYE, seen_places.looked_up(textures.eighths, seen)
+    f, g = np.exp(-minus_s / t), u ** (4.0 * eighth)
+    return (minus_s, t, u, eighth, f, g, f * g)[number - 4]
+
+
+def _tiles_check(figure, renderer, on, textures, toward_light):
+    """Each tile of the displayed picture, below its name, against what it must show."""
+    size, inset, extent = figure.size, figure.values["inset"], figure.values["extent"]
+    window, half, worst = renderer.window(on, figure, size), size // 2, 0.0
+    corners = [(x + i * half, j * half, half) for x in (0, size) for j in (1, 0) for i in (0, 1)]
+    corners += [(k * size, 0, size) for k in (2, 3, 4)]
+    for number, (x, y, edge) in enumerate(corners):
+        seen = seen_places.square(edge, inset if edge == half else extent)
+        rows = np.nonzero(seen.where)[0]
+        # F's own table falls from one to zero within its lowest texels: the catalogue has it from 1/16 on.
+        kept = (rows <= rows.max() - _NAME) & ((number != 2) | (seen.t >= 1.0 / 16.0))
+        shown = window[y : y + edge, x : x + edge][seen.where]
+        true = _tile_in_float(number, textures, toward_light, seen)
+        error = shown - (true if true.ndim == 2 else true[:, None])
+        worst = max(worst, root_mean_square(error[kept]))
+    return DATA.check(
+        "largest RMS of a tile, below its name, from what it must show", worst, on, at_most=1.0 / 64.0
+    )
+
+
 def checks(figure, renderer):
-    """The result against float evaluation at the texels, its factors against it, and the tables alone."""
+    """The tiles and their names; the result against float evaluation at the texels, its factors against it,
+    and the tables alone.
+    """
     p = figure.values
     size = p["map_size"]
     textures = _textures(size, p["bumps"], p["height"], p["cells"])
     toward_light = unit_vector(p["light"], "The light")
     expected = textures.evaluated(toward_light, EYE)
+    yield from letters_check(figure, renderer, LETTERS)
     for on in Answer:
+        yield _tiles_check(figure, renderer, on, textures, toward_light)
         # The square fills the panel: a texel for each pixel, so that no filter of materials takes part.
         colors = renderer.window(on, figure, size, extent=1.0, letters=False)
         picture, half = colors[..., 0], size // 2

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference, seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.acceptance.rings import RING_HALF, ring_energy, rings_round_rims
@@ -12,7 +13,13 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize, unit_vector
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    orthographic_view,
+    panel_of,
+    row_of_panels,
+)
 from fixedpipe.effects.passes.draws import show
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import (
@@ -176,6 +183,29 @@ def checks(figure, renderer):
     by_method = {EVALUATED_FIRST: _checks_evaluated_first, SQUARED_FIRST: _checks_squared_first}
     yield from by_method.get(renderer.method.name, _checks_interpolated_first)(figure, renderer)
     yield from _checks_of_the_picture(figure, renderer)
+    yield from _checks_by_pixels(figure, renderer)
+
+
+def _checks_by_pixels(figure, renderer):
+    """Both displayed panels against Eq. 1 at every pixel, and what each field does to them."""
+    size, values = figure.size, figure.values_of(renderer.method)
+    domes = {name: values[name] for name in ("domes", "radii", "rim_slope", "moat", "plate")}
+    material = _domes_material(values["map_size"], values["alpha_x"], values["alpha_y"], 1.0, **domes)
+    seen = seen_places.square(size, values["extent"])
+    interpolated_first = renderer.method.name not in (EVALUATED_FIRST, SQUARED_FIRST)
+    textures = material_reference.fields(material)
+    left, right = (
+        material_reference.pictures(textures, seen, values, gated=False, squared_first=first)
+        for first in (True, not interpolated_first)
+    )
+    for on in Answer:
+        window = renderer.window(on, figure, size)
+        shown = [panel_of(window, k)[seen.where] for k in range(2)]
+        distance, share = material_reference.measured(shown, (left, right))
+        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
+        yield DATA.check(
+            "of what single texels of a material texture change, the least share that is seen", share, on
+        )
 
 
 def _checks_of_the_picture(figure, renderer):

@@ -2,17 +2,25 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference, seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import half_maximum_aspect, principal_axis
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
-from fixedpipe.effects.figures.kautz_seidel_2000.shared.brushed_sphere import BRUSHED_SPHERE
+from fixedpipe.effects.figures.kautz_seidel_2000.shared.brushed_sphere import BRUSHED_SPHERE, COMPARED
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotate, rotation
 from fixedpipe.effects.geometry.vectors import cross, normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    orthographic_view,
+    panel_of,
+    row_of_panels,
+)
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 from fixedpipe.effects.reflectance.material_textures import Brushing
 
@@ -75,8 +83,38 @@ def imaging_scene(profile, size, *, light, diffuse, ambient, specular, backgroun
     return tuple(out)
 
 
+def _seen(values, size, flat):
+    facets = (values["slices"], values["stacks"]) if flat else None
+    return seen_places.sphere(size, values["radius"], (("x", values["tilt"]),), COMPARED, facets=facets)
+
+
+@computed_once
+def _by_pixels(values, size, flat, brushing):
+    """One sphere's ``material_reference.pictures``."""
+    strokes = {name: values[name] for name in ("alpha_x", "alpha_y", "spread", "depth", "k_s")}
+    material = material_textures.brushed(values["map_columns"], values["map_rows"], brushing, **strokes)
+    seen = _seen(values, size, flat)
+    return material_reference.pictures(material_reference.fields(material), seen, values, squared_first=flat)
+
+
+def _checks_by_pixels(figure, renderer):
+    """The displayed spheres against Eq. 1 at every pixel, and the strokes of each field."""
+    size, flat, values = figure.size, renderer.method.name == FLAT, dict(figure.values)
+    where = _seen(values, size, flat).where
+    found = [_by_pixels(values, size, flat, brushing) for brushing in (Brushing.ALONG_T, Brushing.ALONG_S)]
+    for on in Answer:
+        window = renderer.window(on, figure, size)
+        shown = [panel_of(window, k)[where] for k in range(2)]
+        distance, share = material_reference.measured(shown, found)
+        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
+        yield DATA.check(
+            "of what single texels of a material texture change, the least share that is seen", share, on
+        )
+
+
 def checks(figure, renderer):
-    """Orientation, elongation and aspect of the two spheres' highlights."""
+    """The spheres pixel by pixel; orientation, elongation and aspect of their highlights."""
+    yield from _checks_by_pixels(figure, renderer)
     size = 512
     parameters, changes = figure.values, {**DARK, "specular": (1.0, 1.0, 1.0)}
     for on in Answer:

@@ -2,19 +2,24 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
+from fixedpipe.effects.figures.kautz_seidel_2000.shared.brushed_sphere import leaning_seen
 from fixedpipe.effects.geometry.views import BACKGROUND, Light
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
 from fixedpipe.effects.scenes.spheres import leaning_sphere
 
 DATA = figure_data(__file__, "F004-5")
 
+# The method that draws flat triangles.
+FLAT = "imaging subset"
 # The catalogue's gold. Light that is reflected once has it; what the diffuse pass stands for has been
 # reflected between bumps at least twice, and its colour is near the square.
 GOLD = (1.0, 0.77, 0.34)
@@ -81,8 +86,33 @@ def chords(mask):
     return tuple(float(mask.sum() / count) if count else float("nan") for count in begins)
 
 
+_OF_GOLD = ("bumps", "depth", "alpha_x", "alpha_y", "spread", "stroke_depth", "k_s")
+
+
+@computed_once
+def _by_pixels(values, size, flat):
+    """The sphere's ``material_reference.pictures``."""
+    gold = material_textures.gold(values["map_size"], **{name: values[name] for name in _OF_GOLD})
+    seen = leaning_seen(values, size, flat)
+    return material_reference.pictures(material_reference.fields(gold), seen, values, squared_first=flat)
+
+
+def _checks_by_pixels(figure, renderer):
+    """The displayed sphere against Eq. 1 at every pixel, and what each field does to it."""
+    size, flat, values = figure.size, renderer.method.name == FLAT, dict(figure.values)
+    where, found = leaning_seen(values, size, flat).where, _by_pixels(values, size, flat)
+    for on in Answer:
+        shown = renderer.window(on, figure, size)[where]
+        distance, share = material_reference.measured([shown], [found])
+        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
+        yield DATA.check(
+            "of what single texels of a material texture change, the least share that is seen", share, on
+        )
+
+
 def checks(figure, renderer):
     """The highlights' arithmetic and colour, and that bumps have anisotropic ones of their own."""
+    yield from _checks_by_pixels(figure, renderer)
     size, white = 256, {**DARK, "specular": (1.0, 1.0, 1.0)}
     ideal = np.clip(renderer.ideal_window(figure, size, **white)[..., 0], 0.0, 1.0)
     machine = renderer.machine_window(figure, size, **white)[..., 0]
@@ -148,7 +178,7 @@ FIGURE = Figure(
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),
-        Method("imaging subset", imaging_scene, IMAGING_MACHINES_8),
+        Method(FLAT, imaging_scene, IMAGING_MACHINES_8),
     ),
     acceptance=checks,
 )

@@ -2,12 +2,15 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference, seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
+from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, DARK, IMAGING_MACHINES_8, Figure, Method
+from fixedpipe.effects.figures.kautz_seidel_2000.shared.brushed_sphere import leaning_seen
 from fixedpipe.effects.figures.kautz_seidel_2000.shared.own_marble import OWN, marble
 from fixedpipe.effects.geometry.views import BACKGROUND, Light
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
@@ -15,6 +18,9 @@ from fixedpipe.effects.scenes.marble import MAP_SIZE, MARBLE
 from fixedpipe.effects.scenes.spheres import leaning_sphere
 
 DATA = figure_data(__file__, "F004-6")
+
+# The method that draws flat triangles.
+FLAT = "imaging subset"
 
 
 def _ball(size, map_size, repeats, lean, slices, stacks, radius, **veins):
@@ -63,6 +69,36 @@ def imaging_scene(profile, size, *, light, diffuse, ambient, specular, backgroun
     )
 
 
+_OF_MARBLE = ("cells", "width", "relief", "alpha_x", "alpha_y", "k_s", "light_color", "dark_color")
+
+
+@computed_once
+def _by_pixels(values, size, flat):
+    """The sphere's ``material_reference.pictures``."""
+    stone = material_textures.marble(values["map_size"], **{name: values[name] for name in _OF_MARBLE})
+    seen = leaning_seen(values, size, flat)
+    return material_reference.pictures(
+        material_reference.fields(stone.material),
+        seen,
+        values,
+        color=seen_places.looked_up(stone.colors, seen),
+        squared_first=flat,
+    )
+
+
+def _checks_by_pixels(figure, renderer):
+    """The displayed sphere against Eq. 1 at every pixel, and what each field does to it."""
+    size, flat, values = figure.size, renderer.method.name == FLAT, dict(figure.values)
+    where, found = leaning_seen(values, size, flat).where, _by_pixels(values, size, flat)
+    for on in Answer:
+        shown = renderer.window(on, figure, size)[where]
+        distance, share = material_reference.measured([shown], [found])
+        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
+        yield DATA.check(
+            "of what single texels of a material texture change, the least share that is seen", share, on
+        )
+
+
 def darkness(figure, renderer, size):
     """How dark each pixel's stone is: float64 [size, size], 1 in the veins, NaN off the sphere.
 
@@ -80,6 +116,7 @@ def darkness(figure, renderer, size):
 
 def checks(figure, renderer):
     """The highlight's areas in dark and in light stone, the veins' relief, and the arithmetic."""
+    yield from _checks_by_pixels(figure, renderer)
     size = 256
     shade = darkness(figure, renderer, size)
     dark, light, edges = shade > 0.5, shade < 0.35, (shade > 0.35) & (shade < 0.85)
@@ -155,7 +192,7 @@ FIGURE = Figure(
     },
     methods=(
         Method("register combiners", scene, COMBINER_MACHINES),
-        Method("imaging subset", imaging_scene, IMAGING_MACHINES_8),
+        Method(FLAT, imaging_scene, IMAGING_MACHINES_8),
     ),
     acceptance=checks,
 )

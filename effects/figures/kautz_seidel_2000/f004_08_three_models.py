@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import material_reference, seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import pixel_grid, root_mean_square
 from fixedpipe.effects.bump_mapping import diffuse_bump
@@ -13,7 +14,14 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DARK, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.vectors import normalize
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    Panel,
+    orthographic_view,
+    panel_of,
+    row_of_panels,
+)
 from fixedpipe.effects.passes.draws import ADD, LATER_PASS, show
 from fixedpipe.effects.passes.encoding import factor_texels
 from fixedpipe.effects.reflectance import (
@@ -359,8 +367,29 @@ def cone_deviation(image, material):
     return worst
 
 
+def _checks_by_pixels(figure, renderer):
+    """The displayed middle panel against Eq. 1 at every pixel, and what each field does to it."""
+    size, values = figure.size, figure.values_of(renderer.method)
+    material = bumpy_material(**{name: values[name] for name in _MATERIAL})
+    seen = seen_places.square(size, values["extent"])
+    found = material_reference.pictures(
+        material_reference.fields(material),
+        seen,
+        {**values, "specular": values["blinn_phong"]},
+        squared_first=renderer.method.name == BY_PIXEL_TEXTURES,
+    )
+    for on in Answer:
+        shown = panel_of(renderer.window(on, figure, size), 1)[seen.where]
+        distance, share = material_reference.measured([shown], [found])
+        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
+        yield DATA.check(
+            "of what single texels of a material texture change, the least share that is seen", share, on
+        )
+
+
 def checks(figure, renderer):
-    """Shapes of the three highlights, and each panel against its model in float."""
+    """The middle panel pixel by pixel; shapes of the three highlights; each panel against its model."""
+    yield from _checks_by_pixels(figure, renderer)
     parameters = {**figure.values_of(renderer.method), **_MEASURED}
     size = parameters["map_size"]
     material = bumpy_material(**{name: parameters[name] for name in _MATERIAL})

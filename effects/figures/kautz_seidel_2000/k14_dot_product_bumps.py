@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
@@ -13,7 +14,7 @@ from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import COMBINER_MACHINES, Figure, Method
 from fixedpipe.effects.geometry import height_fields, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, Light, Panel, orthographic_view, row_of_panels
 from fixedpipe.effects.reflectance import material_textures
 
 DATA = figure_data(__file__, "K14")
@@ -41,6 +42,20 @@ def scene(
     )
 
 
+def _by_pixels(size, p):
+    """The torus in float64, by rays: which pixels show it, bool [size, size], and their colours, [n, 3]."""
+    torus = surfaces.torus(96, 48).with_repeats(5, 2).rotated(rotation("x", p["tilt"]))
+    seen = seen_places.surface(torus, orthographic_view(Panel(0, 0, size, size), half_height=1.1))
+    toward = seen_places.unit(np.array(p["light"]))
+    half = seen_places.unit(toward + np.array([0.0, 0.0, 1.0]))
+    normals, _, _ = height_fields.frames(*height_fields.pebble_slopes(256, p["cells"], p["depth"]))
+    found = seen_places.looked_up(normals, seen)
+    cosine, power = ((found * (seen.frames @ vector)).sum(axis=-1) for vector in (toward, half))
+    highlight = np.clip(4.0 * cosine, 0.0, 1.0) * np.maximum(power, 0.0) ** 8
+    lit = np.maximum(cosine, 0.0)[:, None] * np.array(p["diffuse"]) + np.array(p["ambient"])
+    return seen.where, lit + highlight[:, None]
+
+
 def longest_row(mask):
     """The greatest number of true pixels side by side in one row of a bool image [h, w]."""
     beyond = np.pad(~mask, ((0, 0), (1, 1)), constant_values=True)
@@ -48,12 +63,21 @@ def longest_row(mask):
 
 
 def checks(figure, renderer):
-    """That every pebble of the torus has a highlight of its own, and the torus against the ideal."""
+    """The torus pixel by pixel and against the ideal; that every pebble has a highlight of its own."""
     size = figure.size // 2
     image = renderer.machine_window(figure, size)
     # Five beds of pebbles lie round the circle of tube centres, of radius 0.7; 2.2 units fill the picture.
     pebble = 2.0 * math.pi * 0.7 / (5 * figure.values["cells"]) * size / 2.2
+    true = {0: _by_pixels(figure.size, figure.values)}
     return (
+        *(
+            DATA.check(
+                "pixels that show what a ray finds there within 8/255, the least of the panels",
+                share,
+                on,
+            )
+            for on, share in seen_places.shares_alike(figure, renderer, true)
+        ),
         DATA.check(
             "longest row of pixels brighter than 0.7, in widths of a pebble",
             longest_row(image.mean(axis=-1) > 0.7) / pebble,

@@ -161,6 +161,10 @@ def checks(figure, renderer):
     views = [_view(panel) for panel in row_of_panels(2, figure.size // 2)]
     flat = cone(0.0, angle)[1]
     marks = [(0, views[0], BASE + 0.6 * flat, GREEN), (1, views[1], BASE + 0.7 * middle, GREEN)]
+    # Within the cone, beside its edge: the smooth surface has none there.
+    low, _, high = cone(slope, angle)
+    edge = low + 0.1 * (high - low)
+    marks.append((1, views[1], BASE + 1.03 * RADIUS * edge / np.sqrt((edge * edge).sum()), VIOLET))
     marks += [(k, view, BASE - FAR * np.array(incoming(angle)), BLUE) for k, view in enumerate(views)]
     yield from drawn_check(figure, renderer, marks)
 

@@ -105,7 +105,7 @@ def checks(figure, renderer):
         )
     elevations = values["high"], values["low"]
     views, marks = _views(row_of_panels(4, figure.size // 2), elevations), []
-    for number in range(0, 4, 2):
+    for number in range(4):
         for model, exponent in ((Model.PHONG, values["phong"]), (Model.BLINN_PHONG, values["blinn_phong"])):
             points = outline(model, exponent, elevations[number // 2])
             # Towards the eye, and where Blinn and Phong's, which lies above, is not in the way.

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
@@ -14,13 +15,22 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     BRICK_NORMALS,
     FLAT,
     load_wall,
+    map_normals,
     silhouette_check,
     slices,
     texels,
 )
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    Panel,
+    orthographic_view,
+    panel_of,
+    row_of_panels,
+)
+from fixedpipe.effects.scenes import brick_wall
 
 DATA = figure_data(__file__, "F003-1")
 
@@ -41,13 +51,37 @@ def scene(profile, size, *, tilt, turn, light, diffuse, ambient, background, sho
     return tuple(out)
 
 
+def _by_pixels(size, p):
+    """Both spheres in float64, by rays: of each which pixels show it, and their colours."""
+    n, edge = slices(size), texels(size)
+    sphere = surfaces.sphere(n, n // 2).with_repeats(2, 1).rotated(rotation("y", p["turn"]))
+    view = orthographic_view(Panel(0, 0, size, size), half_height=1.1)
+    seen = seen_places.surface(sphere.rotated(rotation("x", p["tilt"])), view)
+    toward = seen.frames @ seen_places.unit(np.array(p["light"]))
+    painted = seen_places.looked_up(brick_wall.colors(edge, ACROSS, COURSES), seen)
+    bricks = map_normals(p["relief"] * brick_wall.heights(edge, ACROSS, COURSES))
+    for normals in (np.array([0.0, 0.0, 1.0]), seen_places.looked_up(bricks, seen)):
+        # No light beyond the sphere's own terminator, and none that begins there at once.
+        lit = np.maximum((normals * toward).sum(axis=-1), 0.0) * np.clip(8.0 * toward[:, 2], 0.0, 1.0)
+        yield seen.where, painted * (lit[:, None] * np.array(p["diffuse"]) + np.array(p["ambient"]))
+
+
 def checks(figure, renderer):
-    """That the bumps change the shading and not the silhouette."""
+    """The spheres pixel by pixel; that the bumps change the shading and not the silhouette."""
     size = 192
     image = renderer.machine_window(figure, size)
     smooth, bumped = (panel_of(image, k).mean(axis=-1) for k in (0, 1))
     seen = np.abs(smooth - bumped)[size // 4 : -size // 4, size // 4 : -size // 4]
+    true = dict(enumerate(_by_pixels(figure.size, figure.values)))
     return (
+        *(
+            DATA.check(
+                "pixels that show what a ray finds there within 8/255, the least of the panels",
+                share,
+                on,
+            )
+            for on, share in seen_places.shares_alike(figure, renderer, true)
+        ),
         *silhouette_check(figure, renderer, 128, {"shown": (FLAT, FLAT)}, {"shown": (BRICK_NORMALS, FLAT)}),
         DATA.check(
             "share of the middle's pixels that the bumps change by more than 0.05",

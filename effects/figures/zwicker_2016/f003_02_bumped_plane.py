@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
 from fixedpipe.effects.acceptance.parts import parts_check
@@ -16,6 +17,7 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumps import (
     FLAT,
     angles,
     load_wall,
+    map_normals,
     recovered_normals,
     silhouette_check,
     texel_combiners,
@@ -26,6 +28,7 @@ from fixedpipe.effects.geometry.vectors import normalize
 from fixedpipe.effects.geometry.views import (
     BACKGROUND,
     Light,
+    Panel,
     orthographic_view,
     panel_of,
     perspective_view,
@@ -69,6 +72,20 @@ def scene(profile, size, *, light, diffuse, ambient, background, painted, fronta
     return tuple(out)
 
 
+def _by_pixels(size, p):
+    """The three panels in float64, by rays: of each which pixels show the wall, and their colours."""
+    edge, panel, wall = 2 * texels(size), Panel(0, 0, size, size), surfaces.plane(8, 8)
+    seen = seen_places.surface(wall, perspective_view(panel, (-1.25, 0.55, 2.9), field_of_view=42.0))
+    toward = seen.frames @ normalize(np.array(p["light"]))
+    painted = seen_places.looked_up(brick_wall.colors(edge, ACROSS, COURSES), seen)
+    bricks = map_normals(p["relief"] * brick_wall.heights(edge, ACROSS, COURSES))
+    for normals in (np.array([0.0, 0.0, 1.0]), seen_places.looked_up(bricks, seen)):
+        lit = np.maximum((normals * toward).sum(axis=-1), 0.0)[:, None] * np.array(p["diffuse"])
+        yield seen.where, painted * (lit + np.array(p["ambient"]))
+    seen = seen_places.surface(wall, orthographic_view(panel, half_height=1.06))
+    yield seen.where, 0.5 + 0.5 * seen_places.looked_up(bricks, seen)
+
+
 def _measured(figure, renderer, on, size, panel):
     """Normals that the pictures of a panel under three lights show: float64 [size, size, 3]."""
     white, black = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
@@ -87,7 +104,16 @@ def checks(figure, renderer):
     true = height_fields.frames(*height_fields.slopes(heights))[0]
     error = {on: angles(_measured(figure, renderer, on, size, 1), true) for on in Answer}
     flat = angles(_measured(figure, renderer, Answer.MACHINE, size, 0), np.array([0.0, 0.0, 1.0]))
+    by_pixels = dict(enumerate(_by_pixels(figure.size, figure.values)))
     return (
+        *(
+            DATA.check(
+                "pixels that show what a ray finds there within 8/255, the least of the panels",
+                share,
+                on,
+            )
+            for on, share in seen_places.shares_alike(figure, renderer, by_pixels)
+        ),
         DATA.check(
             "normals recovered from three pictures, RMS degrees",
             root_mean_square(error[Answer.IDEAL]),

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces
@@ -17,7 +18,14 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumpy_sphere import (
 )
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, panel_of, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    Panel,
+    orthographic_view,
+    panel_of,
+    row_of_panels,
+)
 from fixedpipe.effects.reflectance import brdfs
 
 DATA = figure_data(__file__, "Z06")
@@ -64,8 +72,29 @@ def color_matrix_scene(profile, size, **parameters):
     return _scene(profile, size, load, lighting_spaces.color_matrix_passes, **parameters)
 
 
+def _by_pixels(size, p):
+    """Both spheres in float64, by rays: of each which pixels show it, and their colours."""
+    n, view = slices(size), orthographic_view(Panel(0, 0, size, size), half_height=1.1)
+    own = object_normals(bump_normals(texels(size), p["relief"]))
+    toward = seen_places.unit(np.array(p["light"]))
+    half = seen_places.unit(toward + np.array([0.0, 0.0, 1.0]))
+    for degrees in TURNS:
+        turn = rotation("y", degrees)
+        seen = seen_places.surface(surfaces.sphere(n, n // 2).rotated(turn), view)
+        normals = seen_places.looked_up(own, seen) @ turn.T
+        cosine, power = normals @ toward, np.maximum(normals @ half, 0.0) ** 8
+        highlight = p["specular"] * np.clip(4.0 * cosine, 0.0, 1.0) * power
+        lit = np.maximum(cosine, 0.0)[:, None] * np.array(p["diffuse"]) + np.array(p["ambient"])
+        yield seen.where, lit + highlight[:, None]
+
+
 def checks(figure, renderer):
-    """The picture's diffuse part against the equation at the sphere's points, as it stands and turned."""
+    """The picture pixel by pixel; its diffuse part against the equation, as it stands and turned."""
+    true = dict(enumerate(_by_pixels(figure.size, figure.values)))
+    for on, share in seen_places.shares_alike(figure, renderer, true):
+        yield DATA.check(
+            "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
+        )
     size = 128
     light = np.array(figure.values["light"])
     light = light / np.sqrt((light * light).sum())

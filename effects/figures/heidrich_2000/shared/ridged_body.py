@@ -11,9 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.geometry.surfaces import Surface
 from fixedpipe.effects.geometry.vectors import cosine, cross, dot, normalize, sine, unit_vector
+from fixedpipe.effects.geometry.views import Panel, orthographic_view
 from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import colors_of, factor_texels
 from fixedpipe.effects.scattering import goniometer, height_field, visibility
@@ -179,10 +181,7 @@ def _mean_map(body, eye):
 
 def load_level(body, view, share, name, profile):
     """``load`` of light that is scattered, ``share`` of it by the BRDF, the rest the texels'."""
-    light = radiance_map(body, body.bounces)
-    if share > 0.0:
-        light = light * (1.0 - share) + _mean_map(body, view.eye) * share
-    texels = factor_texels(light, profile)
+    texels = factor_texels(level(body, share, view.eye), profile)
     return TexImage(label=f"load {name}", texture=name, image=texture_2d(texels))
 
 
@@ -191,6 +190,22 @@ def textured(label, surface, view, name):
     return draw(
         label, surface.mesh(), view, None, (unit(name, EDGE, environment=REPLACE),), depth_test=FIRST_PASS
     )
+
+
+def by_rays(body, size, share, light):
+    """Which of a panel's pixels rays find on the ball with ``share`` of its ridges' height, bool [size,
+    size], and what a texture of ``light`` has there: [n, 3].
+    """
+    seen = seen_places.surface(displaced(body, size, share), orthographic_view(Panel(0, 0, size, size)))
+    return seen.where, seen_places.looked_up(light, seen)
+
+
+def level(body, share, eye):
+    """The light that is scattered, ``share`` of it by the BRDF, the rest the texels': float64 [rows, columns,
+    3].
+    """
+    light = radiance_map(body, body.bounces)
+    return light * (1.0 - share) + _mean_map(body, eye) * share if share > 0.0 else light
 
 
 def _seen_radiance(body, frame, bounces, eye):

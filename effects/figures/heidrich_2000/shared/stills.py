@@ -4,6 +4,7 @@ that every machine has.
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.geometry.surfaces import plane
 from fixedpipe.effects.geometry.views import BACKGROUND
 from fixedpipe.effects.passes.draws import NEAREST, REPLACE, unit
@@ -56,6 +57,24 @@ def mosaic(pictures, size):
             rows, columns = (slice(k * cell, k * cell + inner) for k in (i, j))
             out[rows, columns] = enlarged(pictures[i, j], inner)
     return out
+
+
+def as_computed(panel, pictures):
+    """The share of a mosaic's pixels [size, size, 3] that are within 2/255 what ``pictures``, as for
+    ``mosaic``, have there: the least of the pictures.
+    """
+    n = len(pictures)
+    cell = panel.shape[0] // n
+    inner = cell - gap(cell)
+    return min(
+        seen_places.alike(
+            panel[i * cell : i * cell + inner, j * cell : j * cell + inner],
+            seen_places.still(pictures[i, j], inner),
+            2.0 / 255.0,
+        )
+        for i in range(n)
+        for j in range(n)
+    )
 
 
 def cells(panel, n):

@@ -1,0 +1,93 @@
+"""Pictures of document 004's materials in float64, pixel by pixel: Eq. 1 of the paper and (n.l)+ from a
+material's fields.
+
+Nothing here is shared with what draws: where a pixel lies on the sphere or the square, the local frames, the
+filter and the shading are its own. ``least_share`` tells whether a picture has what the texels of each field
+do to it: where a field is missing, or lies elsewhere, it has none of it.
+
+Source: Kautz, Seidel 2000, sections 3 and 4, Eq. 1 (E004.1 of the catalogue: the gate).
+"""
+
+import numpy as np
+
+from fixedpipe.effects.acceptance.measures import root_mean_square
+from fixedpipe.effects.acceptance.seen_places import filtered, looked_up, unit
+
+# The viewer is far away in front of the picture.
+_EYE = np.array([0.0, 0.0, 1.0])
+
+
+def fields(material):
+    """What a material's three textures hold, by names: float64 [rows, columns, 3 or 4]."""
+    return {
+        "normals": material.normals,
+        "tangents": np.concatenate(
+            [material.tangents / material.alpha_x[..., None], material.k_s[..., None]], axis=-1
+        ),
+        "binormals": material.binormals / material.alpha_y[..., None],
+    }
+
+
+def shaded(textures, seen, light, gated=True, squared_first=False):
+    """(n.l)+ and Eq. 1 at the pixels: float64 [n] each, the second times the gate min(1, 4 (n.l)+).
+
+    textures       as ``fields`` gives them
+    light          towards it
+    gated          whether there is a gate
+    squared_first  products are squared, and cut off, at the texels, and filtered then
+    """
+    toward = unit(np.array(light, np.float64))
+    lamp, half = ((seen.frames @ v) for v in (toward, unit(toward + _EYE)))
+
+    def at(name, vectors, change):
+        field = textures[name][..., :3]
+        if not squared_first:
+            return change((looked_up(field, seen) * vectors).sum(axis=-1))
+        return filtered(lambda j, i: change((field[j, i] * vectors).sum(axis=-1)), *field.shape[:2], seen)
+
+    lit = at("normals", lamp, lambda d: np.maximum(d, 0.0))
+    gate = at("normals", lamp, lambda d: np.clip(4.0 * d, 0.0, 1.0)) if gated else 1.0
+    squares = sum(at(name, half, lambda d: np.minimum(d * d, 1.0)) for name in ("tangents", "binormals"))
+    k_s = looked_up(textures["tangents"][..., 3], seen)
+    return lit, gate * k_s * np.maximum(1.0 - squares, 0.0)
+
+
+def picture(textures, seen, values, *, color=1.0, gated=True, squared_first=False):
+    """The displayed colours of ``shaded`` with a figure's own ``values``: float64 [n, 3].
+
+    ``color``: of the surface, by which diffuse and ambient light are multiplied, [n, 3].
+    """
+    lit, specular = shaded(textures, seen, values["light"], gated, squared_first)
+    diffuse, ambient, strength = (np.array(values[name]) for name in ("diffuse", "ambient", "specular"))
+    out = (lit[:, None] * diffuse + ambient) * color + specular[:, None] * strength
+    return np.clip(out, 0.0, 1.0)
+
+
+def pictures(textures, seen, values, **how):
+    """``picture``, then for each field the same with the field's mean in its place: float64 [1 + fields, n,
+    3].
+    """
+    out = [picture(textures, seen, values, **how)]
+    for name, field in textures.items():
+        mean = np.broadcast_to(field.mean(axis=(0, 1)), field.shape)
+        out.append(picture({**textures, name: mean}, seen, values, **how))
+    return np.stack(out)
+
+
+def least_share(shown, whole, *without):
+    """How much of (whole - without) is in (shown - without), the least of several: 1 where it is there, 0
+    where it is missing or lies elsewhere. All [n, 3].
+    """
+    shares = (((shown - one) * (whole - one)).sum() / ((whole - one) ** 2).sum() for one in without)
+    return float(min(shares))
+
+
+def measured(shown, found):
+    """The largest RMS distance of displayed pixels from the true ones, and the ``least_share`` of any field.
+
+    shown  of each panel the pixels that are compared, [n, 3]
+    found  of each panel its ``pictures``
+    """
+    pairs = [(np.clip(one, 0.0, 1.0), of) for one, of in zip(shown, found, strict=True)]
+    distance = max(root_mean_square(one - of[0]) for one, of in pairs)
+    return distance, min(least_share(one, *of) for one, of in pairs)
