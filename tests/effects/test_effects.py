@@ -257,7 +257,7 @@ def test_pebbles_that_are_lost_in_a_glare_fail_the_check_of_their_figure():
     renderer = Renderer(GEFORCE_256, figure.methods[0], execute, execute_ideal)
     flat = replace(figure.parameters["depth"], default=0.1)
     flattened = replace(figure, parameters={**figure.parameters, "depth": flat})
-    glare, _ = flattened.checks(renderer)
+    (glare,) = [check for check in flattened.checks(renderer) if check.name.startswith("longest row")]
     assert not glare.passed
     assert all(check.passed for check in figure.checks(renderer))
 

@@ -15,6 +15,7 @@ from PIL import Image
 
 from fixedpipe.effects.cli import compiling, conformance, golden, main, selftest
 from fixedpipe.effects.reports import files
+from fixedpipe.pipeline.traces.writer import TraceWriter
 
 # Commands and what each needs, beside the file or folder that it is to write.
 COMMANDS = {
@@ -38,6 +39,7 @@ COMMANDS = {
     "study": ("P9",),
     "conformance": ("captures",),
     "selftest": (),
+    "replay": ("empty.trace",),
 }
 # What has to be given beside some of their options, and what each file is called.
 BESIDE = {
@@ -92,6 +94,8 @@ def folder(tmp_path, monkeypatch):
     rows = np.add.outer(np.arange(8), 2 * np.arange(16)) * 5
     Image.fromarray(rows.astype(np.uint8)).save("heights.png")
     (tmp_path / "mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    with TraceWriter("empty.trace") as trace:
+        trace.call("glFlush", (), ())
     (tmp_path / "program.rc").write_text("!!RC1.0 out.rgb = col0; out.a = col0.a;")
     (tmp_path / "captures" / "Suite").mkdir(parents=True)
     Image.new("RGBA", (640, 480)).save("captures/Suite/case.png")
