@@ -10,8 +10,10 @@ Source: Kautz, Seidel 2000, sections 3 and 4, Eq. 1 (E004.1 of the catalogue: th
 
 import numpy as np
 
+from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.acceptance.seen_places import filtered, looked_up, unit
+from fixedpipe.effects.geometry.views import panel_of
 
 # The viewer is far away in front of the picture.
 _EYE = np.array([0.0, 0.0, 1.0])
@@ -82,12 +84,19 @@ def least_share(shown, whole, *without):
     return float(min(shares))
 
 
-def measured(shown, found):
-    """The largest RMS distance of displayed pixels from the true ones, and the ``least_share`` of any field.
+def checks(data, figure, renderer, where, found):
+    """The Checks of a figure's ``data`` on its displayed pixels: their largest RMS distance from the true
+    ones, and the ``least_share`` of any field.
 
-    shown  of each panel the pixels that are compared, [n, 3]
-    found  of each panel its ``pictures``
+    where  which pixels of a panel are compared, bool [size, size], bottom row first
+    found  of each panel that is compared, by its number, its ``pictures``
     """
-    pairs = [(np.clip(one, 0.0, 1.0), of) for one, of in zip(shown, found, strict=True)]
-    distance = max(root_mean_square(one - of[0]) for one, of in pairs)
-    return distance, min(least_share(one, *of) for one, of in pairs)
+    for on in Answer:
+        window = renderer.window(on, figure, figure.size)
+        pairs = [(np.clip(panel_of(window, k)[where], 0.0, 1.0), of) for k, of in found.items()]
+        distance = max(root_mean_square(shown - of[0]) for shown, of in pairs)
+        share = min(least_share(shown, *of) for shown, of in pairs)
+        yield data.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
+        yield data.check(
+            "of what single texels of a material texture change, the least share that is seen", share, on
+        )

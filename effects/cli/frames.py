@@ -64,7 +64,7 @@ class FrameAsked:
 
 
 # A trace, and the number of a frame of it: FILE.trace#12. Without the number, the first frame that draws.
-_TRACE = re.compile(r"(?P<path>.+)#(?P<number>\d+)|.+\.trace", re.DOTALL)
+_TRACE = re.compile(r"(?P<path>.+)#(?P<number>\d+)|.+\.trace(?P<rest>#.*)?", re.DOTALL)
 _MACHINE_OF_TRACES = "GEFORCE_256"
 
 
@@ -118,6 +118,8 @@ def script_frame(path, profile, size, settings, profile_of=machine_of):
     if size is not None or settings:
         raise Refusal("--size and --set are a figure's; a script says its own width, height and values.")
     if (trace := _TRACE.fullmatch(path)) is not None and not path.endswith(".py"):
+        if trace["rest"] is not None:
+            raise Refusal(f"{path!r}: after # stands a frame's number, from 0, as in game.trace#12.")
         number = trace["number"]
         return _trace_frame(trace["path"] or path, number and int(number), profile, profile_of)
     try:

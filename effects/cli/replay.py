@@ -272,7 +272,8 @@ def _tell_missing(files, replay, found, damage, unfinished):
         click.echo(f"fixedpipe: {files.trace} {no_such_frame(missing[0], replay.frames)}", err=True)
     elif files.asked.ranges is None and not found:
         click.echo(f"{files.trace} {no_such_frame(None, replay.frames)}")
-    return bool(missing) or (damage is not None and (files.asked.last is None and files.asked.count is None))
+    everything = files.asked.last is None and files.asked.count is None
+    return bool(missing) or (damage is not None and (everything or not found))
 
 
 @contextmanager

@@ -39,6 +39,7 @@ from fixedpipe.pipeline.commands import (
     MakeCurrent,
     ReadPixels,
     TexImage,
+    box_read,
 )
 from fixedpipe.pipeline.enums import AccumOperation, PixelCopyType
 from fixedpipe.pipeline.execution.machine import Machine
@@ -268,9 +269,7 @@ class Target:
         picture = self.picture(reads)
         if picture is None:
             return command
-        x, y = command.x, command.y
-        across = self.width - x if command.width is None else command.width
-        up = self.height - y if command.height is None else command.height
+        x, y, across, up = box_read(command, self.width, self.height)
         box = picture[::-1][max(y, 0) : y + up, max(x, 0) : x + across]
         given = {name: getattr(command, name) for name in ("label", "state", "position", "zoom", "transfer")}
         return DrawPixels(image=PixelImage(box, "RGBA"), pixel_texture=command.pixel_texture, **given)

@@ -32,8 +32,9 @@ from fixedpipe.pipeline.opengl import (  # noqa: F401
     selection,
     texture_queries,
     texturing,
+    tokens,
     vertex_programs,
 )
 from fixedpipe.pipeline.opengl.context import Context
 
-__all__ = ["Context"]
+__all__ = ["Context", "tokens"]

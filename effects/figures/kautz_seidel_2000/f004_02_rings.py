@@ -17,7 +17,6 @@ from fixedpipe.effects.geometry.views import (
     BACKGROUND,
     Light,
     orthographic_view,
-    panel_of,
     row_of_panels,
 )
 from fixedpipe.effects.passes.draws import show
@@ -198,14 +197,7 @@ def _checks_by_pixels(figure, renderer):
         material_reference.pictures(textures, seen, values, gated=False, squared_first=first)
         for first in (True, not interpolated_first)
     )
-    for on in Answer:
-        window = renderer.window(on, figure, size)
-        shown = [panel_of(window, k)[seen.where] for k in range(2)]
-        distance, share = material_reference.measured(shown, (left, right))
-        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
-        yield DATA.check(
-            "of what single texels of a material texture change, the least share that is seen", share, on
-        )
+    return material_reference.checks(DATA, figure, renderer, seen.where, {0: left, 1: right})
 
 
 def _checks_of_the_picture(figure, renderer):

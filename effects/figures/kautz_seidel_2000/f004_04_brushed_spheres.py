@@ -18,7 +18,6 @@ from fixedpipe.effects.geometry.views import (
     BACKGROUND,
     Light,
     orthographic_view,
-    panel_of,
     row_of_panels,
 )
 from fixedpipe.effects.reflectance import anisotropic_blinn_phong, imaging_subset, material_textures
@@ -101,15 +100,9 @@ def _checks_by_pixels(figure, renderer):
     """The displayed spheres against Eq. 1 at every pixel, and the strokes of each field."""
     size, flat, values = figure.size, renderer.method.name == FLAT, dict(figure.values)
     where = _seen(values, size, flat).where
-    found = [_by_pixels(values, size, flat, brushing) for brushing in (Brushing.ALONG_T, Brushing.ALONG_S)]
-    for on in Answer:
-        window = renderer.window(on, figure, size)
-        shown = [panel_of(window, k)[where] for k in range(2)]
-        distance, share = material_reference.measured(shown, found)
-        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
-        yield DATA.check(
-            "of what single texels of a material texture change, the least share that is seen", share, on
-        )
+    brushings = Brushing.ALONG_T, Brushing.ALONG_S
+    found = {k: _by_pixels(values, size, flat, brushing) for k, brushing in enumerate(brushings)}
+    return material_reference.checks(DATA, figure, renderer, where, found)
 
 
 def checks(figure, renderer):

@@ -100,14 +100,8 @@ def _by_pixels(values, size, flat):
 def _checks_by_pixels(figure, renderer):
     """The displayed sphere against Eq. 1 at every pixel, and what each field does to it."""
     size, flat, values = figure.size, renderer.method.name == FLAT, dict(figure.values)
-    where, found = leaning_seen(values, size, flat).where, _by_pixels(values, size, flat)
-    for on in Answer:
-        shown = renderer.window(on, figure, size)[where]
-        distance, share = material_reference.measured([shown], [found])
-        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
-        yield DATA.check(
-            "of what single texels of a material texture change, the least share that is seen", share, on
-        )
+    where, found = leaning_seen(values, size, flat).where, {0: _by_pixels(values, size, flat)}
+    return material_reference.checks(DATA, figure, renderer, where, found)
 
 
 def checks(figure, renderer):

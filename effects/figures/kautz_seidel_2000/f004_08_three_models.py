@@ -19,7 +19,6 @@ from fixedpipe.effects.geometry.views import (
     Light,
     Panel,
     orthographic_view,
-    panel_of,
     row_of_panels,
 )
 from fixedpipe.effects.passes.draws import ADD, LATER_PASS, show
@@ -378,13 +377,7 @@ def _checks_by_pixels(figure, renderer):
         {**values, "specular": values["blinn_phong"]},
         squared_first=renderer.method.name == BY_PIXEL_TEXTURES,
     )
-    for on in Answer:
-        shown = panel_of(renderer.window(on, figure, size), 1)[seen.where]
-        distance, share = material_reference.measured([shown], [found])
-        yield DATA.check("RMS distance from Eq. 1 in float64, pixel by pixel", distance, on)
-        yield DATA.check(
-            "of what single texels of a material texture change, the least share that is seen", share, on
-        )
+    return material_reference.checks(DATA, figure, renderer, seen.where, {1: found})
 
 
 def checks(figure, renderer):

@@ -127,6 +127,23 @@ def test_a_damaged_trace_keeps_what_was_drawn(trace, tmp_path):
     assert said("replay", "cut.trace", "--frames", "0")[0] == 0
 
 
+def test_a_damaged_trace_that_draws_nothing_before_is_none(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    started().write("whole.trace")
+    assert said("replay", "whole.trace")[0] == 0  # it draws nothing, and is whole
+    whole = (tmp_path / "whole.trace").read_bytes()
+    (tmp_path / "cut.trace").write_bytes(whole[: len(whole) - 4])
+    status, text = said("replay", "cut.trace")
+    assert status == 2 and "has no frame: nothing is drawn" in text, text
+
+
+@pytest.mark.parametrize("command", [("inspect", "--pixel", "1,1"), ("passes",), ("precision",), ("print",)])
+def test_a_frame_without_a_number_is_refused(trace, command):
+    name, *options = command
+    status, text = said(name, f"{trace}#last", *options)
+    assert (status, "after # stands a frame's number" in text) == (2, True), text
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
