@@ -88,6 +88,14 @@ def filled(components, rest=(0.0, 0.0, 0.0, 1.0)):
     return given + rest[len(given) :]
 
 
+def _first(components, size):
+    """The first components of a sequence. A trace may give a vector of one component as that number."""
+    try:
+        return components[:size]
+    except TypeError:
+        return (components,)
+
+
 def _register_family(stem, sizes, suffixes, set_value, *, convert):
     """Enter stem{sizes}{suffixes}{,v}: ``set_value(gl, convert(suffix, components))``."""
     for size in map(int, sizes):
@@ -97,12 +105,7 @@ def _register_family(stem, sizes, suffixes, set_value, *, convert):
                 set_value(gl, convert(suffix, components))
 
             def vector(gl, components, suffix=suffix, size=size):
-                set_value(
-                    gl,
-                    convert(
-                        suffix, components[:size] if isinstance(components, list | tuple) else (components,)
-                    ),
-                )
+                set_value(gl, convert(suffix, _first(components, size)))
 
             register(f"{stem}{size}{suffix}", scalars, inside=True)
             register(f"{stem}{size}{suffix}v", vector, inside=True)
@@ -173,8 +176,7 @@ def _multi_coordinates(size, suffix):
         set_coordinates(gl, texture_unit_number(texture), components)
 
     def vector(gl, texture, components):
-        listed = isinstance(components, list | tuple)
-        set_coordinates(gl, texture_unit_number(texture), components[:size] if listed else (components,))
+        set_coordinates(gl, texture_unit_number(texture), _first(components, size))
 
     register(f"MultiTexCoord{size}{suffix}", scalars, inside=True)
     register(f"MultiTexCoord{size}{suffix}v", vector, inside=True)
@@ -186,7 +188,7 @@ for _size in (1, 2, 3, 4):
 
 
 def _one(value):
-    return value[0] if isinstance(value, list | tuple) else value
+    return _first(value, 1)[0]
 
 
 @entry("FogCoordf", "FogCoordd", "FogCoordfv", "FogCoorddv", inside=True)

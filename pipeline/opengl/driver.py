@@ -18,6 +18,7 @@ from fixedpipe.pipeline.enums import (
     SecondaryColor,
 )
 from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.matrices import rounded
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import (
     Fog,
@@ -49,11 +50,11 @@ def light(profile: Profile, light: Light) -> Light:
     if not has_lighting_unit(profile) or light.spot_cutoff == 180 or light.position[3] != 0:
         return light
     to_light, axis = light.position[:3], light.spot_direction
-    size = math.hypot(*to_light) * math.hypot(*axis)
+    size = math.sqrt(sum(c * c for c in to_light)) * math.sqrt(sum(c * c for c in axis))
     cosine = -sum(a * b for a, b in zip(to_light, axis, strict=True)) / size if size else 0.0
     # A half-space has no rounding in its limit.
-    limit = 0.0 if light.spot_cutoff == 90 else math.cos(math.radians(light.spot_cutoff))
-    factor = max(cosine, 0.0) ** light.spot_exponent if cosine >= limit else 0.0
+    limit = 0.0 if light.spot_cutoff == 90 else rounded(math.cos(math.radians(light.spot_cutoff)))
+    factor = rounded(max(cosine, 0.0) ** light.spot_exponent) if cosine >= limit else 0.0
     return replace(
         light,
         ambient=_scaled(light.ambient, factor),

@@ -51,6 +51,15 @@ def top(gl, key):
     return gl.values[key][-1]
 
 
+# Mathematical libraries differ in a result's last bits.
+_STEP = 2.0**-32
+
+
+def rounded(value: float) -> float:
+    """A transcendental function's value as a multiple of 2^-32, which is the same on every machine."""
+    return math.floor(value / _STEP + 0.5) * _STEP
+
+
 def multiplied(a, b):
     """The product of two matrices, each element summed from the first term to the last.
 
@@ -188,7 +197,7 @@ def rotate(gl, angle, x, y, z):
     if not length or not math.isfinite(length) or not math.isfinite(angle):
         return
     x, y, z = x / length, y / length, z / length
-    cosine, sine = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    cosine, sine = (rounded(of(math.radians(angle))) for of in (math.cos, math.sin))
     rest = 1 - cosine
     _multiply(
         gl,
