@@ -16,6 +16,7 @@ from bench import (
     pictures,
     prefilter,
     processor,
+    replays,
     roofline,
     scattering,
     tables,
@@ -33,7 +34,7 @@ ROOFLINE, GROWTH, SCATTERING = "roofline", "growth", "scattering"
 PREFILTER = "prefilter"
 NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH, SCATTERING, PREFILTER)
 # Other commands of the module, each by its first word.
-COMMANDS = {"history": history.main, "tables": tables.main, "counters": counters.main}
+COMMANDS = {"history": history.main, "tables": tables.main, "counters": counters.main, "replay": replays.main}
 
 
 def _arguments(arguments):
@@ -48,7 +49,8 @@ def _arguments(arguments):
         epilog=f"names:\n{listing}\n\n"
         "python -m bench history FILE        what became slower\n"
         "python -m bench tables FILE ...     what --json wrote as Markdown\n"
-        "python -m bench counters SCENE ...  instructions of a fragment",
+        "python -m bench counters SCENE ...  instructions of a fragment\n"
+        "python -m bench replay FILE ...      frames of recorded programs, beside glretrace",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(

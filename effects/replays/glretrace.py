@@ -1,0 +1,126 @@
+"""Mesa's own replay of a trace: glretrace, a program of apitrace, on llvmpipe and a display in memory.
+
+Nothing here needs it: without it, ``missing`` says in a sentence how to get it.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Programs that are needed, and the packages of Debian that have them.
+_NEEDED = {"glretrace": "apitrace", "Xvfb": "xvfb"}
+# The display's pixels and bits. Assumed: no window of the time was larger.
+_SCREEN = "2048x2048x24"
+# Seconds after which a replay is given up. Assumed: nobody waits for longer.
+PATIENCE = 600.0
+# Calls that are named in one command; more are given as several.
+_MOST_CALLS = 1000
+
+
+class GlretraceError(Exception):
+    """glretrace is not there, or did not do what it was asked; the message says why, in a sentence."""
+
+
+def missing() -> str | None:
+    """A sentence that says which program is missing and how to get it; None: all are there."""
+    lacking = {name: package for name, package in _NEEDED.items() if shutil.which(name) is None}
+    if not lacking:
+        return None
+    verb = "is" if len(lacking) == 1 else "are"
+    return (
+        f"{' and '.join(lacking)} {verb} not installed: on Debian, apt install {' '.join(lacking.values())}."
+    )
+
+
+@contextmanager
+def display() -> Iterator[str]:
+    """A display in memory, for instance ":7". Raises GlretraceError."""
+    if (lacking := missing()) is not None:
+        raise GlretraceError(lacking)
+    reading, writing = os.pipe()
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", _SCREEN, "-nolisten", "tcp"]
+    server = subprocess.Popen(
+        command, pass_fds=(writing,), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    os.close(writing)
+    try:
+        with os.fdopen(reading) as number:
+            found = number.readline().strip()
+        if not found:
+            raise GlretraceError("Xvfb gave no display; run it alone to see why.")
+        yield f":{found}"
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def environment(shown: str, threads: int) -> dict[str, str]:
+    """A program's variables: the display ``shown``, llvmpipe and its ``threads``."""
+    return {
+        **os.environ,
+        "DISPLAY": shown,
+        "LIBGL_ALWAYS_SOFTWARE": "1",
+        "GALLIUM_DRIVER": "llvmpipe",
+        "LP_NUM_THREADS": str(threads),
+    }
+
+
+def run(shown: str, arguments: Sequence[str], *, threads: int = 2) -> str:
+    """Run glretrace on a display, and return what it printed. Raises GlretraceError."""
+    command = ["glretrace", *arguments]
+    try:
+        ended = subprocess.run(
+            command,
+            env=environment(shown, threads),
+            capture_output=True,
+            timeout=PATIENCE,
+            stdin=subprocess.DEVNULL,
+        )
+    except subprocess.TimeoutExpired:
+        raise GlretraceError(f"glretrace did not end within {PATIENCE:.0f} seconds.") from None
+    if ended.returncode:
+        said = ended.stderr.decode(errors="replace").strip().splitlines()
+        why = f": {said[-1]}" if said else ""
+        raise GlretraceError(f"glretrace ended with status {ended.returncode}{why}.")
+    return ended.stdout.decode(errors="replace")
+
+
+def pictures(shown: str, path: str, calls: Iterable[int]) -> dict[int, NDArray[np.uint8]]:
+    """What Mesa shows at each of these calls of a trace: uint8 [h, w, 3], top row first, by the call.
+
+    A call of which glretrace writes no picture is left out. Raises GlretraceError.
+    """
+    from PIL import Image
+
+    asked, found = sorted(set(calls)), {}
+    with tempfile.TemporaryDirectory() as folder:
+        for first in range(0, len(asked), _MOST_CALLS):
+            numbers = ",".join(map(str, asked[first : first + _MOST_CALLS]))
+            run(shown, ["-b", "-s", f"{folder}/", "-S", numbers, path])
+        for file in Path(folder).glob("*.png"):
+            if file.stem.isdecimal():
+                with Image.open(file) as picture:
+                    found[int(file.stem)] = np.array(picture.convert("RGB"))
+    return found
+
+
+def state(shown: str, path: str, call: int) -> dict[str, Any]:
+    """Mesa's whole state behind a call of a trace, as ``glretrace -D`` has it. Raises GlretraceError."""
+    said = run(shown, ["-D", str(call), path])
+    begin = said.find("{")
+    if begin < 0:
+        raise GlretraceError(f"glretrace has no state at call {call}; it may lie in a display list.")
+    try:
+        # Strings of a driver may hold line feeds.
+        return json.loads(said[begin:], strict=False)
+    except ValueError as error:
+        raise GlretraceError(f"The state at call {call} is no JSON: {error}.") from None
