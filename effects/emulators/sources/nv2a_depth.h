@@ -1,0 +1,229 @@
+/* Depths, their slopes, and the words of depth buffers: docs/numbers.md, section 5. */
+#ifndef NV2A_DEPTH_H
+#define NV2A_DEPTH_H
+
+#include "nv2a_rasterization.h"
+
+/* a - b of depths to 24 bits; 0 below 2^-126. */
+static inline uint64_t nv2a_depth_difference(uint64_t a, uint64_t b) {
+    uint64_t found = nv2a_f64_cut(nv2a_f64_subtract(a, b), 24);
+    return nv2a_f64_magnitude(found) < 0x3810000000000000ull ? 0ull : found;
+}
+
+/* A vertex's depth and two products, which are cut 29 bits below the largest's highest; 24 bits of the sum. */
+static inline uint64_t nv2a_depth_sum(uint64_t middle, uint64_t first, uint64_t last) {
+    uint64_t largest = nv2a_f64_larger(nv2a_f64_magnitude(first), nv2a_f64_magnitude(last));
+    largest = nv2a_f64_larger(nv2a_f64_magnitude(middle), largest);
+    if (!nv2a_f64_less(0ull, largest)) return 0ull;
+    int unit = nv2a_f64_bound(largest) - 29;
+    uint64_t sum = nv2a_f64_add(middle, nv2a_f64_multiple(first, unit));
+    return nv2a_f64_cut(nv2a_f64_add(sum, nv2a_f64_multiple(last, unit)), 24);
+}
+
+/* The depth of a fragment from edge functions as doubles and three vertices' depths. */
+static inline uint64_t nv2a_depth_of_edges(const uint64_t n[3], const uint64_t z[3]) {
+    uint64_t e[3], products[2];
+    for (int k = 0; k < 3; k++) e[k] = nv2a_f64_cut(n[k], 24);
+    uint64_t total = nv2a_f64_add(nv2a_f64_add(e[0], e[1]), e[2]);
+    uint64_t by = nv2a_f64_divide(0x3ff0000000000000ull, total);
+    if ((by & 0x000fffffffffffffull) != 0ull) by = (by - 0x200000ull) >> 24 << 24;
+    int e0 = (int)(uint32_t)(e[0] >> 52) & 2047, e1 = (int)(uint32_t)(e[1] >> 52) & 2047;
+    int e2 = (int)(uint32_t)(e[2] >> 52) & 2047, base = e0 > e1 ? 0 : 1, k = 0;
+    if (e2 > e0 && e2 > e1) base = 2;
+    for (int i = 0; i < 3; i++) {
+        if (i != base) {
+            uint64_t q = nv2a_f64_cut(nv2a_f64_multiply(e[i], by), 24);
+            products[k] = nv2a_f64_multiply(q, nv2a_depth_difference(z[i], z[base]));
+            k += 1;
+        }
+    }
+    return nv2a_depth_sum(z[base], products[0], products[1]);
+}
+
+static inline uint64_t nv2a_depth(const int n[3], const uint32_t z[3]) {
+    uint64_t edges[3], depths[3];
+    for (int k = 0; k < 3; k++) {
+        edges[k] = nv2a_f64_of_int(n[k]);
+        depths[k] = nv2a_f64_of_single(z[k]);
+    }
+    return nv2a_depth_of_edges(edges, depths);
+}
+
+/* The depth of W buffering from weights and three vertices' w as doubles. */
+static inline uint64_t nv2a_weighed_w(const uint64_t q[2], const uint64_t w[3]) {
+    uint64_t first = nv2a_f64_multiply(q[0], nv2a_depth_difference(w[0], w[1]));
+    uint64_t last = nv2a_f64_multiply(q[1], nv2a_depth_difference(w[2], w[1]));
+    return nv2a_depth_sum(w[1], first, last);
+}
+
+static inline uint64_t nv2a_depth_of_w(const int n[3], const uint32_t w[3]) {
+    uint64_t edges[3], inverse[3], depths[3], q[2];
+    for (int k = 0; k < 3; k++) {
+        edges[k] = nv2a_f64_of_int(n[k]);
+        depths[k] = nv2a_f64_of_single(w[k]);
+        inverse[k] = nv2a_f64_divide(0x3ff0000000000000ull, depths[k]);
+    }
+    nv2a_weights(edges, inverse, q);
+    return nv2a_weighed_w(q, depths);
+}
+
+/* The slope along one axis: of values v, whose edges reach so far along the other. */
+static inline uint64_t nv2a_slope_along(const uint64_t v[3], int64_t to_1, int64_t to_2, int64_t area) {
+    uint64_t d1 = nv2a_f64_subtract(v[1], v[0]), d2 = nv2a_f64_subtract(v[2], v[0]);
+    uint64_t by_2 = nv2a_f64_multiply(d1, nv2a_f64_of_int64(to_2));
+    uint64_t by_1 = nv2a_f64_multiply(d2, nv2a_f64_of_int64(to_1));
+    uint64_t rise = nv2a_f64_multiply(nv2a_f64_subtract(by_2, by_1), 0x4030000000000000ull);
+    return nv2a_f64_magnitude(nv2a_f64_divide(rise, nv2a_f64_of_int64(area)));
+}
+
+/* What a polygon offset's factor adds. */
+static inline uint64_t nv2a_polygon_offset_slope(
+    const int x[3], const int y[3], const uint32_t v[3], uint32_t factor) {
+    uint64_t values[3];
+    int64_t area = nv2a_signed_area(x, y);
+    if (area == (int64_t)0) return 0ull;
+    for (int k = 0; k < 3; k++) values[k] = nv2a_f64_of_single(v[k]);
+    uint64_t along_x = nv2a_slope_along(values, (int64_t)(y[1] - y[0]), (int64_t)(y[2] - y[0]), area);
+    uint64_t along_y = nv2a_slope_along(values, (int64_t)(x[1] - x[0]), (int64_t)(x[2] - x[0]), area);
+    return nv2a_f64_multiply(nv2a_f64_of_single(factor), nv2a_f64_larger(along_x, along_y));
+}
+
+/* ---------------------------------------------------------------------------------------------- W's slope */
+
+/* The weights that the slope reads of one pixel: of vertices 0 and 2, and their sum before it divides, uncut. */
+static inline void nv2a_slope_weights(
+    const int x[3], const int y[3], const uint64_t inverse_w[3], int px, int py, uint64_t result[4]) {
+    uint64_t n[3], e[3];
+    for (int k = 0; k < 3; k++) n[k] = nv2a_f64_of_int64(nv2a_edge_function(x, y, k, px, py));
+    nv2a_weighed_edges(n, inverse_w, e);
+    uint64_t total = nv2a_weight_sum(e);
+    int equal = inverse_w[0] == inverse_w[1] && inverse_w[1] == inverse_w[2];
+    for (int k = 0; k < 3; k++) {
+        if (!equal) n[k] = nv2a_f64_multiply(n[k], nv2a_weight_factor(inverse_w, k));
+    }
+    result[2] = nv2a_f64_add(nv2a_f64_add(n[0], n[1]), n[2]);
+    result[3] = nv2a_f64_less(0ull, total) ? 1ull : 0ull;
+    uint64_t by = 0x3ff0000000000000ull;
+    if (result[3] != 0ull) by = nv2a_reciprocal_24(total);
+    result[0] = nv2a_f64_cut(nv2a_f64_multiply(e[0], by), 24);
+    result[1] = nv2a_f64_cut(nv2a_f64_multiply(e[2], by), 24);
+}
+
+/* Whether a pixel is drawn, also where a vertex's w is negative. */
+static inline int nv2a_coverage_by_w(const int x[3], const int y[3], const uint32_t w[3], int px, int py) {
+    int64_t area = nv2a_signed_area(x, y), zero = (int64_t)0;
+    if (area == zero) return 0;
+    for (int k = 0; k < 3; k++) {
+        int a = k == 2 ? 0 : k + 1, b = k == 0 ? 2 : k - 1;
+        int behind = (w[k] & 0x80000000u) != 0u && (w[k] & 0x7fffffffu) != 0u;
+        int64_t n = nv2a_edge_function(x, y, k, px, py);
+        if (behind) n = zero - n;
+        if ((area < zero) != (behind != 0)) {
+            int other = a;
+            a = b;
+            b = other;
+        }
+        int owned = y[b] < y[a] || (y[b] == y[a] && x[b] > x[a]);
+        if (n < zero || (n == zero && !owned)) return 0;
+    }
+    return 1;
+}
+
+/* The slope of W buffering's polygon offset, of the first 2x2 block that the triangle draws in a box: left, top,
+ * right, bottom, from 0. */
+static inline uint64_t nv2a_slope_of_w(const int x[3], const int y[3], const uint32_t w[3], const int box[4]) {
+    uint64_t depths[3], inverse[3], found = 0ull, nearest = 0ull;
+    int behind = 0, first = 0, any = 0, tile_x = 0, tile_y = 0, closest = 0;
+    for (int k = 0; k < 3; k++) {
+        depths[k] = nv2a_f64_of_single(w[k]);
+        inverse[k] = nv2a_f64_divide(0x3ff0000000000000ull, depths[k]);
+        if ((w[k] & 0x80000000u) != 0u && (w[k] & 0x7fffffffu) != 0u) behind = 1;
+        if (y[k] < y[first]) first = k;
+    }
+    int at = nv2a_clamp(x[first] >> 4, box[0], box[2] - 1) >> 2;
+    int top = behind != 0 ? box[1] : nv2a_most(box[1], nv2a_clamp(y[first] >> 4, box[1], box[3] - 1) >> 2 << 2);
+    for (int py = top; py < box[3]; py++) {
+        if (any != 0 && py >> 2 != tile_y) break;
+        for (int px = box[0]; px < box[2]; px++) {
+            int away = (px >> 2) - at;
+            if (away < 0) away = -away;
+            if ((any == 0 || away < closest || (away == closest && px >> 2 < tile_x))
+                && nv2a_coverage_by_w(x, y, w, px, py) != 0) {
+                any = 1;
+                tile_x = px >> 2;
+                tile_y = py >> 2;
+                closest = away;
+            }
+        }
+    }
+    if (any == 0) return 0ull;
+    int upper_only = 0;
+    for (int block = 0; block < 4; block++) {
+        int left = 4 * tile_x + 2 * (block & 1), row = 4 * tile_y + (block & 2), drawn = 0, good = 1;
+        uint64_t a[4], b[4], near = 0ull;
+        if (block >= 2 && upper_only != 0) break;
+        for (int k = 0; k < 4; k++) {
+            int px = left + (k & 1), py = row + (k >> 1);
+            if (px >= box[0] && px < box[2] && py >= top && py < box[3]
+                && nv2a_coverage_by_w(x, y, w, px, py) != 0) drawn = 1;
+        }
+        if (drawn != 0) {
+            if (row == 0 && y[first] < 0) upper_only = 1;
+            for (int k = 0; k < 4; k++) {
+                uint64_t of[4];
+                nv2a_slope_weights(x, y, inverse, left + (k & 1), row + (k >> 1), of);
+                a[k] = of[0];
+                b[k] = of[1];
+                if (k == 0) near = of[2];
+                if (of[3] == 0ull) good = 0;
+            }
+            if (good != 0 && !nv2a_f64_less(near, nearest)) {
+                uint64_t step = nv2a_depth_difference(depths[0], depths[1]);
+                uint64_t other = nv2a_depth_difference(depths[2], depths[1]);
+                uint64_t along_x = nv2a_f64_multiply(nv2a_f64_subtract(a[3], a[2]), step);
+                uint64_t along_y = nv2a_f64_multiply(nv2a_f64_subtract(a[2], a[0]), step);
+                along_x = nv2a_f64_add(along_x, nv2a_f64_multiply(nv2a_f64_subtract(b[1], b[0]), other));
+                along_y = nv2a_f64_add(along_y, nv2a_f64_multiply(nv2a_f64_subtract(b[3], b[1]), other));
+                nearest = near;
+                found = nv2a_f64_larger(nv2a_f64_magnitude(along_x), nv2a_f64_magnitude(along_y));
+                found = nv2a_f64_cut(found, 24);
+            }
+        }
+    }
+    return found;
+}
+
+/* ------------------------------------------------------------------------------------------------- words */
+
+/* A depth within 0 and the largest word of a fixed format, as that word. */
+static inline int nv2a_fixed_word(uint64_t depth, int largest) {
+    if (!nv2a_f64_less(0ull, depth)) return 0;
+    return nv2a_least(nv2a_int_of_f64(depth), largest);
+}
+
+static inline int nv2a_depth_word_fixed_16(uint64_t depth) {
+    return nv2a_fixed_word(depth, 65535);
+}
+
+static inline int nv2a_depth_word_fixed_24(uint64_t depth) {
+    return nv2a_fixed_word(depth, 16777215);
+}
+
+/* A depth as a float without a sign: so many bits of fraction, an exponent's bias, the largest word. */
+static inline int nv2a_float_word(uint64_t depth, int fraction_bits, int bias, int largest) {
+    int e = nv2a_f64_bound(depth) - 1 + bias;
+    if (!nv2a_f64_less(0ull, depth) || e < 1) return 0;
+    if (e > largest >> fraction_bits) return largest;
+    int fraction = (int)(uint32_t)(nv2a_f64_significand(depth) >> (52 - fraction_bits)) - (1 << fraction_bits);
+    return nv2a_least((e << fraction_bits) + fraction, largest);
+}
+
+static inline int nv2a_depth_word_float_16(uint64_t depth) {
+    return nv2a_float_word(depth, 12, 7, 65535);
+}
+
+static inline int nv2a_depth_word_float_24(uint64_t depth) {
+    return nv2a_float_word(depth, 16, 127, 0xfeffff);
+}
+
+#endif

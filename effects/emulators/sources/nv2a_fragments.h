@@ -1,0 +1,51 @@
+/* The tests of fragments: docs/numbers.md, N10.1 and N10.2. */
+#ifndef NV2A_FRAGMENTS_H
+#define NV2A_FRAGMENTS_H
+
+#include "nv2a_numbers.h"
+
+/* Source: NV097_SET_ALPHA_FUNC, _DEPTH_FUNC, _STENCIL_FUNC: OpenGL's numbers. */
+enum {
+    NV2A_COMPARE_NEVER = 0x200,
+    NV2A_COMPARE_LESS = 0x201,
+    NV2A_COMPARE_EQUAL = 0x202,
+    NV2A_COMPARE_LEQUAL = 0x203,
+    NV2A_COMPARE_GREATER = 0x204,
+    NV2A_COMPARE_NOTEQUAL = 0x205,
+    NV2A_COMPARE_GEQUAL = 0x206,
+    NV2A_COMPARE_ALWAYS = 0x207
+};
+/* Source: NV097_SET_STENCIL_OP_FAIL: OpenGL's numbers. */
+enum {
+    NV2A_STENCIL_ZERO = 0,
+    NV2A_STENCIL_INVERT = 0x150a,
+    NV2A_STENCIL_KEEP = 0x1e00,
+    NV2A_STENCIL_REPLACE = 0x1e01,
+    NV2A_STENCIL_INCR = 0x1e02,
+    NV2A_STENCIL_DECR = 0x1e03,
+    NV2A_STENCIL_INCR_WRAP = 0x8507,
+    NV2A_STENCIL_DECR_WRAP = 0x8508
+};
+
+/* Whether a passes beside b. */
+static inline int nv2a_compare(int a, int function, int b) {
+    int passing = function - NV2A_COMPARE_NEVER; /* a bit each for less, equal, greater */
+    return (passing >> (a < b ? 0 : a == b ? 1 : 2) & 1) == 1;
+}
+
+static inline int nv2a_alpha_test(int alpha, int function, int reference) {
+    return nv2a_compare(alpha, function, reference);
+}
+
+static inline int nv2a_stencil_operation(int operation, int stored, int reference) {
+    if (operation == NV2A_STENCIL_ZERO) return 0;
+    if (operation == NV2A_STENCIL_REPLACE) return reference;
+    if (operation == NV2A_STENCIL_INVERT) return 255 - stored;
+    if (operation == NV2A_STENCIL_INCR) return nv2a_least(stored + 1, 255);
+    if (operation == NV2A_STENCIL_DECR) return nv2a_most(stored - 1, 0);
+    if (operation == NV2A_STENCIL_INCR_WRAP) return (stored + 1) & 255;
+    if (operation == NV2A_STENCIL_DECR_WRAP) return (stored - 1) & 255;
+    return stored;
+}
+
+#endif
