@@ -101,6 +101,7 @@ PACKAGES = {
         ),
     },
     "effects/refusal": {},
+    "effects/tasks": {"pipeline": "native selftest", "effects": "refusal"},
     "effects/computed_once": {},
     "effects/collection": {"effects": "refusal"},
     "effects/technique": {},
@@ -197,6 +198,10 @@ PACKAGES = {
         "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
         "effects": "refusal technique bibliography acceptance data_files figures arithmetic conformance",
     },
+    "effects/pixel_states": {
+        "pipeline": ("enums messages state textures commands profiles notations validation inspection"),
+        "effects": "refusal",
+    },
     "effects/replays": {
         "pipeline": (
             "enums messages state pixel_transfer textures commands profiles framebuffers opengl validation "
@@ -208,6 +213,10 @@ PACKAGES = {
         "pipeline": "profiles",
         "effects": "refusal bibliography acceptance figures",
     },
+    "effects/sweeps": {
+        "pipeline": "profiles framebuffers execution ideal golden",
+        "effects": "refusal tasks acceptance figures studies reports presentation",
+    },
     "effects/cli": {
         "raster": "kernel kernel_folder",
         "pipeline": (
@@ -216,7 +225,7 @@ PACKAGES = {
         ),
         "effects": (
             "refusal technique bump_mapping volumes scattering acceptance figures studies "
-            "conformance user_pictures reports replays presentation"
+            "conformance user_pictures reports pixel_states replays presentation"
         ),
     },
 }
@@ -242,6 +251,8 @@ LIBRARIES = {
     "effects/user_pictures": ("PIL", "nrrd", "tifffile", "plyfile", "OpenImageIO", "OpenEXR"),
     "effects/reports": ("PIL", "matplotlib"),
     "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
+    "effects/tasks": ("dask", "distributed", "loky", "mpi4py"),
+    "effects/sweeps": ("matplotlib", "pyarrow", "xarray"),
     "effects/cli": ("click", "rich"),
 }
 

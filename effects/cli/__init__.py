@@ -14,10 +14,13 @@ _COMMANDS = (
     "figures",
     "passes",
     "parameters",
+    "view",
     "print",
     "inspect",
+    "pixel",
     "compare",
     "animate",
+    "sweep",
     "replay",
     "bump",
     "roughness",
@@ -44,14 +47,18 @@ fixedpipe emulates the graphics hardware of 1997-2001, bit for bit.
 What to do next:
   fixedpipe figures             render every figure into ./out, with a gallery: out/index.html
   fixedpipe figures --list      which figures there are
+  fixedpipe view F004-4         it in your browser, drawn live: move its light, its camera, its machine
   fixedpipe passes F004-4       how one is made, pass by pass
   fixedpipe inspect F004-4 --pixel 300,200
                                 what happened to a pixel: every register, and where it parts from the ideal
+  fixedpipe pixel STATE.json    the pixel of a small state on a machine: what your own test has to expect
   fixedpipe compare F004-4 --machines GEFORCE_256 OPENGL_1_2
                                 where two machines' pictures part: command, pixel, stage
   fixedpipe parameters F004-4   what may be changed of it; fixedpipe figures F004-4 --set alpha_x=0.15
   fixedpipe print F003-21       for a page: machine, ideal, reference, difference, with labels and caption
   fixedpipe animate F004-4      a figure that moves: its light, its camera, its bits, as a lossless animation
+  fixedpipe sweep F004-8 --vary bits=4:16 --out bits.csv
+                                a figure over a grid of values, as a table, on as many machines as you have
   fixedpipe replay GAME.trace   what a recorded OpenGL program drew, on the machine that it was written for
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph

@@ -32,6 +32,7 @@ DONE = (
     "docs/papers/004.md",
     "docs/papers/catalogue/README.md",
     "docs/papers/catalogue/artefacts.md",
+    "docs/pixel-states.md",
     "docs/precision.md",
     "docs/reading-guide.md",
     "docs/replay.md",
