@@ -225,7 +225,7 @@ PACKAGES = {
         ),
         "effects": (
             "refusal technique bump_mapping volumes scattering acceptance figures studies "
-            "conformance user_pictures reports pixel_states replays presentation"
+            "conformance user_pictures reports pixel_states replays presentation sweeps tasks"
         ),
     },
 }

@@ -1,0 +1,215 @@
+"""The executors that a command line names, each with workers that are checked before they compute."""
+
+import logging
+import re
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+from fixedpipe.effects.refusal import Refusal, no_such
+from fixedpipe.effects.tasks.environment import UnfitWorker, check_environment, environment
+from fixedpipe.effects.tasks.processes import Processes
+from fixedpipe.effects.tasks.worker import at_worker, process
+from fixedpipe.pipeline.native.threads import default_threads
+
+# What may be named, in words.
+WRITTEN = "processes[:N], dask:local[:N], dask:tcp://HOST:PORT, dask:FILE.json, mpi or loky[:N]"
+# Assumed: more processes than these on one computer are a slip of the keyboard.
+_MOST_PROCESSES = 1024
+_SECONDS_TO_ANSWER = 15  # of a scheduler, and of its first worker's arrival
+
+
+class Workers(Executor):
+    """An executor whose workers are prepared and checked before their first call (``worker.at_worker``).
+
+    inner    the executor
+    workers  says how many workers it has now
+    threads  that each call may use
+    """
+
+    def __init__(self, inner: Executor, workers: Callable[[], int], threads: int = 1):
+        self.inner, self.workers, self.threads = inner, workers, threads
+        self._client, self._environment = process(), environment()
+
+    def submit(self, function, /, *arguments, **keywords):
+        """As ``Executor.submit``."""
+        checked = self._client, self._environment, self.threads
+        return self.inner.submit(at_worker, *checked, function, arguments, keywords)
+
+    def shutdown(self, wait=True, *, cancel_futures=False):
+        """As ``Executor.shutdown``."""
+        # Dask's executor knows no ``cancel_futures``.
+        self.inner.shutdown(wait=wait, **({"cancel_futures": True} if cancel_futures else {}))
+
+
+def of_user(executor: Executor) -> Workers:
+    """A user's own executor with checked workers.
+
+    How many these are is what the executor calls ``_max_workers`` (those of Python's library do), or one for
+    each processor.
+    """
+    if isinstance(executor, Workers):
+        return executor
+    count = getattr(executor, "_max_workers", None) or default_threads()
+    return Workers(executor, lambda: count)
+
+
+@contextmanager
+def opened(text: str | None, threads: int | None = None, say=print) -> Iterator[Workers | None]:
+    """The executor that ``text`` names, while the block runs; None where ``text`` is None.
+
+    text     one of WRITTEN
+    threads  that each call may use; None: as many as give each processor of this computer one in all, and
+             one with dask and mpi, whose workers are elsewhere
+    say      called with a sentence, as of a worker that is left out
+
+    Raises Refusal for another text, for a library that is not installed, and for a scheduler that cannot be
+    reached.
+    """
+    if text is None:
+        yield None
+        return
+    kind, _, rest = text.partition(":")
+    if kind not in _KINDS:
+        raise Refusal(f"{no_such('executor', text, _KINDS)} Give {WRITTEN}.")
+    with ExitStack() as held:
+        yield _KINDS[kind](held, rest, threads, say)
+
+
+def _count(kind, text):
+    """The N of a kind's text, or None where it has none. Raises Refusal."""
+    if not text:
+        return None
+    if not (text.isdecimal() and 1 <= int(text) <= _MOST_PROCESSES):
+        raise Refusal(
+            f"{kind}:{text} does not say how many; give {kind}:N with N from 1 to {_MOST_PROCESSES}."
+        )
+    return int(text)
+
+
+def _share(count, threads):
+    """Threads for each of ``count`` processes of this computer."""
+    return threads or max(1, default_threads() // count)
+
+
+def _missing(library, extra):
+    return Refusal(
+        f"This executor needs {library}, which is not installed: pip install 'fixedpipe[{extra}]' brings it."
+    )
+
+
+def _processes(held, text, threads, say):
+    count = _count("processes", text) or default_threads()
+    pool = Processes(count, _share(count, threads))
+    held.callback(pool.shutdown, cancel_futures=True)
+    return Workers(pool, lambda: count, _share(count, threads))
+
+
+def _loky(held, text, threads, say):
+    try:
+        from loky import ProcessPoolExecutor
+    except ImportError as error:
+        raise Refusal(
+            "This executor needs loky, which is not installed: pip install loky brings it."
+        ) from error
+    count = _count("loky", text) or default_threads()
+    pool = ProcessPoolExecutor(count)
+    held.callback(pool.shutdown, kill_workers=True)
+    return Workers(pool, lambda: count, _share(count, threads))
+
+
+def _mpi(held, text, threads, say):
+    try:
+        from mpi4py import MPI
+        from mpi4py.futures import MPIPoolExecutor
+    except (ImportError, RuntimeError) as error:  # without an MPI library
+        raise _missing("mpi4py and an MPI library", "mpi") from error
+    if text:
+        raise Refusal(f"mpi:{text} is none; give --executor mpi, and mpiexec the number of processes.")
+    ranks = MPI.COMM_WORLD.Get_size()
+    if ranks < 2:
+        raise Refusal(
+            "--executor mpi needs ranks that work; begin the command by "
+            "mpiexec -n 3 python -m mpi4py.futures -m fixedpipe.effects.cli, for two."
+        )
+    pool = held.enter_context(MPIPoolExecutor())
+    return Workers(pool, lambda: ranks - 1, threads or 1)
+
+
+def _dask(held, text, threads, say):
+    try:
+        import dask
+        import distributed
+    except ImportError as error:
+        raise _missing("distributed", "dask") from error
+    # A worker that ends is told of in a sentence of ours, where it matters.
+    for name in ("distributed", "distributed.nanny", "distributed.scheduler", "distributed.core"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    # Workers that come or go while calls run are usual; each call is one that may be repeated.
+    held.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": _LOST_WORKERS}))
+    kind, _, rest = text.partition(":")
+    if kind == "local":
+        count = _count("dask:local", rest) or default_threads()
+        address = held.enter_context(
+            distributed.LocalCluster(
+                n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None
+            )
+        )
+        threads = _share(count, threads)
+    elif Path(text).suffix == ".json" and not Path(text).is_file():
+        raise Refusal(f"There is no scheduler file {text}; dask scheduler --scheduler-file {text} writes it.")
+    elif Path(text).suffix != ".json" and not _ADDRESS.fullmatch(text):
+        raise Refusal(f"dask:{text} is none; give dask:local, dask:tcp://HOST:PORT or dask:FILE.json.")
+    else:
+        address = text
+    asked = {"scheduler_file": text} if Path(text).suffix == ".json" else {"address": address}
+    try:
+        client = distributed.Client(**asked, timeout=_SECONDS_TO_ANSWER, set_as_default=False)
+        held.enter_context(client)
+        client.wait_for_workers(1, timeout=_SECONDS_TO_ANSWER)
+    except TimeoutError as error:
+        raise Refusal(f"The scheduler at {text} has no worker; begin some by dask worker {text}.") from error
+    except (OSError, ValueError, KeyError) as error:
+        raise Refusal(
+            f"No scheduler of dask answers at {text} ({type(error).__name__}: {error}); begin one by "
+            "dask scheduler, and give the address that it prints."
+        ) from error
+    fit = _fit(client, say)
+    pool = client.get_executor(pure=False, **({} if fit is None else {"workers": fit}))
+    held.callback(pool.shutdown, wait=False)
+
+    def count_of():
+        known = client.scheduler_info(n_workers=-1)["workers"]
+        return sum(worker["nthreads"] for name, worker in known.items() if fit is None or name in fit)
+
+    return Workers(pool, count_of, threads or 1)
+
+
+_LOST_WORKERS = 3  # of one call, before dask gives it up
+_ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^/]+:\d{1,5}")
+
+
+def _fit(client, say):
+    """The addresses of the workers that compute as this client does; None: all. The others are named, and
+    left out. Raises UnfitWorker where none is left.
+    """
+    unfit = {a: said for a, said in client.run(_unfit, environment(), on_error="return").items() if said}
+    for address, said in unfit.items():
+        say(f"{address} is left out. {said}")
+    fit = [address for address in client.scheduler_info(n_workers=-1)["workers"] if address not in unfit]
+    if not fit:
+        raise UnfitWorker("Every worker has other versions than this client, so none is left.")
+    return fit if unfit else None
+
+
+def _unfit(client):
+    """In a worker: the sentence that says what differs, or None."""
+    try:
+        check_environment(client)
+    except UnfitWorker as error:
+        return str(error)
+    return None
+
+
+_KINDS = {"processes": _processes, "dask": _dask, "mpi": _mpi, "loky": _loky}

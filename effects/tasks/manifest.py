@@ -1,0 +1,141 @@
+"""The results of finished tasks in a file, by the tasks' digests, so that work goes on where it stopped.
+
+The file is an SQLite database. What was committed stays, whatever ends the process, and what was half written
+is rolled back when the file is opened again. Results are committed together, once a second.
+"""
+
+import json
+import sqlite3
+import time
+from contextlib import suppress
+from pathlib import Path
+
+from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.tasks.environment import name_of_worker
+from fixedpipe.effects.tasks.task import Outcome
+
+_FORMAT = "fixedpipe tasks, 1"
+# Assumed: who ends a client with kill -9 can spare what its workers did in a second.
+_SECONDS_BETWEEN_COMMITS = 1.0
+_TABLES = """
+CREATE TABLE IF NOT EXISTS about (name TEXT PRIMARY KEY, said TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS done (
+    digest TEXT PRIMARY KEY, value TEXT NOT NULL, refused TEXT NOT NULL, seconds REAL NOT NULL,
+    worker TEXT NOT NULL, files TEXT NOT NULL
+) WITHOUT ROWID;
+"""
+
+
+class Manifest:
+    """Finished tasks: their Outcomes by digest.
+
+    path   of the file, made if it is missing; None: kept in memory alone
+    about  what work it is of, in words; the file of other work is refused
+
+    One client at a time has the file open. Raises Refusal for a file that another client has open, that
+    cannot be read or written, that is damaged or something else, or that is of other work.
+    """
+
+    def __init__(self, path, about):
+        self.path = None if path is None else Path(path)
+        try:
+            self._file = sqlite3.connect(":memory:" if path is None else path, timeout=0)
+            self._file.execute("PRAGMA locking_mode = EXCLUSIVE")
+            self._file.execute("BEGIN EXCLUSIVE")  # in this mode the lock stays until the end
+            self._begin(about)
+        except sqlite3.Error as error:
+            raise self._refusal(error) from error
+        self._committed = time.monotonic()
+        if self.path is not None:
+            with suppress(OSError):  # it is only for a sentence
+                self._client.write_text(name_of_worker())
+
+    @property
+    def _client(self):
+        """The file that names the client which has this one open."""
+        return self.path.with_name(f"{self.path.name}.client")
+
+    def _begin(self, about):
+        tables = {name for (name,) in self._file.execute("SELECT name FROM sqlite_master")}
+        known = dict(self._file.execute("SELECT name, said FROM about")) if "about" in tables else {}
+        if tables and known.get("format") != _FORMAT:
+            raise Refusal(f"{self.path} is no manifest of tasks; give --manifest another name.")
+        if known and known["about"] != about:
+            raise Refusal(
+                f"{self.path} is the manifest of {known['about']}, and this is {about}; give another "
+                "--manifest or --out."
+            )
+        for statement in _TABLES.split(";"):
+            self._file.execute(statement)
+        said = (("format", _FORMAT), ("about", about))
+        self._file.executemany("INSERT OR IGNORE INTO about VALUES (?, ?)", said)
+        self._file.commit()
+
+    def _refusal(self, error):
+        said = str(error)
+        if "locked" in said:
+            client = "another process"
+            with suppress(OSError):
+                client = f"the process {self._client.read_text()}"
+            return Refusal(f"{self.path} is in use by {client}; wait for it, or give another --manifest.")
+        if "not a database" in said or "malformed" in said:
+            return Refusal(f"{self.path} is no manifest, or is damaged; give --manifest another name.")
+        return Refusal(f"{self.path} cannot be written: {said}. What was done before is kept in it.")
+
+    def find(self, digest):
+        """The Outcome of a finished task, its files by name without their bytes; None: it is not done."""
+        row = self._file.execute(
+            "SELECT value, refused, seconds, worker, files FROM done WHERE digest = ?", (digest,)
+        ).fetchone()
+        if row is None:
+            return None
+        value, refused, seconds, worker, files = row
+        names = dict.fromkeys(json.loads(files), b"")
+        return Outcome(json.loads(value), refused, "", seconds, worker, names)
+
+    def keep(self, digest, outcome):
+        """Keep an Outcome that did not fail. Raises Refusal where the file cannot be written."""
+        row = (
+            digest,
+            json.dumps(outcome.value, allow_nan=False),  # in the order of its columns
+            outcome.refused,
+            outcome.seconds,
+            outcome.worker,
+            json.dumps(sorted(outcome.files)),
+        )
+        try:
+            self._file.execute("INSERT OR REPLACE INTO done VALUES (?, ?, ?, ?, ?, ?)", row)
+            if time.monotonic() - self._committed >= _SECONDS_BETWEEN_COMMITS:
+                self.commit()
+        except sqlite3.Error as error:
+            raise self._refusal(error) from error
+
+    def forget(self):
+        """Keep nothing of what was done. Raises Refusal where the file cannot be written."""
+        try:
+            self._file.execute("DELETE FROM done")
+            self.commit()
+        except sqlite3.Error as error:
+            raise self._refusal(error) from error
+
+    def commit(self):
+        """Write what was kept to the disc. Raises Refusal where that cannot be."""
+        try:
+            self._file.commit()
+        except sqlite3.Error as error:
+            raise self._refusal(error) from error
+        self._committed = time.monotonic()
+
+    def __len__(self):
+        return self._file.execute("SELECT count(*) FROM done").fetchone()[0]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        """Write what was kept, as far as that can be, and let others open the file."""
+        with suppress(sqlite3.Error):
+            self._file.commit()
+        self._file.close()
+        if self.path is not None:
+            self._client.unlink(missing_ok=True)

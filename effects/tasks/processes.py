@@ -1,0 +1,136 @@
+"""Processes of this computer as an executor. One that ends by itself fails its own call alone."""
+
+import multiprocessing
+import signal
+import sys
+import threading
+from collections import deque
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from functools import partial
+
+from fixedpipe.pipeline.native import background_compiling
+from fixedpipe.pipeline.native.threads import limit_threads
+
+try:
+    import resource
+except ImportError:  # where the system has none
+    resource = None
+
+# Bytes that a process has held at once, above which another takes its place: what it has freed stays with it.
+# Measured: the figure F000-5 needs 2.0 GB and leaves 1.5; after a dozen figures a process had 4.5.
+MOST_HELD = 1 << 30
+
+
+class Processes(Executor):
+    """``count`` processes, each a pool of one, so that it is known which call ended with a process.
+
+    threads    how many each call may use
+    most_held  bytes that a process may have held at once; after that another takes its place
+
+    A call whose process ended raises BrokenProcessPool, and another process takes the place. The processes
+    ignore Ctrl-C, which is the client's, and end with the client, however that ends.
+    """
+
+    def __init__(self, count: int, threads: int = 1, most_held: int = MOST_HELD):
+        self.count, self._threads, self._most_held = count, threads, most_held
+        self._context = multiprocessing.get_context("spawn")  # a forked process has none of our threads
+        self._others = set(multiprocessing.active_children())
+        self._lock = threading.RLock()
+        self._waiting: deque = deque()
+        self._ended = False
+        self._free = [self._new() for _ in range(count)]
+
+    def submit(self, function, /, *arguments, **keywords):
+        """As ``Executor.submit``: calls begin in the order in which they are submitted."""
+        future: Future = Future()
+        with self._lock:
+            if self._ended:
+                raise RuntimeError("These processes have been shut down.")
+            self._waiting.append((future, (function, arguments, keywords)))
+            self._hand_out()
+        return future
+
+    def shutdown(self, wait=True, *, cancel_futures=False):
+        """As ``Executor.shutdown``; with ``cancel_futures`` what is being computed is stopped, too."""
+        with self._lock:
+            self._ended = True
+            if cancel_futures:
+                for future, _ in self._waiting:
+                    future.cancel()
+                self._waiting.clear()
+            free = list(self._free)
+        for pool in free:
+            pool.shutdown(wait=False)
+        if cancel_futures:
+            self._stop()
+
+    def _stop(self):
+        ours = [process for process in multiprocessing.active_children() if process not in self._others]
+        for process in ours:
+            process.terminate()
+        for process in ours:
+            process.join(background_compiling.SECONDS_TO_CLEAN)
+            while process.is_alive():  # ``background_compiling.end_with_parent`` says why once is not enough
+                process.terminate()
+                process.join(background_compiling.SECONDS_TO_CLEAN)
+
+    def _new(self):
+        return ProcessPoolExecutor(1, self._context, _begin, (self._threads,))
+
+    def _hand_out(self):
+        while self._free and self._waiting:
+            future, call = self._waiting.popleft()
+            if not future.set_running_or_notify_cancel():
+                continue
+            pool = self._free.pop()
+            with background_compiling.interrupts_kept():  # the first submitted begins the process
+                try:
+                    inner = pool.submit(_call, *call)
+                except BrokenProcessPool:  # it ended while it had nothing to do
+                    pool = self._new()
+                    inner = pool.submit(_call, *call)
+            inner.add_done_callback(partial(self._came, pool, future))
+
+    def _came(self, pool, future, inner):
+        """The end of a call; in a thread of its pool."""
+        error = inner.exception()
+        value, held = (None, 0) if error else inner.result()
+        if isinstance(error, BrokenProcessPool | SystemExit):  # killed, or told to end
+            error = BrokenProcessPool("The process that computed it ended by itself.")
+            held = self._most_held + 1
+        with self._lock:
+            if held > self._most_held:
+                pool.shutdown(wait=False)
+                pool = self._new()
+            self._free.append(pool)
+            if self._ended and not self._waiting:
+                pool.shutdown(wait=False)
+            self._hand_out()
+        if error:
+            future.set_exception(error)
+        else:
+            future.set_result(value)
+
+
+# ------------------------------------------------------------------------------------------ in the processes
+
+
+def _begin(threads):
+    """The first call in a process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
+    background_compiling.end_with_parent()
+    limit_threads(threads)
+
+
+def _call(function, arguments, keywords):
+    """What a function returns, and the bytes that this process has held at most."""
+    return function(*arguments, **keywords), most_held()
+
+
+def most_held():
+    """The bytes that this process has held at most; 0 where the system does not say."""
+    if resource is None:
+        return 0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
