@@ -35,6 +35,11 @@ _USUAL = "GEFORCE_256"
     is_flag=True,
     help="Compare the trace's own answers of Get and its like, to its end.",
 )
+@click.option(
+    "--beside",
+    type=click.Choice(["mesa"]),
+    help="Compare with Mesa's pictures of these frames, which glretrace draws: needs apitrace and Xvfb.",
+)
 @click.option("--json", "json_file", metavar="FILE", help="Write frames and summary, or the list, as JSON.")
 @click.option(
     "--save-script",
@@ -47,7 +52,9 @@ _USUAL = "GEFORCE_256"
     "--fps", type=click.IntRange(1, 60), metavar="N", default=25, help="Frames a second of --video."
 )
 @threads_option
-def replay(trace, profile, frames, out, size, list_only, checked, json_file, script, video, fps, threads):
+def replay(
+    trace, profile, frames, out, size, list_only, checked, beside, json_file, script, video, fps, threads
+):
     """Draw frames of FILE.trace, which apitrace recorded, or of standard input (-), as PNG files.
 
     A frame ends where its window swaps its buffers; of a single-buffered window at Flush or Finish after a
@@ -58,6 +65,7 @@ def replay(trace, profile, frames, out, size, list_only, checked, json_file, scr
     Exit status: 0 if all was drawn; 1 if something was refused or is unknown here, or an answer differs; 2 if
     the trace cannot be read, or lacks a frame.
     """
+    from fixedpipe.effects.cli.replay_beside import check_beside
     from fixedpipe.effects.cli.replay_list import tell_list
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.effects.replays.asked import FramesAsked
@@ -67,16 +75,18 @@ def replay(trace, profile, frames, out, size, list_only, checked, json_file, scr
         asked = FramesAsked.of(frames)
     window = _size(size)
     if list_only:
-        names = "frames", "out", "checked", "script", "video", "fps", "threads"
+        names = "frames", "out", "checked", "beside", "script", "video", "fps", "threads"
         refuse_ignored(context, names, "--list draws nothing; leave it out")
         tell_list(trace, profile, window, json_file)
         return
     if video is None:
         refuse_ignored(context, ("fps",), "it is of an animation; give --video FILE")
+    if beside is not None:
+        check_beside(trace, window)
     files = _Files(trace, profile or _USUAL, asked, out, json_file, script, video, fps)
     if window is not None and max(window) > (largest := files.machine.framebuffers.max_viewport):
         raise Refusal(f"--size is {size}; the {files.machine.name} draws up to {largest}x{largest} pixels.")
-    context.exit(_draw(files, window, checked, threads))
+    context.exit(_draw(files, window, checked, beside is not None, threads))
 
 
 def _size(text):
@@ -127,9 +137,10 @@ class _Files:
         return self.folder / f"{self.stem}-{self.key}-{frame.number}.png"
 
 
-def _draw(files, window, checked, threads):
+def _draw(files, window, checked, beside, threads):
     """Draw what is asked for; returns the exit status."""
     from fixedpipe.effects.cli.compiling import announce_compiling
+    from fixedpipe.effects.cli.replay_beside import tell_beside
     from fixedpipe.effects.replays.check import Check
     from fixedpipe.effects.replays.driving import frames_of, opened
     from fixedpipe.effects.replays.replay import Replay
@@ -160,6 +171,8 @@ def _draw(files, window, checked, threads):
                 _write_video(files, pictures)
         damage, unfinished = trace.damage, trace.unfinished
     found = [record["frame"] for record in records]
+    if beside:
+        tell_beside(files, records)
     draws = f"{count(replay.frames, 'frame')} with {count(replay.draws, 'draw')}"
     click.echo(f"{count(replay.calls, 'call')} read, {draws}.")
     for line in summary_lines(replay.tally):
@@ -208,6 +221,7 @@ def _pictures(files, frames, records, say, step):
             "window": frame.window,
             "first_call": frame.first_call,
             "last_call": frame.last_call,
+            "seen_call": frame.seen_call,
             "ended": frame.ended,
             "draws": frame.draws,
             "refused_draws": frame.refused,

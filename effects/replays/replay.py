@@ -50,6 +50,7 @@ class Frame:
     - ``window``: the number of its window; ``width``, ``height``: the picture's size in pixels.
     - ``first_call``, ``last_call``: the calls that it consists of.
     - ``ended``: the call that ended it, or "the trace's end".
+    - ``seen_call``: the call behind which it looks as it is shown: a swap, Flush, Finish, or the last draw.
     - ``draws``: how many draws it has; ``refused``: how many of these the machine refused.
     - ``image``: uint8 [h, w, 4], top row first; None: it was not asked for.
     - ``recording``: what it consists of, where that was asked for; ``shown``: the buffer of it that is shown.
@@ -61,6 +62,7 @@ class Frame:
     height: int
     first_call: int
     last_call: int
+    seen_call: int
     ended: str
     draws: int
     refused: int
@@ -112,6 +114,7 @@ class Replay:
         self._buffers: tuple[Any, Any] = (None, None)  # that they draw into and read from, as OpenGL's tokens
         self._first_call = 0
         self._last_call = 0
+        self._last_commanding = 0  # the last call that gave commands
         self._drawing = True
         self._markers: list[str] = []  # the program's own, of the draws to come
         self._event = ""
@@ -148,6 +151,8 @@ class Replay:
         gl = context.gl
         waiting = len(gl.commands)
         answered = gl.call(name, call.arguments, call.result)
+        if len(gl.commands) > waiting:
+            self._last_commanding = call.number
         if self.check is not None and name in ANSWERING:
             self.check.returned(call, answered)
         if name in _AFTER:
@@ -174,6 +179,7 @@ class Replay:
         if call.name in DESTROYING:
             self._running = None
             return self._end_if_drawn(window, call.name)
+        self._last_commanding = call.number
         return (self._end(window, call.name, self._target(window), BACK, swapped=True),)
 
     def _switch(self, context):
@@ -247,6 +253,7 @@ class Replay:
             height=shown.height,
             first_call=self._first_call,
             last_call=self._last_call,
+            seen_call=self._last_commanding,
             ended=name,
             draws=target.draws,
             refused=target.refused,
@@ -289,6 +296,7 @@ class Replay:
         if window.unbound:  # its swaps are not recorded
             return self._end_if_drawn(window, call.name)
         if target is not None and FRONT in target.drawn_into:
+            self._last_commanding = call.number
             return (self._end(window, call.name, target, FRONT),)
         return ()
 
