@@ -217,6 +217,12 @@ PACKAGES = {
         "pipeline": "profiles framebuffers execution ideal golden",
         "effects": "refusal tasks acceptance figures studies reports presentation",
     },
+    "effects/viewer": {
+        "pipeline": (
+            "enums commands profiles description framebuffers execution ideal inspection golden"
+        ),
+        "effects": "refusal geometry reflectance user_pictures figures reports",
+    },
     "effects/cli": {
         "raster": "kernel kernel_folder",
         "pipeline": (
@@ -225,7 +231,7 @@ PACKAGES = {
         ),
         "effects": (
             "refusal technique bump_mapping volumes scattering acceptance figures studies "
-            "conformance user_pictures reports pixel_states replays presentation sweeps tasks"
+            "conformance user_pictures reports pixel_states replays presentation sweeps tasks viewer"
         ),
     },
 }
@@ -253,6 +259,7 @@ LIBRARIES = {
     "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
     "effects/tasks": ("dask", "distributed", "loky", "mpi4py"),
     "effects/sweeps": ("matplotlib", "pyarrow", "xarray"),
+    "effects/viewer": ("anywidget", "starlette", "traitlets", "uvicorn"),
     "effects/cli": ("click", "rich"),
 }
 

@@ -7,6 +7,8 @@ rendered on any machine and compared. A ``Method`` is for machines that must dra
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from importlib import import_module
+from importlib.util import find_spec
 from inspect import signature
 from numbers import Integral
 from types import MappingProxyType
@@ -19,7 +21,7 @@ from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures.parameters import Parameter
 from fixedpipe.effects.figures.rendering import Rendering
 from fixedpipe.effects.geometry.views import panel_width
-from fixedpipe.effects.refusal import nearest
+from fixedpipe.effects.refusal import Refusal, nearest
 from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.ideal.result import IdealResult
@@ -328,6 +330,30 @@ class Figure:
             seen = False if watch is None else watch(commands)
             result = execute(commands, machine, width, height, threads=threads, record=True, trace=seen)
         return Rendering(self, machine, way, height, changes, result, threads)
+
+    def view(
+        self,
+        profile: str | None = None,
+        size: int | None = None,
+        *,
+        threads: int | None = None,
+        **changes: Any,
+    ) -> Any:
+        """The figure in a notebook, drawn live: a widget with sliders, machines, passes and pixels, as the
+        page of ``fixedpipe view`` (docs/viewer.md). Its ``state`` says what is seen, and changes it.
+
+        profile  key of the machine; None: the figure's own
+        size     a panel's height in pixels; None: the figure's own
+        threads  as for ``render``
+        changes  other values of parameters, by name
+
+        Raises Refusal, a ValueError, as ``render`` does, and where anywidget is not installed.
+        """
+        if find_spec("anywidget") is None:
+            raise Refusal("A figure in a notebook needs anywidget; install fixedpipe[view].")
+        # By name: the viewer stands above figures, and knows them.
+        widget = import_module("fixedpipe.effects.viewer.widget")
+        return widget.view_figure(self, profile, size, threads, changes)
 
     def reference_picture(
         self, size: int | None = None, method: Method | None = None, **changes: Any

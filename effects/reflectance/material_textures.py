@@ -9,6 +9,7 @@ the catalogue; limits: its artefact P10; which alpha holds which: its section on
 """
 
 import warnings
+from collections import deque
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -29,7 +30,8 @@ from fixedpipe.effects.passes.arguments import member_of
 from fixedpipe.effects.passes.encoding import factor_texels, vector_and_factor_texels
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import TexImage
-from fixedpipe.pipeline.textures.images import texture_2d
+from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.textures.images import Texture, texture_2d
 from fixedpipe.pipeline.textures.pixels import unit_numbers
 
 TECHNIQUES = (Technique("K21", "material textures: scratches, brushed metal, gold, marble", "4.1, 6"),)
@@ -131,10 +133,25 @@ class StoredAlpha(UserWarning):
     """An alpha of a material is less than its textures can hold, so a wider highlight is drawn."""
 
 
+# The textures that were made last: material, which of them, machine, texture. Whoever moves a light loads the
+# same ones for every picture; a figure has at most four materials.
+_MADE: deque[tuple[Material, str, Profile, Texture]] = deque(maxlen=12)
+
+
+def _texture(material, which, profile):
+    """A Material's texture, "normal", "tangent" or "binormal", for a machine."""
+    for of, what, machine, texture in tuple(_MADE):
+        if of is material and what == which and (machine is profile or machine == profile):
+            return texture
+    texture = getattr(material, f"{which}_texture")(profile)
+    _MADE.append((material, which, profile, texture))
+    return texture
+
+
 def load_normals(material, name, profile):
     """The command that loads the normal map alone, and the texture's name."""
     normal = f"{name} n"
-    image = material.normal_texture(profile)
+    image = _texture(material, "normal", profile)
     return TexImage(label=f"load normal map of {name}", texture=normal, image=image), normal
 
 
@@ -158,12 +175,12 @@ def load(material, name, profile):
         TexImage(
             label=f"load material texture of {name}: tangent / (4 alpha_x), k_s",
             texture=names.tangent,
-            image=material.tangent_texture(profile),
+            image=_texture(material, "tangent", profile),
         ),
         TexImage(
             label=f"load material texture of {name}: binormal / (4 alpha_y), N / 128",
             texture=names.binormal,
-            image=material.binormal_texture(profile),
+            image=_texture(material, "binormal", profile),
         ),
     )
     return commands, names

@@ -1,0 +1,166 @@
+"""What a window and the viewer say to each other, by whatever way the messages go.
+
+A window says: draw this; I have shown picture 7; what happened to this pixel. The viewer says: this is what
+can be seen, this is the picture, this is the answer.
+"""
+
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.viewer.encoding import Sent, encoded
+from fixedpipe.effects.viewer.keeping import Kept, golden_kept, picture_kept, script_kept
+from fixedpipe.effects.viewer.studio import Studio
+from fixedpipe.effects.viewer.views import View, machine_of, machines, to_object, view_of
+from fixedpipe.effects.viewer.worker import Request, Worker
+
+# Pictures that a window has been sent and has not shown yet: one is drawn while the other travels.
+IN_FLIGHT = 2
+# Bytes a second below which pictures are deflated, and after how many of them raw ones are tried again.
+# Measured: deflate takes some 50 MB/s of one core of an AMD EPYC; a connection that is slower gains by it.
+_SLOW, _TRY_AGAIN = 20e6, 40
+_FEW = 1 << 16  # bytes of a message that says nothing of the connection
+
+# (header or message as JSON values, bytes or None): an answer, or a picture's whole message.
+Deliver = Callable[[dict[str, Any], bytes | None], None]
+
+
+class Conversation:
+    """With one window. ``deliver`` sends to it, and is called from several threads, one at a time."""
+
+    def __init__(self, studio: Studio, start: View, deliver: Deliver):
+        self._studio, self._start, self._deliver = studio, start, deliver
+        self._lock = threading.RLock()
+        self._worker = Worker(studio, self._tell)
+        self._waiting: OrderedDict[str, tuple[int, Any]] = OrderedDict()  # by name: (serial, Picture)
+        self._shown: dict[str, Sent] = {}  # by name: what the window has
+        self._flying: dict[int, tuple[float, int]] = {}  # number: when it was sent, bytes
+        self._number = self._deflate = 0
+        self._serial = -1
+        self.counted = {"pictures": 0, "bytes": 0, "dropped": 0}
+        self._heard = {
+            "hello": lambda message, number: self.greet(),
+            "draw": self._draw,
+            "shown": self._was_shown,
+            "about": self._about,
+            "history": self._history,
+            "registers": self._registers,
+            "script": self._script,
+            "picture": self._picture,
+            "golden": self._golden,
+        }
+
+    def greet(self) -> None:
+        """Say what can be seen, and what is seen first. Pictures begin anew."""
+        with self._lock:
+            self._shown.clear()
+            self._flying.clear()
+            self._send(
+                {
+                    "say": "hello",
+                    "start": to_object(self._start),
+                    "subjects": self._studio.subjects.listed(),
+                    "machines": {key: profile.name for key, profile in machines().items()},
+                }
+            )
+
+    def hear(self, message: Any) -> None:
+        """Do what a window says. What cannot be done is answered by a sentence."""
+        number = message.get("number") if isinstance(message, Mapping) else None
+        number = number if type(number) is int else -1
+        try:
+            if not isinstance(message, Mapping) or message.get("do") not in self._heard:
+                raise Refusal(f"There is no such message; give one of {', '.join(self._heard)} as do.")
+            self._heard[message["do"]](message, number)
+        except ValueError as error:
+            with self._lock:
+                self._send({"say": "refused", "number": number, "words": str(error)})
+
+    def close(self, wait: bool = False) -> None:
+        """End the window's threads."""
+        self._worker.close(wait)
+
+    # ---------------------------------------------------------------------------------- what is heard
+
+    def _draw(self, message, number):
+        wants = message.get("wants", [])
+        if type(wants) is not list or not set(map(str, wants)) <= {"ideal", "reference"}:
+            raise Refusal("wants is a list of what follows at rest: ideal, reference.")
+        other = message.get("other", "")
+        if other:
+            machine_of(str(other))
+        self._serial = number
+        self._worker.ask(Request(number, view_of(message.get("view")), str(other), frozenset(wants)))
+
+    def _was_shown(self, message, number):
+        with self._lock:
+            sent, size = self._flying.pop(number, (None, 0))
+            if sent is not None and size >= _FEW:
+                rate = size / max(time.monotonic() - sent, 1e-6)
+                self._deflate = _TRY_AGAIN if rate < _SLOW else self._deflate
+            if message.get("lost"):  # the window lacks the base: the next picture is whole
+                self._shown.clear()
+            self._pump()
+
+    def _about(self, message, number):
+        view = view_of(message.get("view"))
+        with self._lock:
+            self._send({"say": "answer", "number": number, "value": self._studio.about(view)})
+
+    def _history(self, message, number):
+        view, at = view_of(message.get("view")), message.get("at")
+        if type(at) is not list or len(at) != 2 or not all(type(each) is int for each in at):
+            raise Refusal("at is a pixel: a list of column and row, counted from the left top.")
+        self._worker.aside("history", number, lambda: self._studio.history(view, (at[0], at[1])))
+
+    def _registers(self, message, number):
+        view = view_of(message.get("view"))
+        self._worker.aside("registers", number, lambda: self._studio.registers(view))
+
+    def _script(self, message, number):
+        view = view_of(message.get("view"))
+        self._worker.aside("script", number, lambda: script_kept(self._studio, view))
+
+    def _picture(self, message, number):
+        view = view_of(message.get("view"))
+        self._worker.aside("picture", number, lambda: picture_kept(self._studio, view))
+
+    def _golden(self, message, number):
+        view = view_of(message.get("view"))
+        self._worker.aside("golden", number, lambda: golden_kept(self._studio, view))
+
+    # ------------------------------------------------------------------------------------ what is said
+
+    def _tell(self, what, number, content):
+        """From the worker's threads."""
+        with self._lock:
+            if what == "picture":
+                name, picture = content
+                self.counted["dropped"] += name in self._waiting
+                self._waiting[name] = number, picture
+                self._pump()
+            elif what == "answer" and isinstance(content, Kept):
+                self._send({"say": "kept", "number": number, "name": content.name}, content.data)
+            else:
+                is_sentence = what in ("failed", "refused")
+                self._send({"say": what, "number": number, "words" if is_sentence else "value": content})
+
+    def _pump(self):
+        """Send pictures that wait, as many as may be on their way."""
+        while self._waiting and len(self._flying) < IN_FLIGHT:
+            name, (serial, picture) = self._waiting.popitem(last=False)
+            self._number += 1
+            header = {"say": "picture", "number": self._number, "serial": serial, "name": name}
+            data = encoded(picture, self._shown.get(name), header, self._deflate > 0)
+            self._deflate = max(0, self._deflate - 1)
+            self._shown[name] = Sent(self._number, picture)
+            self._flying[self._number] = time.monotonic(), len(data)
+            self.counted["pictures"] += 1
+            self.counted["bytes"] += len(data)
+            self._deliver({"say": "picture"}, data)
+
+    def _send(self, message, data=None):
+        self._deliver(message, data)
