@@ -78,6 +78,28 @@ def frames_of(
             over = asked.is_over(frame.number, frame.draws)
 
 
+def drawn_frames(
+    path: str | os.PathLike[str], profile: Profile, frames: str | None = None, *, threads: int | None = None
+) -> Iterator[Frame]:
+    """The frames of a trace that are asked for, each with its ``image``: for tests, for instance.
+
+    ``frames``: as ``3,10-20``, or ``all``; None: the first that draws something. Raises Refusal where the
+    trace cannot be read or lacks one of them, and ValueError for a list that is none.
+    """
+    asked, found, where = FramesAsked.of(frames), [], os.fspath(path)
+    replay = Replay(profile, wanted=asked.wants, needed=asked.may_want, threads=threads)
+    with opened(where) as (trace, _):
+        for frame in frames_of(trace, replay, asked):
+            if asked.wants(frame.number, frame.draws):
+                found.append(frame.number)
+                yield frame
+        damage = trace.damage
+    missing = asked.missing(found)
+    if missing or not found or damage:
+        lacks = no_such_frame(missing[0] if missing else None, replay.frames) if missing or not found else ""
+        raise Refusal(" ".join(filter(None, (f"{where} {lacks}" if lacks else f"{where}:", damage))))
+
+
 def frame_of_trace(
     path: str, number: int | None, profile: Profile
 ) -> tuple[tuple[Command, ...], int, int, int]:

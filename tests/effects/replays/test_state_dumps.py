@@ -5,8 +5,8 @@ another program, 60 had no difference. In the other six Mesa departs from the sp
 in single precision:
 
 - piglit's dlist_fdo31590: a list's last colour;
-- piglit's dlist_color_material, the Red Book's colormat: COLOR_MATERIAL, once enabled, takes the current colour
-  at once (section 2.13.3);
+- piglit's dlist_color_material, the Red Book's colormat: COLOR_MATERIAL, once enabled, takes the current
+  colour at once (section 2.13.3);
 - the Red Book's nurbs and trim: evaluators leave the current normal as it is (section 5.1);
 - piglit's fpexceptions: a matrix of 1e100.
 """
