@@ -90,6 +90,7 @@ instructions: $(READY)
 
 arithmetic: $(READY)
 	$(BIN)/python -m tests.arithmetic
+	$(BIN)/python -m tests.open_questions
 
 techniques: $(READY)
 	$(BIN)/python -m tests.techniques

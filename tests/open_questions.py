@@ -1,0 +1,515 @@
+"""docs/open-questions.md, made of the rules, their vectors and the accepted counts of the captures; and
+nv2a_answers.glsl, made of the C beside it: ``python -m tests.open_questions``.
+"""
+
+import re
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fixedpipe.effects.arithmetic.rule import encoded, single_of
+from fixedpipe.effects.arithmetic.rules import RULES
+from fixedpipe.effects.emulators.names import function_of
+from fixedpipe.effects.emulators.sources import FOLDER
+from fixedpipe.pipeline.enums import PrimitiveType, ProvokingVertex
+from fixedpipe.pipeline.vertices import chip_floats
+from fixedpipe.pipeline.vertices.assembly import split
+from fixedpipe.pipeline.vertices.chip_floats import LIGHTING_BITS, multiply_add
+from tests.documents import WIDTH, table
+from tests.emulators.glsl import Translation
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "open-questions.md"
+ANSWERS_C = ROOT / "docs" / "examples" / "nv2a_answers.h"
+ANSWERS_GLSL = ANSWERS_C.with_suffix(".glsl")
+ACCEPTED = ROOT / "tests" / "conformance" / "accepted.txt"
+XEMU = "https://github.com/xemu-project/xemu"
+SHOWN = 2  # vectors of a function
+
+
+# ------------------------------------------------------------------------------- functions made of the rules
+
+
+def _product(a, b):
+    return chip_floats.product(a, b, LIGHTING_BITS)
+
+
+def _sum(a, b):
+    return chip_floats.total([a, b], LIGHTING_BITS, 0)
+
+
+def _quotient(strength, above, below, dark):
+    with np.errstate(invalid="ignore"):  # 0 times infinity, which is 0 there
+        made = _product(_product(strength, above), chip_floats.lighting_reciprocal(below))
+    return np.where(dark, 0.0, made)
+
+
+def reaches(reach, distance):
+    """Whether a light of a range reaches a distance (N2.16)."""
+    return (~(_sum(reach, -distance) < 0)).astype(int)
+
+
+def cone(strength, x, a, b, c):
+    """A spotlight's strength (N2.16)."""
+    above = _sum(x, a)
+    return _quotient(strength, above, multiply_add(b, x, c, LIGHTING_BITS), (x < 0) | (above <= 0))
+
+
+def highlight_of_half(strength, x, a, b, c):
+    """The highlight by a given half vector (N2.17)."""
+    above = _sum(x, a)
+    return _quotient(strength, above, multiply_add(x, b, c, LIGHTING_BITS), above < 0)
+
+
+def highlight(strength, x, square, a, b, c):
+    """The highlight by the unit's own half vector (N2.17)."""
+    xx = _product(x, x)
+    above = multiply_add(square, a, xx, LIGHTING_BITS)
+    below = multiply_add(square, c, _product(xx, b), LIGHTING_BITS)
+    return _quotient(strength, above, below, (x < 0) | (above < 0))
+
+
+def point_covers(dx, dy, size):
+    """Whether a point covers a sample (N11.10)."""
+    closed = np.where(size & (size - 1) == 0, size - 1, size)
+    return ((-size <= dx) & (dx <= closed) & (-size <= dy) & (dy <= closed)).astype(int)
+
+
+# OpenGL's numbers of the primitives.
+_NAMES = {
+    4: "TRIANGLES",
+    5: "TRIANGLE_STRIP",
+    6: "TRIANGLE_FAN",
+    7: "QUADS",
+    8: "QUAD_STRIP",
+    9: "POLYGON",
+}
+
+
+def flat_vertex(kind, k, first):
+    """The vertex that gives a flat primitive its colour, of the machine's own assembly."""
+    primitive = PrimitiveType[_NAMES[kind]]
+    quads = primitive in (PrimitiveType.QUADS, PrimitiveType.QUAD_STRIP)
+    rows, _ = split(primitive, [4 * k + 8], ProvokingVertex.FIRST if first else ProvokingVertex.LAST)
+    return int(rows[2 * k if quads else k][3])
+
+
+@dataclass(frozen=True)
+class Made:
+    """A function of nv2a_answers.h: what it takes, what it gives, how the machine computes it, and inputs."""
+
+    inputs: tuple[str, ...]
+    kind: str  # of every input, "single" or "int"
+    output: str
+    compute: Callable[..., Any]
+    given: tuple[tuple[Any, ...], ...]
+
+    def shown(self):
+        """Its first vectors as text."""
+        lines = []
+        for row in self.given[:SHOWN]:
+            columns = [np.asarray(v) for v in row] if self.kind == "single" else row
+            found = self.compute(*columns)
+            given = ", ".join(f"{n} {encoded(self.kind, v)}" for n, v in zip(self.inputs, row, strict=True))
+            result = float(found) if self.output == "single" else int(found)
+            lines.append(f"`{given}: {encoded(self.output, result)}`")
+        return lines
+
+
+def _bits(*words):
+    return tuple(single_of(word) for word in words)
+
+
+MADE = {
+    "nv2a_light_reaches": Made(
+        ("range", "distance"),
+        "single",
+        "int",
+        reaches,
+        (_bits(0x40A00000, 0x40A00000), _bits(0x40A00000, 0x40A00400)),
+    ),
+    "nv2a_light_cone": Made(
+        ("strength", "x", "a", "b", "c"),
+        "single",
+        "single",
+        cone,
+        (
+            _bits(0x3F7FF800, 0x3F7F0000, 0xBF6E9C00, 0xC0463C00, 0x404A9400),
+            _bits(0x3F7FF800, 0x3F000000, 0xBF6E9C00, 0xC0463C00, 0x404A9400),
+        ),
+    ),
+    "nv2a_light_highlight_of_half": Made(
+        ("strength", "x", "a", "b", "c"),
+        "single",
+        "single",
+        highlight_of_half,
+        (
+            _bits(0x3F800000, 0x3F7C0000, 0xBF373000, 0xBFEE0800, 0x4010F800),
+            _bits(0x3F800000, 0x3F200000, 0xBF373000, 0xBFEE0800, 0x4010F800),
+        ),
+    ),
+    "nv2a_light_highlight": Made(
+        ("strength", "x", "square", "a", "b", "c"),
+        "single",
+        "single",
+        highlight,
+        (
+            _bits(0x3F800000, 0x3FFC0000, 0x40780000, 0xBF373000, 0xBFEE0800, 0x4010F800),
+            _bits(0x3F800000, 0xBF000000, 0x40780000, 0xBF373000, 0xBFEE0800, 0x4010F800),
+        ),
+    ),
+    "nv2a_point_covers": Made(("dx", "dy", "size"), "int", "int", point_covers, ((8, -8, 8), (12, 12, 12))),
+    "nv2a_flat_vertex": Made(("kind", "k", "first"), "int", "int", flat_vertex, ((5, 3, 0), (7, 1, 1))),
+}
+
+
+# -------------------------------------------------------------------------------------------------- the rows
+
+
+@dataclass(frozen=True)
+class Row:
+    """A question.
+
+    asked      (words, address) of where it is asked in public; empty: a search found none
+    confirmed  what a search of public issues said of it
+    answer     sentences
+    formula    lines of it
+    numbers    rules of docs/numbers.md
+    rules      rules with vectors; made: functions of nv2a_answers.h
+    captures   SUITE or SUITE/CASE of the accepted counts
+    """
+
+    title: str
+    asked: tuple[str, str] | None
+    confirmed: str
+    answer: str
+    formula: tuple[str, ...]
+    numbers: tuple[str, ...]
+    rules: tuple[str, ...]
+    made: tuple[str, ...]
+    captures: tuple[str, ...]
+
+
+def _issue(number):
+    return f"xemu #{number}", f"{XEMU}/issues/{number}"
+
+
+ROWS = (
+    Row(
+        "Depth replace of DOT_ZW",
+        _issue(2466),
+        "Open. It says that xemu computes the dot products and never changes the fragment's depth.",
+        "The fragment's depth becomes the whole part of the first dot product times the reciprocal of the "
+        "second. The reciprocal is the one that the rasterizer uses for weights, a little off the exact one. "
+        "A depth outside the buffer's range discards the fragment.",
+        ("depth = floor(z R(w))", "z = dot of stage i - 1, w = dot of stage i"),
+        ("N12.9", "N4.10"),
+        ("depth-replace", "weight-reciprocal"),
+        (),
+        ("Pixel_shader/DotZW",),
+    ),
+    Row(
+        "DOT_REFLECT_SPECULAR_CONST",
+        _issue(2469),
+        "Open. It says that the mode is a stub.",
+        "The mode reflects the constant eye vector at the normal that the three dot products make, and looks "
+        "the result up in a cube map. DOT_REFLECT_SPECULAR does the same with the q coordinates of the three "
+        "stages as the eye vector. Nothing is normalized.",
+        ("N = (dot of stage i - 2, dot of i - 1, dot of i)", "R = 2 N (N E) - E (N N)"),
+        ("N12.8", "N12.7"),
+        ("reflection", "cube-face", "cube-texel"),
+        (),
+        ("Texture_cubemap/DotReflectSpecConst_HiLo_1", "Texture_2D_as_cubemap/DotReflectSpecConst_Bad2D"),
+    ),
+    Row(
+        "DOT_STR_3D",
+        _issue(2470),
+        "Open. It says that the output differs much from hardware.",
+        "The three dot products are s, t and r of a 3D texture. If the bound texture is a cube map, as in "
+        "the test, the chip reads face +x at (s + 1, 1 - t) half sizes.",
+        (
+            "(s, t, r) = (dot of stage i - 2, dot of i - 1, dot of i)",
+            "cube map: face +x, ((s + 1) / 2, (1 - t) / 2)",
+        ),
+        ("N12.8", "N12.11"),
+        ("dot-mapping-expand-normal", "dot-mapping-unsigned-hilo", "nearest-texel"),
+        (),
+        (
+            "Texture_cubemap/DotSTR3D_-1to1",
+            "Texture_cubemap/DotSTR3D_0to1",
+            "Texture_cubemap/DotSTR3D_HiLo_1",
+        ),
+    ),
+    Row(
+        "Luminance of bumps (BUMPENVMAP_LUM)",
+        _issue(2467),
+        "Open. It says that xemu's result is brighter, and suspects the offset.",
+        "The bump map's red byte, unsigned, is multiplied by the scale; then the offset is added. The result "
+        "multiplies the colours of the looked-up texel, not its alpha. It is not clamped at 1 before that.",
+        ("m = R / 255 scale + offset", "n = floor(4096 C / 255 m)", "C' = min(255, (n + 1) 255 >> 12)"),
+        ("N12.4", "N12.2"),
+        ("offset-luminance", "offset-texture"),
+        (),
+        ("Pixel_shader/BumpEnvMapLuminance", "Bump_env_lum"),
+    ),
+    Row(
+        "The spotlight's (x + a)/(b x + c)",
+        ("xqemu #277", "https://github.com/xqemu/xqemu/issues/277"),
+        "xqemu's issue says that falloff and exponent are not handled. A search found no issue of xemu's "
+        "own; its source (vsh-ff.c) marks the place with FIXME.",
+        "x is the cone's axis (four numbers, SET_LIGHT_SPOT_DIRECTION) times the unit vector to the light "
+        "and 1, at most 1. The strength is multiplied by x + a, then by the reciprocal of b x + c. It is 0 "
+        "where x or x + a is below zero. The three numbers are those of SET_LIGHT_SPOT_FALLOFF.",
+        ("S' = (S (x + a)) (1 / (b x + c))",),
+        ("N2.16", "N2.25", "N2.13"),
+        ("lighting-multiply-add", "lighting-reciprocal"),
+        ("nv2a_light_cone",),
+        (
+            "Lighting_spotlight/FoFixed_-0.932112_-3.097628_3.165516",
+            "Lighting_spotlight/FoFixed_0.000000_-0.494592_1.494592",
+            "Lighting_spotlight/PTFixed_25.000000_0.000000",
+            "Lighting_range/Spot",
+        ),
+    ),
+    Row(
+        "Specular's function",
+        ("xemu pull request #2079", f"{XEMU}/pull/2079"),
+        "Merged. Its author says that the power which it reconstructs from the registers is not perfect.",
+        "There is no power. The highlight is a quotient of two linear functions, with SET_SPECULAR_PARAMS as "
+        "coefficients. A directional light without a local viewer takes the first three, and x is the normal "
+        "times the half vector of SET_LIGHT_INFINITE_HALF_VECTOR. Every other light takes the last three, "
+        "and the square of the cosine to the sum of both unit vectors.",
+        (
+            "directional: (S (x + a)) (1 / (x b + c)), x = N H, 0 where x + a < 0",
+            "otherwise: (S (q a + x x)) (1 / (q c + b (x x))), x = N h, q = h h, h = V + L, 0 where x < 0",
+        ),
+        ("N2.17", "N2.25"),
+        ("lighting-multiply-add", "lighting-product", "lighting-reciprocal"),
+        ("nv2a_light_highlight_of_half", "nv2a_light_highlight"),
+        (
+            "Specular/SpecParams_FF_Pow16_0",
+            "Specular/SpecParams_FF_NinjaGaidenBlack",
+            "Specular/SpecParams_FF_MechAssault",
+            "Specular/ControlFlags_FF",
+        ),
+    ),
+    Row(
+        "A light's range is inclusive",
+        None,
+        "A search found no public issue; the suite that shows it came with pull request #202 of "
+        "nxdk_pgraph_tests.",
+        "A light reaches a vertex whose distance equals its range. The unit subtracts the distance from the "
+        "range, both with 14 significant bits, and darkens the vertex where the difference is below zero.",
+        ("lit where range - d >= 0",),
+        ("N2.16", "N2.12"),
+        ("enter-lighting",),
+        ("nv2a_light_reaches",),
+        ("Lighting_range/Point", "Lighting_range/Spot"),
+    ),
+    Row(
+        "Two-sided light",
+        _issue(708),
+        "Open. A comment says that the setting acts on faces of the other winding alone, and that the back's "
+        "alpha must be set.",
+        "Where SET_TWO_SIDED_LIGHT_EN is set, every vertex is lit twice: by its normal with the front's "
+        "registers, and by the negative normal with the back's (material, scene ambient, specular "
+        "coefficients, and each light's back colours). The triangle's area, not the normal, decides which of "
+        "both its three vertices take: a negative w turns it. A vertex program's back colours are taken in "
+        "the same way. How the unit lights a vertex program's back faces is open (Specular_back/"
+        "ControlFlags_VS).",
+        (
+            "A = (x1 - x0) (y2 - y0) - (x2 - x0) (y1 - y0)",
+            "front: A < 0, where counter-clockwise is the front; y down",
+        ),
+        ("N3.2", "N2.10"),
+        ("snapped-coordinate",),
+        (),
+        (
+            "Lighting_Two_Sided/TwoSidedLighting",
+            "Specular_back/SpecParams_FF_Pow24_0",
+            "Specular_back/SpecParams_FF_InvMechAssault",
+        ),
+    ),
+    Row(
+        "Point parameters and sizes",
+        _issue(1914),
+        "Open; #1913, on SET_POINT_SIZE, is closed by pull request #2527, whose author notes "
+        "minor differences in rounding.",
+        "The root is the lighting unit's table of inverse square roots, with no Newton step: seven bits. The "
+        "size is cut to eighths of a pixel. A point covers the samples of a square, its left and upper sides "
+        "included. Its right and lower sides are included too, unless twice the size is a power of two. Size "
+        "0 draws one pixel. A vertex program's size is taken as it is.",
+        (
+            "u = a + b d + c d d",
+            "size = clamp(root(u) + bias, 0, 1) range + minimum",
+            "S = floor(8 size)",
+        ),
+        ("N11.12", "N11.11", "N11.10"),
+        ("lighting-inverse-square-root",),
+        ("nv2a_point_covers",),
+        ("Point_params", "Point_size", "Point_sprite"),
+    ),
+    Row(
+        "Flat shading (SET_FLAT_SHADE_OP)",
+        _issue(704),
+        "Open. A comment says that the setting only affects flat shaded quads without texture; the captures "
+        "show that it affects triangles, strips and fans.",
+        "SET_FLAT_SHADE_OP 0 takes the colours of a primitive's last vertex, 1 those of its first. A fan's "
+        "first vertex is the one behind the centre. Quads, quad strips and polygons do not follow it: a quad "
+        "takes its last vertex, a polygon its first. Texture coordinates are never flat.",
+        ("triangle k of a strip: k or k + 2", "of a fan: k + 1 or k + 2", "polygon: 0", "quad k: 4 k + 3"),
+        ("N11.2",),
+        ("iterated-color",),
+        ("nv2a_flat_vertex",),
+        ("Shade_model",),
+    ),
+    Row(
+        "The signed filter",
+        _issue(587),
+        "Open, with a list of games: the flags of SET_TEXTURE_FILTER for signed components.",
+        "A signed component is a byte in two's complement. It is filtered as a signed number, by the same "
+        "sums with arithmetic shifts. Then it is doubled, so 127 is 254 in the combiners' registers of nine "
+        "bits. Texels of a bump map are filtered in the same way.",
+        ("f = p (256 - k) + q k + 128 >> 8, p and q from -128 to 127", "register = 2 f"),
+        ("N6.6", "N6.9"),
+        ("signed-texel", "filter-step", "bilinear"),
+        (),
+        ("Texture_signed_component_tests", "Bump_map"),
+    ),
+    Row(
+        "Nearest texels at half pixels",
+        _issue(2213),
+        "Open. It shows text windows with crooked borders: small quads with nearest texels, whose left edges "
+        "lie at half pixels.",
+        "A window coordinate is cut to sixteenths of a pixel, toward zero. A sample on a left or upper edge "
+        "is inside. The texture coordinate there is the vertex's own: its three terms are cut to 24 bits, so "
+        "exact boundaries stay exact. Nearest is the floor of the coordinate in texels.",
+        ("x = trunc(16 x)", "sample at (16 p + 8)", "texel = floor(T)"),
+        ("N2.5", "N3.1", "N6.2", "N6.8"),
+        ("snapped-coordinate", "coverage", "iterated-coordinate", "nearest-texel"),
+        (),
+        (
+            "Vertex_shader_rounding_tests",
+            "TextureWrapMode/CylinderWrapping",
+            "Texture_perspective",
+        ),
+    ),
+)
+
+
+def accepted():
+    """{SUITE/CASE: (equal, compared)} of the captures that are redrawn."""
+    found = re.findall(r"^(.+): (\d+) / (\d+)$", ACCEPTED.read_text(), re.MULTILINE)
+    return {name: (int(equal), int(compared)) for name, equal, compared in found}
+
+
+def cases_of(capture, counts):
+    """The accepted cases that a row's capture names: one, or a suite's."""
+    return [name for name in counts if name == capture or name.startswith(f"{capture}/")]
+
+
+def _shown_counts(capture, counts):
+    cases = cases_of(capture, counts)
+    exact = sum(counts[name][0] == counts[name][1] for name in cases)
+    equal, compared = (sum(counts[name][k] for name in cases) for k in (0, 1))
+    return f"{exact} of {len(cases)}", f"{equal} of {compared}"
+
+
+def _case_text(case):
+    given = ", ".join(f"{n} {v}" for n, v in case.items() if n != "expected")
+    return f"`{given}: {case['expected']}`".replace("'", "")
+
+
+def _vectors(rule):
+    cases = list(rule.cases(SHOWN, 0))
+    chosen = [cases[len(rule.edges) // 2], cases[-1]] if len(cases) > 1 else cases
+    return "<br>".join(_case_text(case) for case in chosen[:SHOWN])
+
+
+def _functions(row):
+    rules = [
+        [
+            f"`{function_of(id_)}`",
+            f"[{RULES[id_].numbers}](numbers.md#{RULES[id_].numbers})",
+            _vectors(RULES[id_]),
+        ]
+        for id_ in row.rules
+    ]
+    made = [[f"`{name}`", "nv2a_answers", "<br>".join(MADE[name].shown())] for name in row.made]
+    return rules + made
+
+
+_HEAD = """\
+# Open questions of emulators, answered
+
+After this page you can answer twelve questions that authors of Xbox emulators have asked in public. Each
+answer has its formula, the captures of a real NV2A that show it, test vectors, and the functions in C99 and
+GLSL that compute it.
+
+    fixedpipe golden export DIR --rules        the vectors of the rules, one file each
+    fixedpipe golden export DIR --code c99     the functions; --code glsl for shaders
+
+Functions whose rule is `nv2a_answers` are made of the others, in [nv2a_answers.h](examples/nv2a_answers.h)
+and [nv2a_answers.glsl](examples/nv2a_answers.glsl). Names are equal in both languages. Singles are written
+as their bits.
+
+[arithmetic-for-emulators.md](arithmetic-for-emulators.md) has every rule, and [numbers.md](numbers.md) every
+order of operations. [silicon.md](silicon.md) says what the captures are. A test holds this page to the rules
+and to the accepted counts of the captures. The public issues were read on 2026-11-28; they may have
+changed.
+"""
+
+
+def _filled(text):
+    """A paragraph in the page's width; commands and headings as they are."""
+    if text.startswith((" ", "#")):
+        return text
+    return textwrap.fill(" ".join(text.split()), WIDTH, break_long_words=False, break_on_hyphens=False)
+
+
+def page():
+    """The page's text."""
+    counts = accepted()
+    rows = []
+    for number, row in enumerate(ROWS, 1):
+        asked = "none found" if row.asked is None else f"[{row.asked[0]}]({row.asked[1]})"
+        anchor = re.sub(r"[^\w -]", "", f"{number}. {row.title}".lower()).replace(" ", "-")
+        cases = [name for capture in row.captures for name in cases_of(capture, counts)]
+        exact = sum(counts[name][0] == counts[name][1] for name in cases)
+        rows.append([f"[{row.title}](#{anchor})", asked, f"{exact} of {len(cases)}"])
+    paragraphs = [_filled(part) for part in _HEAD.split("\n\n")]
+    parts = [*paragraphs, table(["question", "asked in public", "exact captures"], rows)]
+    for number, row in enumerate(ROWS, 1):
+        parts.append(f"## {number}. {row.title}")
+        asked = "" if row.asked is None else f"[{row.asked[0]}]({row.asked[1]}): "
+        parts.append(_filled(f"{asked}{row.confirmed}"))
+        parts.append(_filled(row.answer))
+        parts.append("\n".join(f"    {line}" for line in row.formula))
+        parts.append("Rules: " + ", ".join(f"[{n}](numbers.md#{n})" for n in row.numbers) + ".")
+        captures = [
+            [f"{capture}".replace("_", "\\_"), *_shown_counts(capture, counts)] for capture in row.captures
+        ]
+        parts.append(table(["captures", "exact", "equal pixels"], captures))
+        parts.append(
+            table(
+                ["function in C and GLSL", "rule", "vectors: inputs, and what is expected"], _functions(row)
+            )
+        )
+    return "\n\n".join(part.strip("\n") for part in parts) + "\n"
+
+
+def answers_glsl():
+    """The GLSL of nv2a_answers.h, by the translation that makes the exported functions."""
+    translation = Translation()
+    for stage in ("numbers", "vertex_programs", "lighting_unit"):  # what the answers call
+        translation.of((FOLDER / f"nv2a_{stage}.h").read_text())
+    return translation.of(ANSWERS_C.read_text())
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page())
+    ANSWERS_GLSL.write_text(answers_glsl())
