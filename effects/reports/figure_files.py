@@ -2,6 +2,8 @@
 removed.
 
 index.html              the gallery
+plain.html              the same as one page without script
+catalogue/NUMBER.html   what the ids of techniques and figures mean
 ID.json                 a figure's record
 records/ID.js           the same as a script
 pictures/DIGEST.js      a picture without loss, as a script (fixedpipe.effects.reports.pictures)
@@ -17,10 +19,10 @@ from contextlib import suppress
 from pathlib import Path
 
 from fixedpipe.effects.reports.files import writable_folder, write_whole
-from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.effects.reports.gallery import CATALOGUE, INDEX, PLAIN, pages
 from fixedpipe.pipeline.framebuffers.pictures import png
 
-INDEX, RECORDS, PICTURES = "index.html", "records", "pictures"
+RECORDS, PICTURES = "records", "pictures"
 _PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
 # What records of the former layout say, and no others.
 _FORMER = b'"difference_gain": '
@@ -57,12 +59,15 @@ def write_record(folder, record):
     """Write a figure's record in both forms; ``folder``: a Path. Raises Refusal when it cannot be written."""
     records = writable_folder(folder / RECORDS)
     write_whole(records / f"{record['id']}.js", f"record({json.dumps(record)})\n".encode())
-    write_whole(folder / f"{record['id']}.json", (json.dumps(record, indent=2) + "\n").encode())
+    write_whole(folder / f"{record['id']}.json", (json.dumps(record, indent=1) + "\n").encode())
 
 
 def write_page(folder, figures):
-    """Write the page of all that a folder, a Path, has of ``figures``, ids in the page's order."""
-    write_whole(folder / INDEX, gallery(folder, figures).encode())
+    """Write the pages of all that a folder, a Path, has of ``figures``, ids in the page's order."""
+    for name, text in pages(folder, figures).items():
+        path = folder / name
+        writable_folder(path.parent)
+        write_whole(path, text.encode())
 
 
 def unchanged(folder, identifier, inputs):
@@ -145,12 +150,13 @@ def _bases(folder, named):
 def files_of(folder, figures):
     """The files of the gallery in ``folder``, and its files that no record names.
 
-    The first are its page, the records of ``figures`` and of their variants, and the files in its two folders
+    The first are its pages, the records of ``figures`` and of their variants, and the files in its two folders
     whose names have the form above and that a record names. The second have names of that form too. They
     include no picture if some record cannot be read, because that record may name it.
     """
     records = [path for path in _records(folder) if path.stem.partition("+")[0] in figures]
-    named, ours, stale, readable = set(), [folder / INDEX, *records], [], True
+    pages_of = [folder / INDEX, folder / PLAIN, *sorted((folder / CATALOGUE).glob("*.html"))]
+    named, ours, stale, readable = set(), [*pages_of, *records], [], True
     for path in _records(folder):
         try:
             named |= digests_in(path.read_bytes())

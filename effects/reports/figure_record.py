@@ -250,32 +250,31 @@ class _Drawing:
     named: dict[str, np.ndarray] = field(default_factory=dict)
     methods: set[Method] = field(default_factory=set)  # that machines have drawn by
     reference: tuple[Method, np.ndarray | None] | None = None  # of the method that drew last
-    first: str | None = None
+    kept: list[dict] = field(default_factory=list)  # what the record says of machines' and ideals' pictures
     machines: dict[tuple, str] = field(default_factory=dict)  # the first with these bits, by their digest
 
     def on(self, machine):
         """What the record says of a machine; its pictures are kept."""
         profile, method = PROFILES[machine], self.figure.method(machine)
         is_first, is_exact = method not in self.methods, profile.arithmetic.exact
-        drawn, passes = self._drawn(machine, is_first and not is_exact)
+        drawn, passes, number = self._drawn(machine, is_first and not is_exact)
         reference = self._reference(method)
         pictures, differences = {"machine": (drawn.image(), drawn.codes())}, {}
         if not is_exact:
             pictures["ideal"] = drawn.ideal.image(), drawn.ideal.codes(drawn.bits)
             differences["difference"] = drawn.difference
         if reference is not None:
-            pictures["reference"] = _codes_of(reference, 8), _codes_of(reference, drawn.bits)
+            pictures["reference"] = (_codes_of(reference, 8),) * 2
             differences["reference_difference"] = drawn.compared_with(reference)
         shown = {}
         for view, (image, codes) in pictures.items():
             image = image if view == "reference" else image[..., :3]
             reduced = [WIDE if view == "machine" else NARROW] * is_first
             of_grid = [OF_GRID] * (view == "machine" and not self.machines)
-            base = shown["machine"]["digest"] if shown else self.first
-            shown[view] = self._picture(image, codes, drawn, (LOSSLESS, *reduced, *of_grid), base)
-            self.first = self.first or shown["machine"]["digest"]
+            bits = 8 if view == "reference" else drawn.bits
+            shown[view] = self._picture(image, codes, bits, (LOSSLESS, *reduced, *of_grid), shown.values())
             if self.with_names:
-                self.named[picture_name(self.name, machine, view)] = deep_picture(codes, drawn.bits)
+                self.named[picture_name(self.name, machine, view)] = deep_picture(codes, bits)
         for view, found in differences.items():
             shown[view] = {}
             if not found.identical:
@@ -285,8 +284,9 @@ class _Drawing:
                     shown[view]["digest"] = self.pictures.add(found.image(), NARROW)
         for view, said in shown.items():
             said["caption"] = self._caption(view, drawn, differences.get(view))
-        bits = hashlib.sha256(np.ascontiguousarray(drawn.codes()[..., :3])).digest()
-        same = self.machines.setdefault((drawn.bits, bits), machine)
+        self.kept += [said for view, said in shown.items() if view in ("machine", "ideal")]
+        codes = hashlib.sha256(np.ascontiguousarray(drawn.codes()[..., :3])).digest()
+        same = self.machines.setdefault((drawn.bits, codes), machine)
         record = {
             "profile": machine,
             "name": profile.name,
@@ -303,10 +303,11 @@ class _Drawing:
         }
         if is_first:
             record["passes"] = [self._pass(one) for one in passes]
+            record["commands"] = number
         return record
 
     def _drawn(self, machine, with_passes):
-        """The Rendering, with its ideal, and the Passes where they are asked for."""
+        """The Rendering, with its ideal, the Passes where they are asked for, and the number of commands."""
         profile, (width, height) = PROFILES[machine], self.figure.dimensions(self.size)
         where = "by the ideal" if profile.arithmetic.exact else f"on the {profile.name}"
         self.step(f"{self.name}: {where}, {width}x{height}")
@@ -322,7 +323,9 @@ class _Drawing:
             if not profile.arithmetic.exact:
                 self.step(f"{self.name}: the same on the ideal")
                 _ = drawn.ideal
-        return drawn, seen[0].passes(drawn.image()) if seen else []
+        if not seen:
+            return drawn, [], 0
+        return drawn, seen[0].passes(drawn.image()), len(seen[0].lines)
 
     def _reference(self, method):
         """The figure's reference with a method's values, kept until another method draws."""
@@ -336,18 +339,22 @@ class _Drawing:
                 self.reference = method, found
         return self.reference[1]
 
-    def _picture(self, image, codes, drawn, files, base):
-        """What the record says of a picture that is kept without loss: bytes, which may be told from the
-        picture ``base``, and of longer codes what bytes leave.
+    def _picture(self, image, codes, bits, files, shown):
+        """What the record says of a picture that is kept without loss: bytes, and of longer codes what bytes
+        leave. Either may be told from a picture that was kept before.
+
+        ``shown``: what the record says of the machine's other pictures.
         """
-        finer = None
-        if drawn.bits > 8:
-            one = 2**drawn.bits - 1
+        earlier, finer = [*shown, *self.kept[:2], *self.kept[-2:]], None
+        if bits > 8:
+            one = 2**bits - 1
             coarse = (2 * image[..., :3].astype(np.int32) * one + 255) // 510
-            finer = self.pictures.add((codes[..., :3] - coarse + FINER_ZERO).astype(np.uint8), LOSSLESS)
+            left = (codes[..., :3] - coarse + FINER_ZERO).astype(np.uint8)
+            finer = self.pictures.add(left, LOSSLESS, bases=[said.get("finer") for said in earlier])
         height, width = image.shape[:2]
-        kept = {"digest": self.pictures.add(image, *files, base=base), "width": width, "height": height}
-        return {**kept, "bits": drawn.bits, "finer": finer}
+        bases = [said.get("digest") for said in earlier]
+        kept = {"digest": self.pictures.add(image, *files, bases=bases), "width": width, "height": height}
+        return {**kept, "bits": bits, "finer": finer}
 
     def _caption(self, view, drawn, found):
         """What a picture is, in words. ``found``: the Difference that it shows, if it shows one."""

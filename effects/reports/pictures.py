@@ -13,8 +13,9 @@ from functools import partial
 import numpy as np
 from PIL import Image
 
-# Widths of reduced pictures: a machine's, and what the grid, the plain page beside it and passes show.
-PREVIEW, THUMBNAIL = 768, 480
+# Widths of reduced pictures: a machine's on the plain page, what the grid shows, and what stands beside it on
+# the plain page and passes.
+PREVIEW, THUMBNAIL, SMALL = 640, 480, 320
 # Quality of a lossy WebP file. Assumed: rings and edges of the figures are not yet seen to suffer.
 _QUALITY = 62
 # What may not stand as it is in a string literal between double quotes.
@@ -86,6 +87,13 @@ def apart(pixels, base):
     return out
 
 
+def _distance(pixels, base):
+    """How far two pictures are apart: the mean of the bits that their bytes' differences need. What is mostly
+    equal, and far away in a few places, is near.
+    """
+    return float(np.log2(1.0 + np.abs(pixels[..., :3].astype(np.int16) - base[..., :3])).mean())
+
+
 def _without_alpha(pixels):
     return pixels if (pixels[..., 3] == 0).any() else np.ascontiguousarray(pixels[..., :3])
 
@@ -99,7 +107,7 @@ def _webp(image, **how):
 # Files that a picture may have, by the endings of their names: without loss, for canvases; or reduced to so
 # many pixels' width.
 LOSSLESS = {".js": 0}
-WIDE, NARROW, OF_GRID = {".webp": PREVIEW}, {".webp": THUMBNAIL}, {f"-{THUMBNAIL}.webp": THUMBNAIL}
+WIDE, NARROW, OF_GRID = {".webp": PREVIEW}, {".webp": SMALL}, {f"-{THUMBNAIL}.webp": THUMBNAIL}
 
 
 @dataclass
@@ -112,17 +120,19 @@ class Pictures:
     bases: dict[str, str] = field(default_factory=dict)
     endings: dict[str, dict[str, int]] = field(default_factory=dict)
 
-    def add(self, image, *files, base=None):
+    def add(self, image, *files, bases=()):
         """Keep a picture, as for ``canonical``, and return its digest. ``files``: LOSSLESS, WIDE, NARROW,
         OF_GRID.
 
-        ``base``: the digest of a picture that was added before. This one's file may hold its difference from
-        the base, if that is shorter.
+        ``bases``: digests of pictures that were added before. This one's file may hold its difference from
+        the nearest of them, if that is shorter.
         """
         pixels = canonical(image)
         digest = digest_of(pixels)
-        if base is not None and digest not in self.pixels and self._tells(base, pixels):
-            self.bases[digest] = base
+        if digest not in self.pixels:
+            able = [base for base in dict.fromkeys(bases) if base and self._tells(base, pixels)]
+            if able:
+                self.bases[digest] = min(able, key=lambda base: _distance(pixels, self.pixels[base]))
         self.pixels[digest] = pixels
         endings = self.endings.setdefault(digest, {})
         for ending, width in (pair for file in files for pair in file.items()):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.effects.reports.figure_files import write_page
 from fixedpipe.effects.reports.pictures import LOSSLESS, OF_GRID, WIDE, Pictures
 
 # What a page must show as it is written and never run.
@@ -37,8 +37,8 @@ def write_picture(folder, pixels):
     that is a byte apart.
     """
     kept = Pictures()
-    base = kept.add(pixels ^ 1, LOSSLESS) if pixels.shape[2] == 3 else None
-    digest = kept.add(pixels, LOSSLESS, WIDE, OF_GRID, base=base)
+    bases = [kept.add(pixels ^ 1, LOSSLESS)] if pixels.shape[2] == 3 else ()
+    digest = kept.add(pixels, LOSSLESS, WIDE, OF_GRID, bases=bases)
     for name, data in kept.files():
         (folder / name).write_bytes(data())
     return digest
@@ -220,5 +220,5 @@ def make_gallery(folder):
     variant = {"figure": "F004-4", "set": {"alpha_x": 0.15}, "page": None, "must_see": None} | paper
     figure(made, VARIANT, "Two brushed spheres", [exact], ("left", "right"), **variant)
 
-    (folder / "index.html").write_text(gallery(folder, FIGURES), encoding="utf-8")
+    write_page(folder, FIGURES)
     return made

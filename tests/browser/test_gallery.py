@@ -3,6 +3,8 @@
 import base64
 import io
 import json
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from PIL import Image
 
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports.figure_failures import failure
-from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.effects.reports.figure_files import write_page
 from tests.browser.made_gallery import EDGE, FIGURES, HOSTILE, VARIANT, Made, codes_of, drawn, figure
 
 FIGURE = "#F003-21/GEFORCE_3/machine"
@@ -99,7 +101,7 @@ def test_the_grid_has_every_figure_by_paper_with_its_citation(visit, made):
         ("f003-21", ["F003-21"]),
         ("infinitereality", ["F003-21"]),
         ("z10 octane", ["F003-21", "K12"]),
-        ("what shows. kautz", ["F004-4", VARIANT]),
+        ("what shows kautz", ["F004-4", VARIANT]),
         ("nothing of this", []),
     ],
 )
@@ -164,7 +166,7 @@ def test_a_difference_is_computed_from_the_bytes_with_the_records_gain_and_other
     np.testing.assert_array_equal(seen(page), magnified(shown(16), scale(page)))
     press(page, "]")
     np.testing.assert_array_equal(seen(page), magnified(shown(32), scale(page)))
-    slider = page.locator(".gain input")
+    slider = page.locator("input[aria-label='Gain of the difference']")
     slider.focus()
     press(page, "Home")
     assert slider.get_attribute("aria-valuetext") == "times 1"
@@ -230,19 +232,26 @@ def test_two_machines_are_flipped_and_subtracted(visit, made):
     assert address_has(page, "other=OCTANE")
 
 
-def test_zoom_goes_from_fit_to_sixteen_by_keys_buttons_and_wheel(visit, made):
+def test_zoom_goes_from_fit_to_sixty_four_by_keys_buttons_and_wheel(visit, made):
     page = stage(visit(FIGURE + "?labels=no&zoom=1"))
     machine = made.codes["F003-21", "GEFORCE_3", "machine"]
     np.testing.assert_array_equal(seen(page), machine)
-    for wanted in (2, 4, 8, 16, 16):
+    for wanted in (2, 4, 8, 16, 32, 64, 64):
         press(page, "+")
         assert scale(page) == wanted
     page.click("button[aria-label=smaller]")
+    assert scale(page) == 32
+    press(page, "-", "-")
     assert scale(page) == 8
     box = page.locator(".stage").bounding_box()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     page.mouse.wheel(0, -100)
     page.wait_for_function("document.querySelector('.stage').dataset.scale === '16'")
+    press(page, "-", "-", "-")
+    for _ in range(4):  # a trackpad's small moves count together, a step for each hundred pixels
+        page.mouse.wheel(0, -30)
+    page.wait_for_function("document.querySelector('.stage').dataset.scale === '4'")
+    assert scale(page) == 4
     press(page, "0")
     page.wait_for_function("!location.href.includes('zoom')")
     page.click("button:text-is('1:1')")
@@ -329,7 +338,9 @@ def test_a_machine_of_twelve_bits_has_codes_of_twelve_bits(visit, made):
 
 def test_the_largest_difference_is_gone_to(visit):
     page = stage(visit(FIGURE))
-    press(page, "d")
+    press(page, "d")  # the reference is preferred, where there is one
+    assert loupe(page)[0] == (50, 7) and is_pressed(page, "\u2212 reference")
+    press(page, "4", "d")
     (x, y), rows = loupe(page)
     assert (x, y) == (101, 30) and rows["difference"][1] == -50
     assert scale(page) == 8
@@ -359,11 +370,66 @@ def test_labels_are_text_beside_the_bits(visit, made):
     assert labels.count() == 0 and seen(page).shape[1] == 3 * EDGE * scale(page)
 
 
+def saved_by(page, key):
+    """(name, pixels) of the file that a key saves."""
+    with page.expect_download() as download:
+        press(page, key)
+    return download.value.suggested_filename, np.asarray(Image.open(download.value.path()))
+
+
+def test_the_picture_is_saved_with_the_machine_s_own_pixels(visit, made):
+    page = stage(visit("#F003-21/GEFORCE_3/difference?zoom=2"))
+    name, saved = saved_by(page, "s")
+    assert name == "F003-21-GEFORCE_3.png"
+    np.testing.assert_array_equal(saved, made.codes["F003-21", "GEFORCE_3", "machine"])
+    press(page, "2", "Shift+Digit2")
+    name, saved = saved_by(page, "s")
+    assert name == "F003-21-GEFORCE_3-ideal-panel-2.png"
+    np.testing.assert_array_equal(
+        saved, made.codes["F003-21", "GEFORCE_3", "ideal"][:, EDGE : 2 * EDGE]
+    )
+
+
+def test_the_picture_of_twelve_bits_is_saved_with_sixteen(visit, made):
+    page = stage(visit("#F003-21/INFINITE_REALITY"))
+    with page.expect_download() as download:
+        press(page, "s")
+    header, rows = read_png(open(download.value.path(), "rb").read())
+    assert header == (3 * EDGE, EDGE, 16, 2)
+    codes = made.codes["F003-21", "INFINITE_REALITY", "machine"].astype(np.int64)
+    np.testing.assert_array_equal(rows, (2 * codes * 65535 + 4095) // (2 * 4095))
+
+
+def read_png(data):
+    """(width, height, bits, colors) and the pixels of a PNG file without filters, 16 bits a component."""
+    width, height, bits, colors = struct.unpack(">IIBB", data[16:26])
+    place, packed = 8, b""
+    while place < len(data):
+        (length,) = struct.unpack_from(">I", data, place)
+        if data[place + 4 : place + 8] == b"IDAT":
+            packed += data[place + 8 : place + 8 + length]
+        place += 12 + length
+    rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, -1)
+    assert not rows[:, 0].any()
+    return (width, height, bits, colors), rows[:, 1:].copy().view(">u2").reshape(height, width, 3)
+
+
+def test_the_view_is_saved_with_labels_that_can_be_read(visit, made):
+    page = stage(visit(FIGURE + "?zoom=2", color_scheme="light"))
+    name, saved = saved_by(page, "S")
+    assert name == "F003-21-GEFORCE_3-view.png"
+    machine = magnified(made.codes["F003-21", "GEFORCE_3", "machine"], 2)[:, : 2 * EDGE]
+    top = next(y for y in range(saved.shape[0]) if (saved[y, :, :3] == machine[0, 0]).all(-1).any())
+    strip = saved[top - 24 : top, :, :3].astype(int)
+    # The labels' strip is nearly white with letters that are nearly black.
+    assert strip.max() > 220 and (strip.max(-1) < 90).sum() > 60
+
+
 def test_what_is_shown_is_saved_as_a_png(visit, made):
     page = stage(visit("#F003-21/GEFORCE_3/ideal?labels=no&zoom=2"))
     with page.expect_download() as download:
-        press(page, "s")
-    assert download.value.suggested_filename == "F003-21-GEFORCE_3-ideal.png"
+        press(page, "S")
+    assert download.value.suggested_filename == "F003-21-GEFORCE_3-ideal-view.png"
     saved = np.asarray(Image.open(download.value.path()).convert("RGB"))
     ideal = magnified(made.codes["F003-21", "GEFORCE_3", "ideal"], 2)
     top, left = (np.array(saved.shape[:2]) - ideal.shape[:2]) // 2
@@ -376,7 +442,7 @@ def test_what_is_shown_is_saved_as_a_png(visit, made):
 def test_an_address_is_shown_as_it_was_left(visit):
     page = stage(visit("#F003-21/OCTANE/difference?zoom=4&gain=64&mode=absolute&at=20|11&centre=20|11"))
     assert is_pressed(page, "difference") and scale(page) == 4
-    assert page.input_value("select[aria-label='Machine']") == "OCTANE"
+    assert page.get_attribute("[data-machine=OCTANE]", "aria-pressed") == "true"
     assert loupe(page)[0] == (20, 11)
     assert page.inner_text(".gain output") == "\u00d7 64"
     address = page.url
@@ -403,7 +469,7 @@ def test_the_pixel_of_an_address_is_in_the_middle_of_what_is_seen(visit):
     assert box["x"] <= cross["x"] <= box["x"] + box["width"] - cross["width"]
 
 
-@pytest.mark.parametrize(("asked", "shown"), [("Infinity", 16), ("-5", None), ("1e99", 16), ("word", None)])
+@pytest.mark.parametrize(("asked", "shown"), [("Infinity", 64), ("-5", None), ("1e99", 64), ("word", None)])
 def test_numbers_of_an_address_are_kept_within_bounds(visit, asked, shown):
     page = stage(visit(f"{FIGURE}?zoom={asked}&gain={asked}&split={asked}&how=foreign"))
     assert shown is None or scale(page) == shown
@@ -462,7 +528,7 @@ def test_all_is_reached_by_the_keyboard_and_seen_to_be(visit):
                 "document.activeElement.getAttribute('aria-label') || document.activeElement.textContent"
             )
         )
-    assert {"Machine", "Machine B", "largest differenced", "loupel", "Copy the command"} <= names
+    assert {"GeForce 3", "Machine B", "largest differenced", "loupel", "save the pictures"} <= names
     press(page, "Escape", "/")
     page.wait_for_selector("#search")
 
@@ -483,7 +549,7 @@ def test_controls_have_names_and_the_loupe_is_said_on_request(visit):
     assert ", ".join(f"{value:.0f}" for value in rows["machine"]) in said.inner_text()
 
 
-def test_what_must_be_seen_stands_beside_what_was_measured(visit):
+def test_what_must_be_seen_stands_beside_what_was_measured(visit, made):
     page = stage(visit("#F003-21/NV2A/machine"))
     assert page.locator(".checklist li").all_inner_texts() == [
         "Stripes at the left.",
@@ -496,14 +562,16 @@ def test_what_must_be_seen_stands_beside_what_was_measured(visit):
     for said in ("the same bits as GeForce 3", "fixedpipe figures F003-21 --check", "clear <all>", "ratio"):
         assert said in below, said
     href = page.get_attribute(".source a >> nth=0", "href")
-    assert href.endswith("docs/papers/003.md#f003-21")
+    assert href == "catalogue/003.html#z10" and (made.folder / "catalogue" / "003.html").is_file()
+    assert 'id="z10"' in (made.folder / "catalogue" / "003.html").read_text()
+    assert page.get_attribute(".source p a >> nth=0", "href") == "catalogue/003.html#f003-21"
     page.goto(page.url.split("#")[0] + "#F004-4")
     page.wait_for_selector(".measured .failed")
     assert "failed 2.5" in page.inner_text(".measured")
 
 
 def test_a_variant_says_what_was_changed_and_has_what_there_is(visit, made):
-    page = stage(visit(f"#{VARIANT}?labels=no"))
+    page = stage(visit(f"#{VARIANT}?labels=no&zoom=8"))
     np.testing.assert_array_equal(seen(page), magnified(made.codes[VARIANT, "IDEAL", "machine"], scale(page)))
     assert page.locator("button[data-view]").count() == 1
     press(page, "4", "d", "w", "b", "]", "l")
@@ -581,7 +649,7 @@ def failing(tmp_path):
     figure(made, "F003-21", "Nobody drew it", [], ("",), failures=broken)
     figure(made, "K12", "One did not", [machine], ("",), failures=[refused])
     figure(made, "F004-4", "Whole", [machine], ("",))
-    (tmp_path / "index.html").write_text(gallery(tmp_path, FIGURES), encoding="utf-8")
+    write_page(tmp_path, FIGURES)
     return tmp_path
 
 
@@ -623,6 +691,7 @@ def test_without_script_the_plain_page_says_what_failed(visit_folder, failing):
 
 def test_without_script_the_plain_page_has_all_figures(visit, made):
     page = visit("", java_script_enabled=False)
+    page.wait_for_url("**/plain.html")
     assert page.locator(".plain-page section h2").count() == len(made.records)
     text = page.inner_text(".plain-page")
     for said in (

@@ -1,5 +1,6 @@
-"""The gallery: the page that shows every figure of a folder, and opens from a file without a server."""
+"""The gallery of ``fixedpipe figures``: pages over records and pictures that lie beside them."""
 
-from fixedpipe.effects.reports.gallery.page import gallery
+from fixedpipe.effects.reports.gallery.catalogue import FOLDER as CATALOGUE
+from fixedpipe.effects.reports.gallery.page import INDEX, PLAIN, pages
 
-__all__ = ["gallery"]
+__all__ = ["CATALOGUE", "INDEX", "PLAIN", "pages"]

@@ -1,12 +1,17 @@
 // The gallery: grid or figure, by what the address says, and the keys of both.
 
 const KEYS = [
-  ["1 2 3 4", "machine, ideal, reference, difference"], ["5", "difference from the reference"],
-  ["b, 6", "machine B, and A \u2212 B"], ["w, p", "wipe, pair"], ["+ \u2212 0", "zoom, fit"],
-  ["Shift + arrows", "move what is seen"], ["l", "loupe; then arrows move it, with Shift by 16"],
-  ["v", "say the loupe\u2019s numbers"], ["d", "go to the largest difference"], ["[ ]", "gain"],
-  ["c", "signed, absolute, false color"], ["t", "panels\u2019 labels"], ["s", "save what is shown as PNG"],
-  ["\u2190 \u2192", "figure before, after"], ["Esc", "all figures"], ["/", "search"], ["?", "these keys"],
+  ["1 2 3", "machine, ideal, reference"], ["4 5", "difference from the ideal, from the reference"],
+  ["b, 6", "machine B, and A \u2212 B, where B is chosen"], ["\u2191 \u2193", "the machine before, after, in place"],
+  ["Shift 1 2 \u2026, 0", "one panel alone, all in a row"], [", .", "panel before, after"],
+  ["w, p, m", "wipe, pair, subtract"], ["a", "the same place of all panels"],
+  ["+ \u2212 0", "zoom, fit; from 16:1 pixels show their numbers"], ["Shift + arrows", "move what is seen"],
+  ["l", "loupe; then arrows move it, with Shift by 16"], ["v", "read the loupe\u2019s numbers aloud"],
+  ["d", "go to the largest difference, from the reference where there is one"], ["[ ]", "gain of a difference"],
+  ["c", "difference signed, absolute, in false color"], ["e, E", "lighter, darker"], ["f", "false color"],
+  ["x", "crops: one place in all machines"], ["t", "panels\u2019 labels"],
+  ["s", "save the picture: the machine\u2019s own pixels"], ["S", "save view: what is shown"],
+  ["\u2190 \u2192", "figure before, after, in the grid\u2019s order"], ["Esc", "all figures"], ["/", "search"], ["?", "these keys"],
 ];
 
 function makeTheme() {
@@ -113,10 +118,12 @@ function follow() {
 }
 
 document.addEventListener("keydown", (event) => {
-  const isTyping = event.target.closest("input:not([type=checkbox]), select, textarea, dialog");
+  // In a list the arrows are the list's, letters and digits the page's; in a slider all but its own keys are.
+  const isOwn = event.target.closest("select, input[type=range]") && (event.key.length > 1 || event.key === " ");
+  const isTyping = isOwn || event.target.closest("input:not([type=range]), textarea, dialog");
   if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
   if (isTyping) {
-    if (event.key === "Escape" && event.target === grid.search) grid.search.blur();
+    if (event.key === "Escape" && event.target.matches("input, select")) event.target.blur();
     return;
   }
   if (event.key === "?") keys.showModal();

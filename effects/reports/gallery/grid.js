@@ -21,7 +21,8 @@ function cardOf(figure, state) {
       el("span", { class: "name" }, el("b", {}, figure.id), " ", figure.title),
       figure.failures.map((what) => el("span", { class: "facts failed failure" }, what)),
       el("span", { class: "facts" },
-        machines === 1 ? nameOf(figure.machines[0]) : machines ? `${machines} machines` : "",
+        figure.animation ? "in motion \u00b7 " : "",
+        machines === 1 ? machineName(figure.machines[0]) : machines ? `${machines} machines` : "",
         figure.machines_differ ? ", differ" : machines > 1 ? ", same bits" : "",
         figure.failed ? el("span", { class: "failed" }, ` · ${figure.failed} failed`) : "")));
 }
@@ -36,7 +37,7 @@ function paperHeading(key, count) {
 function makeGrid(set) {
   const search = el("input", {
     type: "search", id: "search", autocomplete: "off", spellcheck: "false",
-    placeholder: "id, title, caption, technique, machine", "aria-keyshortcuts": "/",
+    placeholder: "words, ids, techniques, machines", "aria-keyshortcuts": "/",
     oninput: () => set({ q: search.value }),
   });
   const count = el("p", { class: "count", role: "status", "aria-live": "polite" });
@@ -59,17 +60,20 @@ function makeGrid(set) {
   const many = (value) => el("span", { class: "many" }, ` ${value}`);
 
   const machines = Object.keys(INDEX.machines).filter((key) => counted("machines", key)).map((key) =>
-    chip([nameOf(key), many(counted("machines", key))], (s) => s.machines.includes(key), toggle("machines", key), key));
+    chip([machineName(key), many(counted("machines", key))], (s) => s.machines.includes(key), toggle("machines", key), key));
   const methods = all("methods").sort((a, b) => counted("methods", b) - counted("methods", a)).map((name) =>
     chip([name, many(counted("methods", name))], (s) => s.methods.includes(name), toggle("methods", name)));
   const papers = [...new Set(INDEX.figures.map((figure) => figure.paper))].map((key) =>
     chip([INDEX.papers[key].short, many(INDEX.figures.filter((f) => f.paper === key).length)],
       (s) => s.paper === key, (s) => ({ paper: s.paper === key ? "" : key }), INDEX.papers[key].title));
+  const techniques = all("techniques").sort().map((id) =>
+    chip([el("b", {}, id), ` ${techniqueName(id)}`, many(counted("techniques", id))], (s) => s.techniques.includes(id), toggle("techniques", id)));
   const flags = [
     chip("machines differ", (s) => s.differ, (s) => ({ differ: !s.differ }), "not all machines of the figure draw the same bits"),
     chip("failed", (s) => s.failed, (s) => ({ failed: !s.failed }), "a check failed, or a machine did not draw the figure"),
   ];
   const methodList = el("details", { class: "methods" }, el("summary", {}, "Methods"), group("method", methods));
+  const techniqueList = el("details", { class: "methods" }, el("summary", {}, "Techniques"), group("technique", techniques));
   const clear = el("button", {
     type: "button", class: "plain",
     onclick: () => set(Object.fromEntries(OF_GRID.map((key) => [key, DEFAULTS[key]]))),
@@ -78,7 +82,7 @@ function makeGrid(set) {
   const element = el("div", { class: "grid" },
     el("form", { class: "filters", role: "search", onsubmit: (event) => event.preventDefault() },
       el("div", { class: "find" }, el("label", { for: "search" }, "Find"), search, count, clear),
-      group("paper", papers), group("machine", machines), group("only", flags), methodList),
+      group("paper", papers), group("machine", machines), group("only", flags), methodList, techniqueList),
     sections);
 
   function update(state) {
@@ -89,6 +93,7 @@ function makeGrid(set) {
       button.setAttribute("aria-pressed", String(isOn(state)));
     }
     if (state.methods.length) methodList.open = true;
+    if (state.techniques.length) techniqueList.open = true;
     const isAll = found.length === FIGURES.size;
     count.textContent = isAll ? `${found.length} figures` : `${found.length} of ${FIGURES.size} figures`;
     clear.hidden = OF_GRID.every((key) => written(state[key]) === written(DEFAULTS[key]));
@@ -99,7 +104,7 @@ function makeGrid(set) {
         el("section", { "aria-label": INDEX.papers[key].title || key }, paperHeading(key, figures.length),
           el("ul", { class: "cards" }, figures.map((figure) => cardOf(figure, state)),
             el("li", { class: "rest", "aria-hidden": "true" })))),
-      ...(found.length ? [] : [el("p", { class: "nothing" }, "No figure is so. Take back a word or a chip.")]));
+      ...(found.length ? [] : [el("p", { class: "nothing" }, "No figure matches. Remove a word or a chip.")]));
   }
   return { element, update, search };
 }

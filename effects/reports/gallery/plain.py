@@ -10,20 +10,13 @@ from fixedpipe.effects.reports.figure_failures import in_words
 VIEWS = ("machine", "ideal", "reference", "difference", "reference_difference")
 
 
-def plain_page(record, folder, docs):
+def plain_page(record, folder, page):
     """The section of a figure's record as HTML; pictures are those of its previews that ``folder`` has.
 
-    ``docs``: what leads from the page to the project's documents, None where there are none.
+    ``page``: where the project's documents have the figure, seen from the page; None: nowhere.
     """
     figure_id = escape(record["id"])
-    page = record["page"]
-    place = (
-        ""
-        if not page
-        else f' · <a href="{escape(docs + page)}">{escape(page)}</a>'
-        if docs
-        else f" · {escape(page)}"
-    )
+    place = f' · <a href="{escape(page)}">what the paper shows</a>' if page else ""
     citation = record["citation"]
     said = ". ".join(escape(str(citation[key])) for key in ("authors", "title", "year") if citation[key])
     return (

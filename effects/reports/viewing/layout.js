@@ -55,3 +55,14 @@ function panesIn(layers, width, height, gap, scaleIn) {
 const isInside = (p, x, y) => x >= p.x && x < p.x + p.width && y >= p.y && y < p.y + p.height;
 // The rectangle of those that has a pixel, else the last.
 const panelAt = (panels, x, y) => panels.find((p) => isInside(p, x, y)) || panels[panels.length - 1];
+
+// A rectangle of a size, moved into the panel of a model in which its middle is.
+function cropIn(model, x, y, size) {
+  const middle = [clamped(x + size.width / 2, 0, model.width - 1), clamped(y + size.height / 2, 0, model.height - 1)];
+  const panel = panelAt(model.panels, ...middle);
+  const width = Math.min(size.width, panel.width), height = Math.min(size.height, panel.height);
+  return {
+    x: clamped(Math.round(x), panel.x, panel.x + panel.width - width),
+    y: clamped(Math.round(y), panel.y, panel.y + panel.height - height), width, height,
+  };
+}

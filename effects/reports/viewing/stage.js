@@ -310,21 +310,12 @@ function makeStage(set, pointed) {
     } else if (drag?.isCrop && (drag.moved || Math.hypot(dx, dy) > 3)) {
       drag.moved = true;
       const by = ratio() / geometry().scale;
-      set({ crop: cropAt(drag.crop.x + dx * by, drag.crop.y + dy * by, drag.crop) });
+      set({ crop: cropIn(model, drag.crop.x + dx * by, drag.crop.y + dy * by, drag.crop) });
     } else if (drag && state.zoom && (drag.moved || Math.hypot(dx, dy) > 3)) {
       Object.assign(drag, { x: event.clientX, y: event.clientY, moved: true });
       set({ centre: panned(dx, dy) });
     } else if (!drag) pointed(pixelAt(event.clientX, event.clientY), event);
   });
-  // A rectangle of a size, moved into the panel in which its middle is.
-  function cropAt(x, y, { width, height }) {
-    const panel = panelAt(model.panels, clamped(x + width / 2, 0, model.width - 1), clamped(y + height / 2, 0, model.height - 1));
-    const [w, h] = [Math.min(width, panel.width), Math.min(height, panel.height)];
-    return {
-      x: clamped(Math.round(x), panel.x, panel.x + panel.width - w),
-      y: clamped(Math.round(y), panel.y, panel.y + panel.height - h), width: w, height: h,
-    };
-  }
   element.addEventListener("pointerup", (event) => {
     if (drag && !drag.moved && !drag.isDivider) pointed(pixelAt(event.clientX, event.clientY), event, true);
     drag = null;
@@ -383,7 +374,7 @@ function makeStage(set, pointed) {
 
   new ResizeObserver(draw).observe(element);
   return {
-    element, step, zoomBy, within, scaleInWords, save, pixelAt, cropAt,
+    element, step, zoomBy, within, scaleInWords, save, pixelAt,
     panBy: (dx, dy) => panned(dx, dy),
     show(newModel, newState) {
       [model, state] = [newModel, newState];

@@ -26,7 +26,7 @@ from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import files
 from fixedpipe.effects.reports.files import writable_file, write_whole
-from fixedpipe.effects.reports.gallery import gallery
+from fixedpipe.effects.reports.gallery import pages
 from fixedpipe.effects.technique import INDEX
 from fixedpipe.effects.user_pictures import bumped_mesh, inputs
 from fixedpipe.effects.user_pictures.bumped_mesh import MATERIALS, MESHES, machines_with
@@ -175,7 +175,9 @@ def test_a_figure_is_written_with_a_record_pictures_and_a_gallery(tmp_path):
     arguments = "F004-4", "--profile", "GEFORCE_256", "--size", 20, "--out", out, "--json", results
     result = run("figures", *arguments)
     assert result.exit_code == 0, result.output
-    assert {path.name for path in out.iterdir()} == {"F004-4.json", "index.html", "pictures", "records"}
+    assert {path.name for path in out.iterdir()} == {
+        *("F004-4.json", "index.html", "plain.html", "catalogue", "pictures", "records"),
+    }
     size = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
     assert result.stdout.endswith(f"1 figure in {out}, {size / 1e6:.1f} MB; open {out / 'index.html'}\n")
 
@@ -427,7 +429,7 @@ def test_the_gallery_keeps_figures_of_earlier_runs(tmp_path):
 def test_a_damaged_record_is_refused_by_name(tmp_path):
     (tmp_path / "K02.json").write_text('{"id": "K02"}')
     with pytest.raises(Refusal, match=r"K02\.json is not what fixedpipe wrote"):
-        gallery(tmp_path, FIGURES)
+        write_page(tmp_path, FIGURES)
 
 
 @pytest.mark.parametrize(

@@ -102,11 +102,11 @@ def test_a_picture_is_told_from_another_where_that_is_shorter(tmp_path):
     pictures, one = Pictures(), noise(40, 60, 3)
     near = one + np.random.default_rng(6).integers(0, 2, one.shape, np.uint8)  # 255 wraps to 0
     first = pictures.add(one, LOSSLESS)
-    second = pictures.add(near, LOSSLESS, base=first)
-    third = pictures.add(near - 1, LOSSLESS, base=second)
-    other = pictures.add(np.full_like(one, 7), LOSSLESS, base=first)
-    small = pictures.add(one[:5], LOSSLESS, base=first)
-    clear = pictures.add(np.zeros((40, 60, 4), np.uint8), LOSSLESS, base=first)
+    second = pictures.add(near, LOSSLESS, bases=[first])
+    third = pictures.add(near - 1, LOSSLESS, bases=[second])
+    other = pictures.add(np.full_like(one, 7), LOSSLESS, bases=[first])
+    small = pictures.add(one[:5], LOSSLESS, bases=[first])
+    clear = pictures.add(np.zeros((40, 60, 4), np.uint8), LOSSLESS, bases=[first])
     (tmp_path / "pictures").mkdir()
     for name, data in pictures.files():
         (tmp_path / "pictures" / name).write_bytes(data())
