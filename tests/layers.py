@@ -188,6 +188,7 @@ PACKAGES = {
         "raster": "codes portable columns",
         "pipeline": "enums state textures profiles vertices framebuffers columns golden",
     },
+    "effects/emulators": {"effects": "refusal arithmetic"},
     "effects/conformance": {
         "pipeline": (
             "enums state textures commands profiles vertices framebuffers validation native execution"
@@ -196,7 +197,9 @@ PACKAGES = {
     },
     "effects/reports": {
         "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
-        "effects": "refusal technique bibliography acceptance data_files figures arithmetic conformance",
+        "effects": (
+            "refusal technique bibliography acceptance data_files figures arithmetic emulators conformance"
+        ),
     },
     "effects/pixel_states": {
         "pipeline": ("enums messages state textures commands profiles notations validation inspection"),
@@ -230,7 +233,7 @@ PACKAGES = {
             "selftest golden"
         ),
         "effects": (
-            "refusal technique bump_mapping volumes scattering acceptance figures studies "
+            "refusal technique bump_mapping volumes scattering acceptance figures studies arithmetic emulators "
             "conformance user_pictures reports pixel_states replays presentation sweeps tasks viewer"
         ),
     },

@@ -221,27 +221,75 @@ def review(html, root):
 @click.option("--frames", default=32, show_default=True, type=click.IntRange(0), help="Whole frames.")
 @click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's.")
 @click.option("--rules", is_flag=True, help="The NV2A's arithmetic rule by rule instead.")
-def export(folder, profile, cases, frames, seed, rules):
+@click.option(
+    "--form",
+    default="lines",
+    show_default=True,
+    type=click.Choice(("lines", "singlestep")),
+    help="How --rules writes them: a case on each line, or as SingleStepTests does.",
+)
+@click.option(
+    "--code",
+    type=click.Choice(("c99", "glsl")),
+    help="The NV2A's arithmetic as functions to paste instead, of whole numbers alone.",
+)
+def export(folder, profile, cases, frames, seed, rules, form, code):
     """Write test vectors for another renderer into DIR: random states with their inputs and the pixels that a
     machine gives, as JSON, a case on each line, and raw pixels. docs/golden-images.md has the format.
 
     With --rules, a file for each rule of the NV2A's arithmetic: its formula, its evidence, and numbers in and
     out. docs/arithmetic-for-emulators.md shows them.
+
+    With --code, the same rules as C99, or as GLSL 3.30 and ES 3.10. docs/code-for-emulators.md says how to
+    put them into an emulator.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
-    from fixedpipe.effects.cli.options import machine_of, refuse_ignored
+    from fixedpipe.effects.cli.golden_export import check_options, export_code, export_rules
+    from fixedpipe.effects.cli.options import machine_of
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.effects.reports.files import writable_folder
-    from fixedpipe.effects.reports.golden.vectors import write_rules, write_vectors
+    from fixedpipe.effects.reports.golden.vectors import write_vectors
 
-    if rules:
-        why = "--rules writes the NV2A's arithmetic and no frames; leave it out"
-        refuse_ignored(click.get_current_context(), ("profile", "frames"), why)
+    check_options(click.get_current_context(), rules, code, form)
+    if code:
+        click.echo(export_code(folder, code))
+        return
     machine, folder = machine_of(profile), writable_folder(folder)
     announce_compiling()
-    with refusals():
-        if rules:
-            written = write_rules(folder, cases, seed)
-        else:
+    if rules:
+        written = export_rules(folder, cases, seed, form)
+    else:
+        with refusals():
             written = write_vectors(folder, machine, cases, frames, seed)
-    click.echo(f"{len(written)} files of {machine.name}'s vectors are in {folder}; index.json names them.")
+    index = "metadata.json" if form == "singlestep" else "index.json"
+    click.echo(f"{len(written)} files of {machine.name}'s vectors are in {folder}; {index} names them.")
+
+
+@golden.command()
+@click.argument("program", nargs=-1, required=True, metavar="PROGRAM [ARGUMENT]…", type=click.UNPROCESSED)
+@click.option("--rule", "rules", multiple=True, metavar="ID", help="This rule; may be repeated. Else all.")
+@click.option(
+    "--cases", default=256, show_default=True, type=click.IntRange(0), help="Random ones of each rule."
+)
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's.")
+@click.option(
+    "--patience",
+    default=20.0,
+    show_default=True,
+    type=click.FloatRange(0.1, 3600.0),
+    help="Seconds without a line, in or out, after which a program hangs.",
+)
+@click.option("--json", "json_file", metavar="FILE", help="Write the scorecard as JSON.")
+@click.option("--html", "html_file", metavar="FILE", help="Write the scorecard as a page.")
+def judge(program, rules, cases, seed, patience, json_file, html_file):
+    """Ask another program for the NV2A's arithmetic, and print what it has right, rule by rule.
+
+    PROGRAM reads a question on each line of its standard input, and writes an answer on a line of its
+    standard output. docs/code-for-emulators.md has both. It is started once for each rule.
+
+    Exit statuses: 0, all is right; 1, something is wrong, or not answered; 2, there is no such program.
+    """
+    from fixedpipe.effects.cli.golden_judge import judge_program
+
+    whole = judge_program(program, rules, cases, seed, patience, json_file, html_file)
+    click.get_current_context().exit(0 if whole else PICTURES)

@@ -171,6 +171,11 @@ class _Function:
         if op in ("<<", ">>"):
             return self._shifted(a, op, self.converted(b, "int"))
         base = max(a.kind.base, b.kind.base, key=_RANK.index)
+        if op == "*" and base == "u64" and all(isinstance(x, c_ast.Cast) for x in (node.left, node.right)):
+            a, b = self.expression(node.left.expr), self.expression(node.right.expr)
+            if a.kind.base == b.kind.base == "uint":  # of 32 bits each: a third of the steps
+                return Text(f"nv2a_u32_product({a.text}, {b.text})", Kind(base))
+            a, b = self.expression(node.left), self.expression(node.right)
         a, b = self.converted(a, base), self.converted(b, base)
         if base in ("u64", "i64"):
             return self._wide(a, op, b, base)

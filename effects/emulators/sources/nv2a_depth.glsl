@@ -10,22 +10,26 @@ uvec2 nv2a_depth_difference(uvec2 a, uvec2 b) {
 uvec2 nv2a_depth_sum(uvec2 middle, uvec2 first, uvec2 last) {
     uvec2 largest = nv2a_f64_larger(nv2a_f64_magnitude(first), nv2a_f64_magnitude(last));
     largest = nv2a_f64_larger(nv2a_f64_magnitude(middle), largest);
-    if (!(nv2a_f64_less(uvec2(0x0u, 0x0u), largest) != 0)) {
+    if (nv2a_f64_is_zero(largest) != 0) {
         return uvec2(0x0u, 0x0u);
     }
     int unit = nv2a_f64_bound(largest) - 29;
-    uvec2 sum = nv2a_f64_add(middle, nv2a_f64_multiple(first, unit));
-    return nv2a_f64_cut(nv2a_f64_add(sum, nv2a_f64_multiple(last, unit)), 24);
+    uvec2 sum = middle;
+    for (int k = 0; k < 2; k++) {
+        sum = nv2a_f64_add(sum, nv2a_f64_multiple(k == 0 ? first : last, unit));
+    }
+    return nv2a_f64_cut(sum, 24);
 }
 
 // The depth of a fragment from edge functions as doubles and three vertices' depths.
 uvec2 nv2a_depth_of_edges(uvec2 n[3], uvec2 z[3]) {
     uvec2 e[3];
     uvec2 products[2];
+    uvec2 total = uvec2(0x0u, 0x0u);
     for (int k = 0; k < 3; k++) {
         e[k] = nv2a_f64_cut(n[k], 24);
+        total = nv2a_f64_add(total, e[k]);
     }
-    uvec2 total = nv2a_f64_add(nv2a_f64_add(e[0], e[1]), e[2]);
     uvec2 by = nv2a_f64_divide(uvec2(0x0u, 0x3ff00000u), total);
     if ((by & uvec2(0xffffffffu, 0xfffffu)) != uvec2(0x0u, 0x0u)) {
         by = nv2a_u64_left(nv2a_u64_right(nv2a_u64_subtract(by, uvec2(0x200000u, 0x0u)), 24), 24);
@@ -40,8 +44,8 @@ uvec2 nv2a_depth_of_edges(uvec2 n[3], uvec2 z[3]) {
     }
     for (int i = 0; i < 3; i++) {
         if (i != base) {
-            uvec2 q = nv2a_f64_cut(nv2a_f64_multiply(e[i], by), 24);
-            products[k] = nv2a_f64_multiply(q, nv2a_depth_difference(z[i], z[base]));
+            uvec2 q = nv2a_f64_cut(nv2a_f64_product(e[i], by), 24);
+            products[k] = nv2a_f64_product(q, nv2a_depth_difference(z[i], z[base]));
             k += 1;
         }
     }
@@ -60,9 +64,11 @@ uvec2 nv2a_depth(ivec3 n, uvec3 z) {
 
 // The depth of W buffering from weights and three vertices' w as doubles.
 uvec2 nv2a_weighed_w(uvec2 q[2], uvec2 w[3]) {
-    uvec2 first = nv2a_f64_multiply(q[0], nv2a_depth_difference(w[0], w[1]));
-    uvec2 last = nv2a_f64_multiply(q[1], nv2a_depth_difference(w[2], w[1]));
-    return nv2a_depth_sum(w[1], first, last);
+    uvec2 products[2];
+    for (int k = 0; k < 2; k++) {
+        products[k] = nv2a_f64_product(q[k], nv2a_depth_difference(w[2 * k], w[1]));
+    }
+    return nv2a_depth_sum(w[1], products[0], products[1]);
 }
 
 uvec2 nv2a_depth_of_w(ivec3 n, uvec3 w) {
@@ -79,82 +85,74 @@ uvec2 nv2a_depth_of_w(ivec3 n, uvec3 w) {
     return nv2a_weighed_w(q, depths);
 }
 
-// The slope along one axis: of values v, whose edges reach so far along the other.
-uvec2 nv2a_slope_along(uvec2 v[3], uvec2 to_1, uvec2 to_2, uvec2 area) {
-    uvec2 d1 = nv2a_f64_subtract(v[1], v[0]);
-    uvec2 d2 = nv2a_f64_subtract(v[2], v[0]);
-    uvec2 by_2 = nv2a_f64_multiply(d1, nv2a_f64_of_int64(to_2));
-    uvec2 by_1 = nv2a_f64_multiply(d2, nv2a_f64_of_int64(to_1));
-    uvec2 rise = nv2a_f64_multiply(nv2a_f64_subtract(by_2, by_1), uvec2(0x0u, 0x40300000u));
-    return nv2a_f64_magnitude(nv2a_f64_divide(rise, nv2a_f64_of_int64(area)));
-}
-
-// What a polygon offset's factor adds.
+// What a polygon offset's factor adds: the larger of the slopes along x and y, times it.
 uvec2 nv2a_polygon_offset_slope(ivec3 x, ivec3 y, uvec3 v, uint factor) {
-    uvec2 values[3];
+    uvec2 d[2];
+    uvec2 steepest = uvec2(0x0u, 0x0u);
     uvec2 area = nv2a_signed_area(x, y);
     if (area == uvec2(0u, 0u)) {
         return uvec2(0x0u, 0x0u);
     }
-    for (int k = 0; k < 3; k++) {
-        values[k] = nv2a_f64_of_single(v[k]);
+    for (int k = 0; k < 2; k++) {
+        d[k] = nv2a_f64_subtract(nv2a_f64_of_single(v[k + 1]), nv2a_f64_of_single(v[0]));
     }
-    uvec2 along_x = nv2a_slope_along(values, nv2a_i64_of_int(y[1] - y[0]), nv2a_i64_of_int(y[2] - y[0]), area);
-    uvec2 along_y = nv2a_slope_along(values, nv2a_i64_of_int(x[1] - x[0]), nv2a_i64_of_int(x[2] - x[0]), area);
-    return nv2a_f64_multiply(nv2a_f64_of_single(factor), nv2a_f64_larger(along_x, along_y));
+    for (int axis = 0; axis < 2; axis++) {
+        uvec2 rise = uvec2(0x0u, 0x80000000u);
+        for (int k = 0; k < 2; k++) {
+            int reach = axis == 0 ? y[2 - k] - y[0] : x[2 - k] - x[0];
+            rise = nv2a_f64_add(rise, nv2a_f64_multiply(d[k], nv2a_f64_of_int(k == 0 ? reach : -reach)));
+        }
+        rise = nv2a_f64_multiply(rise, uvec2(0x0u, 0x40300000u));
+        uvec2 slope = nv2a_f64_magnitude(nv2a_f64_divide(rise, nv2a_f64_of_int64(area)));
+        steepest = nv2a_f64_larger(steepest, slope);
+    }
+    return nv2a_f64_multiply(nv2a_f64_of_single(factor), steepest);
 }
 
-// The weights that the slope reads of one pixel: of vertices 0 and 2, and their sum before it divides, uncut.
-void nv2a_slope_weights(ivec3 x, ivec3 y, uvec2 inverse_w[3], int px, int py, out uvec2 result[4]) {
+// The weights that the slope reads of one pixel: of vertices 0 and 2; their sum before it divides, uncut; whether
+// there are any.
+void nv2a_slope_weights(ivec3 x, ivec3 y, uvec2 factors[3], int px, int py, out uvec2 result[4]) {
     uvec2 n[3];
     uvec2 e[3];
     for (int k = 0; k < 3; k++) {
         n[k] = nv2a_f64_of_int64(nv2a_edge_function(x, y, k, px, py));
     }
-    nv2a_weighed_edges(n, inverse_w, e);
+    nv2a_weighed_edges(n, factors, e);
     uvec2 total = nv2a_weight_sum(e);
-    int equal = int(inverse_w[0] == inverse_w[1] && inverse_w[1] == inverse_w[2]);
-    for (int k = 0; k < 3; k++) {
-        if (!(equal != 0)) {
-            n[k] = nv2a_f64_multiply(n[k], nv2a_weight_factor(inverse_w, k));
-        }
-    }
-    result[2] = nv2a_f64_add(nv2a_f64_add(n[0], n[1]), n[2]);
-    result[3] = nv2a_f64_less(uvec2(0x0u, 0x0u), total) != 0 ? uvec2(0x1u, 0x0u) : uvec2(0x0u, 0x0u);
     uvec2 by = uvec2(0x0u, 0x3ff00000u);
+    uvec2 sum = uvec2(0x0u, 0x80000000u);
+    for (int k = 0; k < 3; k++) {
+        sum = nv2a_f64_add(sum, nv2a_f64_multiply(n[k], factors[k]));
+    }
+    result[2] = sum;
+    result[3] = nv2a_f64_less(uvec2(0x0u, 0x0u), total) != 0 ? uvec2(0x1u, 0x0u) : uvec2(0x0u, 0x0u);
     if (result[3] != uvec2(0x0u, 0x0u)) {
         by = nv2a_reciprocal_24(total);
     }
-    result[0] = nv2a_f64_cut(nv2a_f64_multiply(e[0], by), 24);
-    result[1] = nv2a_f64_cut(nv2a_f64_multiply(e[2], by), 24);
+    result[0] = nv2a_f64_cut(nv2a_f64_product(e[0], by), 24);
+    result[1] = nv2a_f64_cut(nv2a_f64_product(e[2], by), 24);
 }
 
 // Whether a pixel is drawn, also where a vertex's w is negative.
 int nv2a_coverage_by_w(ivec3 x, ivec3 y, uvec3 w, int px, int py) {
-    uvec2 area = nv2a_signed_area(x, y);
     uvec2 zero = uvec2(0u, 0u);
-    if (area == zero) {
-        return 0;
-    }
+    int turned = int(nv2a_i64_less(nv2a_signed_area(x, y), zero));
+    int drawn = int(nv2a_signed_area(x, y) != zero);
     for (int k = 0; k < 3; k++) {
-        int a = k == 2 ? 0 : k + 1;
-        int b = k == 0 ? 2 : k - 1;
-        int behind = int((w[k] & 0x80000000u) != 0u && (w[k] & 0x7fffffffu) != 0u);
+        int behind = int(w[k] > 0x80000000u);
+        int swaps = int(turned != 0 != (behind != 0));
+        int a = (k + (swaps != 0 ? 2 : 1)) % 3;
+        int b = (k + (swaps != 0 ? 1 : 2)) % 3;
         uvec2 n = nv2a_edge_function(x, y, k, px, py);
         if (behind != 0) {
             n = nv2a_u64_subtract(zero, n);
         }
-        if (nv2a_i64_less(area, zero) != (behind != 0)) {
-            int other = a;
-            a = b;
-            b = other;
-        }
         int owned = int(y[b] < y[a] || (y[b] == y[a] && x[b] > x[a]));
-        if (nv2a_i64_less(n, zero) || (n == zero && !(owned != 0))) {
-            return 0;
+        if (nv2a_i64_less(n, zero) || (n == zero && owned == 0)) {
+            drawn = 0;
         }
     }
-    return 1;
+    return drawn;
 }
 
 // The slope of W buffering's polygon offset, of the first 2x2 block that the triangle draws in a box: left, top,
@@ -162,6 +160,7 @@ int nv2a_coverage_by_w(ivec3 x, ivec3 y, uvec3 w, int px, int py) {
 uvec2 nv2a_slope_of_w(ivec3 x, ivec3 y, uvec3 w, ivec4 box) {
     uvec2 depths[3];
     uvec2 inverse[3];
+    uvec2 factors[3];
     uvec2 found = uvec2(0x0u, 0x0u);
     uvec2 nearest = uvec2(0x0u, 0x0u);
     int behind = 0;
@@ -180,6 +179,7 @@ uvec2 nv2a_slope_of_w(ivec3 x, ivec3 y, uvec3 w, ivec4 box) {
             first = k;
         }
     }
+    nv2a_weight_factors(inverse, factors);
     int at = nv2a_clamp(x[first] >> 4, box[0], box[2] - 1) >> 2;
     int top = behind != 0 ? box[1] : nv2a_most(box[1], nv2a_clamp(y[first] >> 4, box[1], box[3] - 1) >> 2 << 2);
     for (int py = top; py < box[3]; py++) {
@@ -229,7 +229,7 @@ uvec2 nv2a_slope_of_w(ivec3 x, ivec3 y, uvec3 w, ivec4 box) {
             }
             for (int k = 0; k < 4; k++) {
                 uvec2 of[4];
-                nv2a_slope_weights(x, y, inverse, left + (k & 1), row + (k >> 1), of);
+                nv2a_slope_weights(x, y, factors, left + (k & 1), row + (k >> 1), of);
                 a[k] = of[0];
                 b[k] = of[1];
                 if (k == 0) {
@@ -240,14 +240,22 @@ uvec2 nv2a_slope_of_w(ivec3 x, ivec3 y, uvec3 w, ivec4 box) {
                 }
             }
             if (good != 0 && !(nv2a_f64_less(near, nearest) != 0)) {
-                uvec2 step = nv2a_depth_difference(depths[0], depths[1]);
-                uvec2 other = nv2a_depth_difference(depths[2], depths[1]);
-                uvec2 along_x = nv2a_f64_multiply(nv2a_f64_subtract(a[3], a[2]), step);
-                uvec2 along_y = nv2a_f64_multiply(nv2a_f64_subtract(a[2], a[0]), step);
-                along_x = nv2a_f64_add(along_x, nv2a_f64_multiply(nv2a_f64_subtract(b[1], b[0]), other));
-                along_y = nv2a_f64_add(along_y, nv2a_f64_multiply(nv2a_f64_subtract(b[3], b[1]), other));
                 nearest = near;
-                found = nv2a_f64_larger(nv2a_f64_magnitude(along_x), nv2a_f64_magnitude(along_y));
+                found = uvec2(0x0u, 0x0u);
+                for (int axis = 0; axis < 2; axis++) {
+                    uvec2 along = uvec2(0x0u, 0x80000000u);
+                    for (int k = 0; k < 2; k++) {
+                        uvec2 step = nv2a_depth_difference(depths[2 * k], depths[1]);
+                        uvec2 from = a[axis == 0 ? 2 : 0];
+                        uvec2 to = a[axis == 0 ? 3 : 2];
+                        if (k == 1) {
+                            from = b[axis == 0 ? 0 : 1];
+                            to = b[axis == 0 ? 1 : 3];
+                        }
+                        along = nv2a_f64_add(along, nv2a_f64_multiply(nv2a_f64_subtract(to, from), step));
+                    }
+                    found = nv2a_f64_larger(found, nv2a_f64_magnitude(along));
+                }
                 found = nv2a_f64_cut(found, 24);
             }
         }

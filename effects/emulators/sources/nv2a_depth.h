@@ -14,17 +14,20 @@ static inline uint64_t nv2a_depth_difference(uint64_t a, uint64_t b) {
 static inline uint64_t nv2a_depth_sum(uint64_t middle, uint64_t first, uint64_t last) {
     uint64_t largest = nv2a_f64_larger(nv2a_f64_magnitude(first), nv2a_f64_magnitude(last));
     largest = nv2a_f64_larger(nv2a_f64_magnitude(middle), largest);
-    if (!nv2a_f64_less(0ull, largest)) return 0ull;
+    if (nv2a_f64_is_zero(largest)) return 0ull;
     int unit = nv2a_f64_bound(largest) - 29;
-    uint64_t sum = nv2a_f64_add(middle, nv2a_f64_multiple(first, unit));
-    return nv2a_f64_cut(nv2a_f64_add(sum, nv2a_f64_multiple(last, unit)), 24);
+    uint64_t sum = middle;
+    for (int k = 0; k < 2; k++) sum = nv2a_f64_add(sum, nv2a_f64_multiple(k == 0 ? first : last, unit));
+    return nv2a_f64_cut(sum, 24);
 }
 
 /* The depth of a fragment from edge functions as doubles and three vertices' depths. */
 static inline uint64_t nv2a_depth_of_edges(const uint64_t n[3], const uint64_t z[3]) {
-    uint64_t e[3], products[2];
-    for (int k = 0; k < 3; k++) e[k] = nv2a_f64_cut(n[k], 24);
-    uint64_t total = nv2a_f64_add(nv2a_f64_add(e[0], e[1]), e[2]);
+    uint64_t e[3], products[2], total = 0ull;
+    for (int k = 0; k < 3; k++) {
+        e[k] = nv2a_f64_cut(n[k], 24);
+        total = nv2a_f64_add(total, e[k]);
+    }
     uint64_t by = nv2a_f64_divide(0x3ff0000000000000ull, total);
     if ((by & 0x000fffffffffffffull) != 0ull) by = (by - 0x200000ull) >> 24 << 24;
     int e0 = (int)(uint32_t)(e[0] >> 52) & 2047, e1 = (int)(uint32_t)(e[1] >> 52) & 2047;
@@ -32,8 +35,8 @@ static inline uint64_t nv2a_depth_of_edges(const uint64_t n[3], const uint64_t z
     if (e2 > e0 && e2 > e1) base = 2;
     for (int i = 0; i < 3; i++) {
         if (i != base) {
-            uint64_t q = nv2a_f64_cut(nv2a_f64_multiply(e[i], by), 24);
-            products[k] = nv2a_f64_multiply(q, nv2a_depth_difference(z[i], z[base]));
+            uint64_t q = nv2a_f64_cut(nv2a_f64_product(e[i], by), 24);
+            products[k] = nv2a_f64_product(q, nv2a_depth_difference(z[i], z[base]));
             k += 1;
         }
     }
@@ -51,9 +54,9 @@ static inline uint64_t nv2a_depth(const int n[3], const uint32_t z[3]) {
 
 /* The depth of W buffering from weights and three vertices' w as doubles. */
 static inline uint64_t nv2a_weighed_w(const uint64_t q[2], const uint64_t w[3]) {
-    uint64_t first = nv2a_f64_multiply(q[0], nv2a_depth_difference(w[0], w[1]));
-    uint64_t last = nv2a_f64_multiply(q[1], nv2a_depth_difference(w[2], w[1]));
-    return nv2a_depth_sum(w[1], first, last);
+    uint64_t products[2];
+    for (int k = 0; k < 2; k++) products[k] = nv2a_f64_product(q[k], nv2a_depth_difference(w[2 * k], w[1]));
+    return nv2a_depth_sum(w[1], products[0], products[1]);
 }
 
 static inline uint64_t nv2a_depth_of_w(const int n[3], const uint32_t w[3]) {
@@ -67,72 +70,65 @@ static inline uint64_t nv2a_depth_of_w(const int n[3], const uint32_t w[3]) {
     return nv2a_weighed_w(q, depths);
 }
 
-/* The slope along one axis: of values v, whose edges reach so far along the other. */
-static inline uint64_t nv2a_slope_along(const uint64_t v[3], int64_t to_1, int64_t to_2, int64_t area) {
-    uint64_t d1 = nv2a_f64_subtract(v[1], v[0]), d2 = nv2a_f64_subtract(v[2], v[0]);
-    uint64_t by_2 = nv2a_f64_multiply(d1, nv2a_f64_of_int64(to_2));
-    uint64_t by_1 = nv2a_f64_multiply(d2, nv2a_f64_of_int64(to_1));
-    uint64_t rise = nv2a_f64_multiply(nv2a_f64_subtract(by_2, by_1), 0x4030000000000000ull);
-    return nv2a_f64_magnitude(nv2a_f64_divide(rise, nv2a_f64_of_int64(area)));
-}
-
-/* What a polygon offset's factor adds. */
+/* What a polygon offset's factor adds: the larger of the slopes along x and y, times it. */
 static inline uint64_t nv2a_polygon_offset_slope(
     const int x[3], const int y[3], const uint32_t v[3], uint32_t factor) {
-    uint64_t values[3];
+    uint64_t d[2], steepest = 0ull;
     int64_t area = nv2a_signed_area(x, y);
     if (area == (int64_t)0) return 0ull;
-    for (int k = 0; k < 3; k++) values[k] = nv2a_f64_of_single(v[k]);
-    uint64_t along_x = nv2a_slope_along(values, (int64_t)(y[1] - y[0]), (int64_t)(y[2] - y[0]), area);
-    uint64_t along_y = nv2a_slope_along(values, (int64_t)(x[1] - x[0]), (int64_t)(x[2] - x[0]), area);
-    return nv2a_f64_multiply(nv2a_f64_of_single(factor), nv2a_f64_larger(along_x, along_y));
+    for (int k = 0; k < 2; k++) {
+        d[k] = nv2a_f64_subtract(nv2a_f64_of_single(v[k + 1]), nv2a_f64_of_single(v[0]));
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        uint64_t rise = 0x8000000000000000ull;
+        for (int k = 0; k < 2; k++) {
+            int reach = axis == 0 ? y[2 - k] - y[0] : x[2 - k] - x[0];
+            rise = nv2a_f64_add(rise, nv2a_f64_multiply(d[k], nv2a_f64_of_int(k == 0 ? reach : -reach)));
+        }
+        rise = nv2a_f64_multiply(rise, 0x4030000000000000ull);
+        uint64_t slope = nv2a_f64_magnitude(nv2a_f64_divide(rise, nv2a_f64_of_int64(area)));
+        steepest = nv2a_f64_larger(steepest, slope);
+    }
+    return nv2a_f64_multiply(nv2a_f64_of_single(factor), steepest);
 }
 
 /* ---------------------------------------------------------------------------------------------- W's slope */
 
-/* The weights that the slope reads of one pixel: of vertices 0 and 2, and their sum before it divides, uncut. */
+/* The weights that the slope reads of one pixel: of vertices 0 and 2; their sum before it divides, uncut; whether
+ * there are any. */
 static inline void nv2a_slope_weights(
-    const int x[3], const int y[3], const uint64_t inverse_w[3], int px, int py, uint64_t result[4]) {
+    const int x[3], const int y[3], const uint64_t factors[3], int px, int py, uint64_t result[4]) {
     uint64_t n[3], e[3];
     for (int k = 0; k < 3; k++) n[k] = nv2a_f64_of_int64(nv2a_edge_function(x, y, k, px, py));
-    nv2a_weighed_edges(n, inverse_w, e);
-    uint64_t total = nv2a_weight_sum(e);
-    int equal = inverse_w[0] == inverse_w[1] && inverse_w[1] == inverse_w[2];
-    for (int k = 0; k < 3; k++) {
-        if (!equal) n[k] = nv2a_f64_multiply(n[k], nv2a_weight_factor(inverse_w, k));
-    }
-    result[2] = nv2a_f64_add(nv2a_f64_add(n[0], n[1]), n[2]);
+    nv2a_weighed_edges(n, factors, e);
+    uint64_t total = nv2a_weight_sum(e), by = 0x3ff0000000000000ull, sum = 0x8000000000000000ull;
+    for (int k = 0; k < 3; k++) sum = nv2a_f64_add(sum, nv2a_f64_multiply(n[k], factors[k]));
+    result[2] = sum;
     result[3] = nv2a_f64_less(0ull, total) ? 1ull : 0ull;
-    uint64_t by = 0x3ff0000000000000ull;
     if (result[3] != 0ull) by = nv2a_reciprocal_24(total);
-    result[0] = nv2a_f64_cut(nv2a_f64_multiply(e[0], by), 24);
-    result[1] = nv2a_f64_cut(nv2a_f64_multiply(e[2], by), 24);
+    result[0] = nv2a_f64_cut(nv2a_f64_product(e[0], by), 24);
+    result[1] = nv2a_f64_cut(nv2a_f64_product(e[2], by), 24);
 }
 
 /* Whether a pixel is drawn, also where a vertex's w is negative. */
 static inline int nv2a_coverage_by_w(const int x[3], const int y[3], const uint32_t w[3], int px, int py) {
-    int64_t area = nv2a_signed_area(x, y), zero = (int64_t)0;
-    if (area == zero) return 0;
+    int64_t zero = (int64_t)0;
+    int turned = nv2a_signed_area(x, y) < zero, drawn = nv2a_signed_area(x, y) != zero;
     for (int k = 0; k < 3; k++) {
-        int a = k == 2 ? 0 : k + 1, b = k == 0 ? 2 : k - 1;
-        int behind = (w[k] & 0x80000000u) != 0u && (w[k] & 0x7fffffffu) != 0u;
+        int behind = w[k] > 0x80000000u, swaps = (turned != 0) != (behind != 0);
+        int a = (k + (swaps != 0 ? 2 : 1)) % 3, b = (k + (swaps != 0 ? 1 : 2)) % 3;
         int64_t n = nv2a_edge_function(x, y, k, px, py);
-        if (behind) n = zero - n;
-        if ((area < zero) != (behind != 0)) {
-            int other = a;
-            a = b;
-            b = other;
-        }
+        if (behind != 0) n = zero - n;
         int owned = y[b] < y[a] || (y[b] == y[a] && x[b] > x[a]);
-        if (n < zero || (n == zero && !owned)) return 0;
+        if (n < zero || (n == zero && owned == 0)) drawn = 0;
     }
-    return 1;
+    return drawn;
 }
 
 /* The slope of W buffering's polygon offset, of the first 2x2 block that the triangle draws in a box: left, top,
  * right, bottom, from 0. */
 static inline uint64_t nv2a_slope_of_w(const int x[3], const int y[3], const uint32_t w[3], const int box[4]) {
-    uint64_t depths[3], inverse[3], found = 0ull, nearest = 0ull;
+    uint64_t depths[3], inverse[3], factors[3], found = 0ull, nearest = 0ull;
     int behind = 0, first = 0, any = 0, tile_x = 0, tile_y = 0, closest = 0;
     for (int k = 0; k < 3; k++) {
         depths[k] = nv2a_f64_of_single(w[k]);
@@ -140,6 +136,7 @@ static inline uint64_t nv2a_slope_of_w(const int x[3], const int y[3], const uin
         if ((w[k] & 0x80000000u) != 0u && (w[k] & 0x7fffffffu) != 0u) behind = 1;
         if (y[k] < y[first]) first = k;
     }
+    nv2a_weight_factors(inverse, factors);
     int at = nv2a_clamp(x[first] >> 4, box[0], box[2] - 1) >> 2;
     int top = behind != 0 ? box[1] : nv2a_most(box[1], nv2a_clamp(y[first] >> 4, box[1], box[3] - 1) >> 2 << 2);
     for (int py = top; py < box[3]; py++) {
@@ -171,21 +168,28 @@ static inline uint64_t nv2a_slope_of_w(const int x[3], const int y[3], const uin
             if (row == 0 && y[first] < 0) upper_only = 1;
             for (int k = 0; k < 4; k++) {
                 uint64_t of[4];
-                nv2a_slope_weights(x, y, inverse, left + (k & 1), row + (k >> 1), of);
+                nv2a_slope_weights(x, y, factors, left + (k & 1), row + (k >> 1), of);
                 a[k] = of[0];
                 b[k] = of[1];
                 if (k == 0) near = of[2];
                 if (of[3] == 0ull) good = 0;
             }
             if (good != 0 && !nv2a_f64_less(near, nearest)) {
-                uint64_t step = nv2a_depth_difference(depths[0], depths[1]);
-                uint64_t other = nv2a_depth_difference(depths[2], depths[1]);
-                uint64_t along_x = nv2a_f64_multiply(nv2a_f64_subtract(a[3], a[2]), step);
-                uint64_t along_y = nv2a_f64_multiply(nv2a_f64_subtract(a[2], a[0]), step);
-                along_x = nv2a_f64_add(along_x, nv2a_f64_multiply(nv2a_f64_subtract(b[1], b[0]), other));
-                along_y = nv2a_f64_add(along_y, nv2a_f64_multiply(nv2a_f64_subtract(b[3], b[1]), other));
                 nearest = near;
-                found = nv2a_f64_larger(nv2a_f64_magnitude(along_x), nv2a_f64_magnitude(along_y));
+                found = 0ull;
+                for (int axis = 0; axis < 2; axis++) {
+                    uint64_t along = 0x8000000000000000ull;
+                    for (int k = 0; k < 2; k++) { /* of vertex 0, then of vertex 2 */
+                        uint64_t step = nv2a_depth_difference(depths[2 * k], depths[1]);
+                        uint64_t from = a[axis == 0 ? 2 : 0], to = a[axis == 0 ? 3 : 2];
+                        if (k == 1) {
+                            from = b[axis == 0 ? 0 : 1];
+                            to = b[axis == 0 ? 1 : 3];
+                        }
+                        along = nv2a_f64_add(along, nv2a_f64_multiply(nv2a_f64_subtract(to, from), step));
+                    }
+                    found = nv2a_f64_larger(found, nv2a_f64_magnitude(along));
+                }
                 found = nv2a_f64_cut(found, 24);
             }
         }

@@ -129,7 +129,7 @@ uint nv2a_lighting_add_product(uint a, uint b, uint c) {
 uint nv2a_lighting_reciprocal(uint x) {
     uint m = uint(nv2a_lighting_bits(x));
     uint seed = 16384u / (129u + 2u * ((m >> 7) & 63u));
-    uvec2 better = nv2a_u64_right(nv2a_u64_multiply(uvec2((1u << 21) - seed * m, 0u), uvec2(seed, 0u)), 14);
+    uvec2 better = nv2a_u64_right(nv2a_u32_product((1u << 21) - seed * m, seed), 14);
     int e = int((x >> 23) & 255u) - 127;
     return nv2a_with_limits(nv2a_packed(x & 0x80000000u, better, -13 - e, 24), x);
 }

@@ -24,12 +24,11 @@ static inline int nv2a_most(int a, int b) {
 
 /* The place of the highest bit that is set, from 0; of 0 it is 0. */
 static inline int nv2a_top_bit(uint32_t x) {
-    int n = 0;
-    if (x >= 0x10000u) { x >>= 16; n += 16; }
-    if (x >= 0x100u) { x >>= 8; n += 8; }
-    if (x >= 0x10u) { x >>= 4; n += 4; }
-    if (x >= 0x4u) { x >>= 2; n += 2; }
-    return x >= 0x2u ? n + 1 : n;
+    int n = x >= 0x10000u ? 16 : 0;
+    n += x >> n >= 0x100u ? 8 : 0;
+    n += x >> n >= 0x10u ? 4 : 0;
+    n += x >> n >= 0x4u ? 2 : 0;
+    return n + (x >> n >= 0x2u ? 1 : 0);
 }
 
 /* The same of 64 bits. */
@@ -40,33 +39,27 @@ static inline int nv2a_top_bit_64(uint64_t x) {
 
 /* The upper 64 of the 128 bits of a b; their last bit is set where the lower ones are not all 0. */
 static inline uint64_t nv2a_upper_product(uint64_t a, uint64_t b) {
-    uint64_t al = a & 0xffffffffull, ah = a >> 32, bl = b & 0xffffffffull, bh = b >> 32;
-    uint64_t low = al * bl, first = ah * bl, second = al * bh;
+    uint32_t al = (uint32_t)a, ah = (uint32_t)(a >> 32), bl = (uint32_t)b, bh = (uint32_t)(b >> 32);
+    uint64_t low = (uint64_t)al * (uint64_t)bl, first = (uint64_t)ah * (uint64_t)bl;
+    uint64_t second = (uint64_t)al * (uint64_t)bh;
     uint64_t middle = (low >> 32) + (first & 0xffffffffull) + (second & 0xffffffffull);
-    uint64_t high = ah * bh + (first >> 32) + (second >> 32) + (middle >> 32);
-    uint64_t rest = (middle << 32) | (low & 0xffffffffull);
-    return rest != 0ull ? high | 1ull : high;
+    uint64_t high = (uint64_t)ah * (uint64_t)bh + (first >> 32) + (second >> 32) + (middle >> 32);
+    return (uint32_t)middle != 0u || (uint32_t)low != 0u ? high | 1ull : high;
 }
 
 /* ---------------------------------------------------------------------------------------- double precision */
 
 /* The double nearest to m 2^e with that sign bit. The last bit of m stands for all that m lacks. */
 static inline uint64_t nv2a_f64_round(uint64_t sign, int e, uint64_t m) {
-    if (m == 0ull) return sign;
-    int up = 63 - nv2a_top_bit_64(m);
-    m <<= up;
-    int biased = e - up + 63 + 1023;
-    if (biased >= 2047) return sign | 0x7ff0000000000000ull;
-    int dropped = 11;
-    if (biased < 1) {
-        dropped = 12 - biased;
-        biased = 0;
-        if (dropped > 63) return sign;
-    }
-    uint64_t kept = m >> dropped, rest = m << (64 - dropped);
-    if (rest > 0x8000000000000000ull || (rest == 0x8000000000000000ull && (kept & 1ull) != 0ull)) kept += 1ull;
-    if (biased > 0) kept += (uint64_t)(uint32_t)(biased - 1) << 52;
-    return sign | kept;
+    int up = 63 - nv2a_top_bit_64(m), field = e - up + 1086;
+    int dropped = field < 1 ? 12 - field : 11;
+    uint64_t high = m << up, middle = 0x8000000000000000ull;
+    uint64_t kept = dropped > 63 ? 0ull : high >> dropped;
+    uint64_t rest = dropped > 64 ? 0ull : dropped == 64 ? high : high << (64 - dropped);
+    if (rest > middle || (rest == middle && (kept & 1ull) != 0ull)) kept += 1ull;
+    uint64_t found = kept + ((uint64_t)(uint32_t)(field > 0 ? field - 1 : 0) << 52);
+    if (field >= 2047) found = 0x7ff0000000000000ull;
+    return m == 0ull ? sign : sign | found;
 }
 
 static inline int nv2a_f64_is_nan(uint64_t a) {
@@ -109,30 +102,20 @@ static inline uint64_t nv2a_f64_magnitude(uint64_t a) {
 }
 
 static inline uint64_t nv2a_f64_add(uint64_t a, uint64_t b) {
-    if (nv2a_f64_is_nan(a) || nv2a_f64_is_nan(b)) return 0x7ff8000000000000ull;
-    if (!nv2a_f64_is_finite(a)) {
-        if (!nv2a_f64_is_finite(b) && a != b) return 0x7ff8000000000000ull;
-        return a;
+    int swaps = nv2a_f64_magnitude(a) < nv2a_f64_magnitude(b);
+    uint64_t large = swaps != 0 ? b : a, small = swaps != 0 ? a : b;
+    uint64_t m = nv2a_f64_significand(large) << 10, other = nv2a_f64_significand(small) << 10;
+    int unit = nv2a_f64_unit(large), by = nv2a_least(unit - nv2a_f64_unit(small), 63);
+    uint64_t lost = by == 0 ? 0ull : other << (64 - by);
+    int alike = ((a ^ b) & 0x8000000000000000ull) == 0ull;
+    other = other >> by | (lost != 0ull ? 1ull : 0ull);
+    uint64_t sum = alike != 0 ? m + other : m - other;
+    uint64_t sign = sum == 0ull && alike == 0 ? 0ull : large & 0x8000000000000000ull;
+    uint64_t found = nv2a_f64_round(sign, unit - 10, sum);
+    if (!nv2a_f64_is_finite(large)) {
+        found = nv2a_f64_is_nan(large) || (!nv2a_f64_is_finite(small) && alike == 0) ? 0x7ff8000000000000ull : large;
     }
-    if (!nv2a_f64_is_finite(b)) return b;
-    if (nv2a_f64_magnitude(a) < nv2a_f64_magnitude(b)) {
-        uint64_t other = a;
-        a = b;
-        b = other;
-    }
-    uint64_t sign = a & 0x8000000000000000ull;
-    uint64_t ma = nv2a_f64_significand(a) << 10, mb = nv2a_f64_significand(b) << 10;
-    int apart = nv2a_f64_unit(a) - nv2a_f64_unit(b);
-    if (apart > 63) {
-        mb = mb != 0ull ? 1ull : 0ull;
-    } else if (apart > 0) {
-        uint64_t lost = mb << (64 - apart);
-        mb >>= apart;
-        if (lost != 0ull) mb |= 1ull;
-    }
-    int unit = nv2a_f64_unit(a) - 10;
-    if (((a ^ b) & 0x8000000000000000ull) == 0ull) return nv2a_f64_round(sign, unit, ma + mb);
-    return ma == mb ? 0ull : nv2a_f64_round(sign, unit, ma - mb);
+    return found;
 }
 
 static inline uint64_t nv2a_f64_subtract(uint64_t a, uint64_t b) {
@@ -141,49 +124,44 @@ static inline uint64_t nv2a_f64_subtract(uint64_t a, uint64_t b) {
 
 static inline uint64_t nv2a_f64_multiply(uint64_t a, uint64_t b) {
     uint64_t sign = (a ^ b) & 0x8000000000000000ull;
-    if (nv2a_f64_is_nan(a) || nv2a_f64_is_nan(b)) return 0x7ff8000000000000ull;
-    if (!nv2a_f64_is_finite(a) || !nv2a_f64_is_finite(b)) {
-        if (nv2a_f64_is_zero(a) || nv2a_f64_is_zero(b)) return 0x7ff8000000000000ull;
-        return sign | 0x7ff0000000000000ull;
-    }
     uint64_t ma = nv2a_f64_significand(a), mb = nv2a_f64_significand(b);
-    if (ma == 0ull || mb == 0ull) return sign;
     int up = 63 - nv2a_top_bit_64(ma), over = 63 - nv2a_top_bit_64(mb);
     uint64_t m = nv2a_upper_product(ma << up, mb << over);
-    return nv2a_f64_round(sign, nv2a_f64_unit(a) - up + nv2a_f64_unit(b) - over + 64, m);
+    uint64_t found = nv2a_f64_round(sign, nv2a_f64_unit(a) - up + nv2a_f64_unit(b) - over + 64, m);
+    if (!nv2a_f64_is_finite(a) || !nv2a_f64_is_finite(b)) {
+        int none = nv2a_f64_is_nan(a) || nv2a_f64_is_nan(b) || nv2a_f64_is_zero(a) || nv2a_f64_is_zero(b);
+        found = none != 0 ? 0x7ff8000000000000ull : sign | 0x7ff0000000000000ull;
+    }
+    return found;
 }
 
 static inline uint64_t nv2a_f64_divide(uint64_t a, uint64_t b) {
-    uint64_t sign = (a ^ b) & 0x8000000000000000ull;
-    if (nv2a_f64_is_nan(a) || nv2a_f64_is_nan(b)) return 0x7ff8000000000000ull;
-    if (!nv2a_f64_is_finite(a)) return nv2a_f64_is_finite(b) ? sign | 0x7ff0000000000000ull : 0x7ff8000000000000ull;
-    if (!nv2a_f64_is_finite(b)) return sign;
-    uint64_t rest = nv2a_f64_significand(a), divisor = nv2a_f64_significand(b);
-    if (divisor == 0ull) return rest == 0ull ? 0x7ff8000000000000ull : sign | 0x7ff0000000000000ull;
-    if (rest == 0ull) return sign;
-    int up = 52 - nv2a_top_bit_64(rest), over = 52 - nv2a_top_bit_64(divisor);
-    rest <<= up;
-    divisor <<= over;
-    uint64_t quotient = 0ull;
+    uint64_t sign = (a ^ b) & 0x8000000000000000ull, quotient = 0ull;
+    uint64_t ma = nv2a_f64_significand(a), mb = nv2a_f64_significand(b);
+    int up = 52 - nv2a_top_bit_64(ma), over = 52 - nv2a_top_bit_64(mb);
+    uint64_t rest = ma << up, divisor = mb << over;
     for (int k = 0; k < 56; k++) {
-        quotient <<= 1;
-        if (rest >= divisor) {
-            rest -= divisor;
-            quotient |= 1ull;
-        }
-        rest <<= 1;
+        int more = rest >= divisor;
+        rest = (more != 0 ? rest - divisor : rest) << 1;
+        quotient = quotient << 1 | (more != 0 ? 1ull : 0ull);
     }
-    if (rest != 0ull) quotient |= 1ull;
-    return nv2a_f64_round(sign, nv2a_f64_unit(a) - up - nv2a_f64_unit(b) + over - 55, quotient);
+    if (rest != 0ull) quotient = quotient | 1ull;
+    uint64_t found = nv2a_f64_round(sign, nv2a_f64_unit(a) - up - nv2a_f64_unit(b) + over - 55, quotient);
+    int none = nv2a_f64_is_nan(a) || nv2a_f64_is_nan(b);
+    if (!nv2a_f64_is_finite(b)) found = sign;
+    if (nv2a_f64_is_zero(b)) found = sign | 0x7ff0000000000000ull;
+    if (!nv2a_f64_is_finite(a)) found = sign | 0x7ff0000000000000ull;
+    if (nv2a_f64_is_zero(a) && nv2a_f64_is_zero(b)) none = 1;
+    if (!nv2a_f64_is_finite(a) && !nv2a_f64_is_finite(b)) none = 1;
+    return none != 0 ? 0x7ff8000000000000ull : found;
 }
 
 /* a < b; false where one is NaN. */
 static inline int nv2a_f64_less(uint64_t a, uint64_t b) {
-    if (nv2a_f64_is_nan(a) || nv2a_f64_is_nan(b)) return 0;
     uint64_t ma = nv2a_f64_magnitude(a), mb = nv2a_f64_magnitude(b);
-    int negative_a = ma != a && ma != 0ull, negative_b = mb != b && mb != 0ull;
-    if (negative_a != negative_b) return negative_a;
-    return negative_a ? mb < ma : ma < mb;
+    int below_a = ma != a && ma != 0ull, below_b = mb != b && mb != 0ull; /* 0 */
+    int less = below_a != below_b ? below_a : below_a != 0 ? mb < ma : ma < mb;
+    return less != 0 && !nv2a_f64_is_nan(a) && !nv2a_f64_is_nan(b);
 }
 
 static inline uint64_t nv2a_f64_larger(uint64_t a, uint64_t b) {
@@ -197,28 +175,29 @@ static inline uint64_t nv2a_f64_of_int(int n) {
 
 static inline uint64_t nv2a_f64_of_int64(int64_t n) {
     uint64_t m = (uint64_t)n;
-    if (n < (int64_t)0) return nv2a_f64_round(0x8000000000000000ull, 0, 0ull - m);
-    return nv2a_f64_round(0ull, 0, m);
+    int negative = n < (int64_t)0;
+    return nv2a_f64_round(negative ? 0x8000000000000000ull : 0ull, 0, negative ? 0ull - m : m);
 }
 
 /* The double that a single is. */
 static inline uint64_t nv2a_f64_of_single(uint32_t x) {
     uint64_t sign = (uint64_t)(x & 0x80000000u) << 32;
     uint32_t field = x >> 23 & 255u, fraction = x & 0x7fffffu;
-    if (field == 255u) return fraction != 0u ? 0x7ff8000000000000ull : sign | 0x7ff0000000000000ull;
-    if (field == 0u) return nv2a_f64_round(sign, -149, (uint64_t)fraction);
-    return sign | (uint64_t)(field + 896u) << 52 | (uint64_t)fraction << 29;
+    int up = 23 - nv2a_top_bit(fraction); /* of a denormal number */
+    uint32_t wide = field == 255u ? 2047u : field != 0u ? field + 896u : fraction == 0u ? 0u : (uint32_t)(897 - up);
+    if (field == 0u) fraction = fraction << up & 0x7fffffu;
+    if (field == 255u && fraction != 0u) return 0x7ff8000000000000ull;
+    return sign | (uint64_t)wide << 52 | (uint64_t)fraction << 29;
 }
 
 /* The single that a double is, cut toward zero; 0 where it is below 2^-126, the largest where it is above. */
 static inline uint32_t nv2a_single_of_f64(uint64_t a) {
-    uint32_t sign = (uint32_t)(a >> 32) & 0x80000000u;
-    if (nv2a_f64_is_nan(a)) return 0x7fc00000u;
-    if (!nv2a_f64_is_finite(a)) return sign | 0x7f800000u;
+    uint32_t sign = (uint32_t)(a >> 32) & 0x80000000u, fraction = (uint32_t)(a >> 29) & 0x7fffffu;
     int field = ((int)(uint32_t)(a >> 52) & 2047) - 896;
-    if (field < 1) return sign;
-    if (field > 254) return sign | 0x7f7fffffu;
-    return sign | (uint32_t)field << 23 | ((uint32_t)(a >> 29) & 0x7fffffu);
+    uint32_t found = (uint32_t)nv2a_clamp(field, 0, 254) << 23 | (field > 254 ? 0x7fffffu : fraction);
+    if (field < 1) found = 0u;
+    if (!nv2a_f64_is_finite(a)) found = 0x7f800000u;
+    return nv2a_f64_is_nan(a) ? 0x7fc00000u : sign | found;
 }
 
 /* A double cut toward zero to so many significant bits, 1 to 53. */
@@ -229,18 +208,45 @@ static inline uint64_t nv2a_f64_cut(uint64_t a, int bits) {
 
 /* A finite double cut toward zero to a multiple of 2^unit; it keeps its sign. */
 static inline uint64_t nv2a_f64_multiple(uint64_t a, int unit) {
-    int dropped = unit - nv2a_f64_unit(a);
-    if (dropped <= 0) return a;
-    if (dropped > 52) return a & 0x8000000000000000ull;
-    return a >> dropped << dropped;
+    int dropped = unit - nv2a_f64_unit(a), by = nv2a_clamp(dropped, 0, 63);
+    return dropped > 52 ? a & 0x8000000000000000ull : a >> by << by;
+}
+
+/* a b of numbers of 32 significant bits at most: exact where there are 53 together, else cut toward zero. Neither
+ * product nor factors are below double precision's normal numbers, or infinite, or NaN. */
+static inline uint64_t nv2a_f64_product(uint64_t a, uint64_t b) {
+    uint64_t sign = (a ^ b) & 0x8000000000000000ull;
+    uint32_t ma = (uint32_t)(a >> 21) | 0x80000000u, mb = (uint32_t)(b >> 21) | 0x80000000u;
+    uint64_t m = (uint64_t)ma * (uint64_t)mb;
+    uint32_t over = (uint32_t)(m >> 63);
+    uint32_t field = ((uint32_t)(a >> 52) & 2047u) + ((uint32_t)(b >> 52) & 2047u) - 1023u + over;
+    uint64_t found = (uint64_t)field << 52 | (m >> (int)(10u + over) & 0x000fffffffffffffull);
+    return nv2a_f64_is_zero(a) || nv2a_f64_is_zero(b) ? sign : sign | found;
+}
+
+/* How many times 2^unit a finite number has, cut toward zero; they are fewer than 2^62. */
+static inline int64_t nv2a_f64_in_units(uint64_t a, int unit) {
+    int down = unit - nv2a_f64_unit(a);
+    uint64_t m = nv2a_f64_significand(a) << nv2a_clamp(-down, 0, 63) >> nv2a_clamp(down, 0, 63);
+    return (a & 0x8000000000000000ull) != 0ull ? (int64_t)0 - (int64_t)m : (int64_t)m;
+}
+
+/* So many times 2^unit, cut toward zero to so many significant bits. */
+static inline uint64_t nv2a_f64_of_units(int64_t n, int unit, int bits) {
+    int below = n < (int64_t)0;
+    uint64_t m = below != 0 ? 0ull - (uint64_t)n : (uint64_t)n;
+    int top = nv2a_top_bit_64(m), field = nv2a_clamp(unit + top + 1023, 0, 2047);
+    uint64_t fraction = m << (63 - top) >> (64 - bits) << (53 - bits) & 0x000fffffffffffffull;
+    uint64_t found = (uint64_t)(uint32_t)field << 52 | (field < 2047 ? fraction : 0ull);
+    if (m == 0ull || field == 0) found = 0ull;
+    return below != 0 && found != 0ull ? found | 0x8000000000000000ull : found;
 }
 
 /* The largest whole number that is not above a. */
 static inline uint64_t nv2a_f64_floor(uint64_t a) {
-    if (!nv2a_f64_is_finite(a)) return a;
     uint64_t whole = nv2a_f64_multiple(a, 0);
-    if (nv2a_f64_less(a, whole)) return nv2a_f64_add(whole, 0xbff0000000000000ull);
-    return whole;
+    if (nv2a_f64_less(a, whole)) whole = nv2a_f64_add(whole, 0xbff0000000000000ull);
+    return nv2a_f64_is_finite(a) ? whole : a;
 }
 
 /* A finite double times 2^by, where neither is below double precision's normal numbers. */
@@ -251,11 +257,10 @@ static inline uint64_t nv2a_f64_scaled(uint64_t a, int by) {
 
 /* A double cut toward zero to a whole number, within -2^30 and 2^30; 0 for NaN. */
 static inline int nv2a_int_of_f64(uint64_t a) {
-    if (nv2a_f64_is_nan(a)) return 0;
-    int n, bound = nv2a_f64_bound(a);
+    int bound = nv2a_f64_bound(a);
+    int n = (int)(uint32_t)(nv2a_f64_significand(a) >> nv2a_clamp(53 - bound, 0, 63));
     if (bound > 30) n = 1 << 30;
-    else if (bound < 1) n = 0;
-    else n = (int)(uint32_t)(nv2a_f64_significand(a) >> (53 - bound));
+    if (bound < 1 || nv2a_f64_is_nan(a)) n = 0;
     return (a & 0x8000000000000000ull) != 0ull ? -n : n;
 }
 

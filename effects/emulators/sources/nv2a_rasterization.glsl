@@ -24,26 +24,19 @@ uvec2 nv2a_edge_function(ivec3 x, ivec3 y, int k, int px, int py) {
 
 // Whether the pixel is drawn: on an edge, where it is a left or a top one.
 int nv2a_coverage(ivec3 x, ivec3 y, int px, int py) {
-    uvec2 area = nv2a_signed_area(x, y);
     uvec2 zero = uvec2(0u, 0u);
-    if (area == zero) {
-        return 0;
-    }
+    int turned = int(nv2a_i64_less(nv2a_signed_area(x, y), zero));
+    int drawn = int(nv2a_signed_area(x, y) != zero);
     for (int k = 0; k < 3; k++) {
-        int a = k == 2 ? 0 : k + 1;
-        int b = k == 0 ? 2 : k - 1;
-        if (nv2a_i64_less(area, zero)) {
-            int other = a;
-            a = b;
-            b = other;
-        }
+        int a = (k + (turned != 0 ? 2 : 1)) % 3;
+        int b = (k + (turned != 0 ? 1 : 2)) % 3;
         uvec2 n = nv2a_edge_function(x, y, k, px, py);
         int owned = int(y[b] < y[a] || (y[b] == y[a] && x[b] > x[a]));
-        if (nv2a_i64_less(n, zero) || (n == zero && !(owned != 0))) {
-            return 0;
+        if (nv2a_i64_less(n, zero) || (n == zero && owned == 0)) {
+            drawn = 0;
         }
     }
-    return 1;
+    return drawn;
 }
 
 // 1/s of a positive s of 24 significant bits.
@@ -58,7 +51,7 @@ uvec2 nv2a_reciprocal_24(uvec2 s) {
     }
     int rest = int(0u - m * x);
     int half_up = int((uint(rest < 0 ? -rest : rest) + 1023u) >> 11);
-    uvec2 best = nv2a_u64_multiply(uvec2(x, 0u), uvec2(uint(16777216 + (rest < 0 ? -half_up : half_up)), 0u));
+    uvec2 best = nv2a_u32_product(x, uint(16777216 + (rest < 0 ? -half_up : half_up)));
     return nv2a_f64_cut(nv2a_f64_round(uvec2(0x0u, 0x0u), -35 - nv2a_f64_bound(s), best), 24);
 }
 
@@ -83,79 +76,79 @@ uvec2 nv2a_reciprocal_of_sum(uvec2 x) {
     return nv2a_f64_less(x, uvec2(0x0u, 0x0u)) != 0 ? nv2a_f64_subtract(uvec2(0x0u, 0x0u), found) : found;
 }
 
-// What a vertex's edge function is multiplied with: the product of the other two w, with the sign of its own.
-uvec2 nv2a_weight_factor(uvec2 inverse_w[3], int k) {
-    uvec2 product = uvec2(0x0u, 0x3ff00000u);
-    for (int i = 0; i < 3; i++) {
-        if (i != k) {
-            uvec2 w = nv2a_f64_divide(uvec2(0x0u, 0x3ff00000u), inverse_w[i]);
-            w = nv2a_f64_to_single(nv2a_f64_magnitude(w));
-            if (nv2a_f64_less(uvec2(0xe0000000u, 0x47efffffu), w) != 0) {
-                w = uvec2(0xe0000000u, 0x47efffffu);
+// What each vertex's edge function is multiplied with: the product of the other two w, with the sign of its own; one
+// where the three are equal.
+void nv2a_weight_factors(uvec2 inverse_w[3], out uvec2 result[3]) {
+    int equal = int(inverse_w[0] == inverse_w[1] && inverse_w[1] == inverse_w[2]);
+    uvec2 w[3];
+    for (int k = 0; k < 3; k++) {
+        w[k] = uvec2(0x0u, 0x3ff00000u);
+        if (!(equal != 0)) {
+            w[k] = nv2a_f64_to_single(nv2a_f64_divide(uvec2(0x0u, 0x3ff00000u), nv2a_f64_magnitude(inverse_w[k])));
+            if (nv2a_u64_less(uvec2(0xe0000000u, 0x47efffffu), w[k])) {
+                w[k] = uvec2(0xe0000000u, 0x47efffffu);
             }
-            product = nv2a_f64_multiply(product, w);
         }
     }
-    product = nv2a_f64_larger(nv2a_f64_cut(product, 24), uvec2(0x0u, 0x2d300000u));
-    return product | (inverse_w[k] & uvec2(0x0u, 0x80000000u));
+    for (int k = 0; k < 3; k++) {
+        uvec2 others = nv2a_f64_cut(nv2a_f64_product(w[k == 0 ? 1 : 0], w[k == 2 ? 1 : 2]), 24);
+        if (nv2a_u64_less(others, uvec2(0x0u, 0x2d300000u))) {
+            others = uvec2(0x0u, 0x2d300000u);
+        }
+        result[k] = equal != 0 ? uvec2(0x0u, 0x3ff00000u) : others | (inverse_w[k] & uvec2(0x0u, 0x80000000u));
+    }
 }
 
 // The edge functions by their factors, of 24 bits.
-void nv2a_weighed_edges(uvec2 n[3], uvec2 inverse_w[3], out uvec2 e[3]) {
-    int equal = int(inverse_w[0] == inverse_w[1] && inverse_w[1] == inverse_w[2]);
+void nv2a_weighed_edges(uvec2 n[3], uvec2 factors[3], out uvec2 e[3]) {
     for (int k = 0; k < 3; k++) {
-        uvec2 factor = uvec2(0x0u, 0x3ff00000u);
-        if (!(equal != 0)) {
-            factor = nv2a_weight_factor(inverse_w, k);
-        }
-        e[k] = nv2a_f64_cut(nv2a_f64_multiply(nv2a_f64_cut(n[k], 24), factor), 24);
+        e[k] = nv2a_f64_cut(nv2a_f64_product(nv2a_f64_cut(n[k], 24), factors[k]), 24);
     }
 }
 
 // Their sum, of which each loses what is more than a bit below the 24 of the largest.
 uvec2 nv2a_weight_sum(uvec2 e[3]) {
-    uvec2 largest = uvec2(0x0u, 0x2ff00000u);
-    uvec2 total = uvec2(0x0u, 0x0u);
+    int bound = -255;
     for (int k = 0; k < 3; k++) {
-        largest = nv2a_f64_larger(largest, nv2a_f64_magnitude(e[k]));
+        if (!(nv2a_f64_is_zero(e[k]) != 0)) {
+            bound = nv2a_most(bound, nv2a_f64_bound(e[k]));
+        }
     }
-    int unit = nv2a_f64_bound(largest) - 25;
+    uvec2 total = uvec2(0u, 0u);
     for (int k = 0; k < 3; k++) {
-        total = nv2a_f64_add(total, nv2a_f64_multiple(e[k], unit));
+        total = nv2a_u64_add(total, nv2a_f64_in_units(e[k], bound - 25));
     }
-    return nv2a_f64_cut(total, 24);
+    return nv2a_f64_of_units(total, bound - 25, 24);
 }
 
 // What two weights leave of one.
 uvec2 nv2a_rest_of(uvec2 a, uvec2 b) {
-    uvec2 rest = nv2a_f64_subtract(uvec2(0x0u, 0x3ff00000u), nv2a_f64_multiple(a, -25));
-    return nv2a_f64_cut(nv2a_f64_subtract(rest, nv2a_f64_multiple(b, -25)), 24);
+    uvec2 taken = nv2a_u64_add(nv2a_f64_in_units(a, -25), nv2a_f64_in_units(b, -25));
+    return nv2a_f64_of_units(nv2a_u64_subtract(uvec2(33554432u, 0u), taken), -25, 24);
 }
 
 // How many of 1/2 and 1/4 a weight reaches.
 int nv2a_weight_class(uvec2 q) {
-    int n = 0;
-    if (!(nv2a_f64_less(q, uvec2(0x0u, 0x3fe00000u)) != 0)) {
-        n += 1;
+    if ((q & uvec2(0x0u, 0x80000000u)) != uvec2(0x0u, 0x0u) || nv2a_u64_less(q, uvec2(0x0u, 0x3fd00000u))) {
+        return 0;
     }
-    if (!(nv2a_f64_less(q, uvec2(0x0u, 0x3fd00000u)) != 0)) {
-        n += 1;
-    }
-    return nv2a_f64_is_nan(q) != 0 ? 0 : n;
+    return nv2a_u64_less(q, uvec2(0x0u, 0x3fe00000u)) ? 1 : 2;
 }
 
 // The weights of vertices 0 and 2, of edge functions and 1/w as doubles.
 void nv2a_weights(uvec2 n[3], uvec2 inverse_w[3], out uvec2 result[2]) {
+    uvec2 factors[3];
     uvec2 e[3];
     uvec2 q[3];
-    nv2a_weighed_edges(n, inverse_w, e);
+    nv2a_weight_factors(inverse_w, factors);
+    nv2a_weighed_edges(n, factors, e);
     uvec2 total = nv2a_weight_sum(e);
     if (nv2a_f64_is_zero(total) != 0) {
         total = uvec2(0x0u, 0x3ff00000u);
     }
     uvec2 by = nv2a_reciprocal_of_sum(total);
     for (int k = 0; k < 3; k++) {
-        q[k] = nv2a_f64_cut(nv2a_f64_multiply(e[k], by), 24);
+        q[k] = nv2a_f64_cut(nv2a_f64_product(e[k], by), 24);
     }
     int c0 = nv2a_weight_class(q[0]);
     int c1 = nv2a_weight_class(q[1]);
@@ -203,20 +196,18 @@ int nv2a_highest(uvec2 a) {
 
 // The sum of three products, each cut to 2^-23 of the largest product of two factors' highest bits; 24 bits of it.
 uvec2 nv2a_product_sum(uvec2 a[3], uvec2 b[3]) {
-    uvec2 terms[3];
-    uvec2 total = uvec2(0x0u, 0x0u);
     int e = -100;
     for (int k = 0; k < 3; k++) {
-        terms[k] = nv2a_f64_multiply(a[k], b[k]);
-        if (!(nv2a_f64_is_finite(terms[k]) != 0)) {
+        if (!(nv2a_f64_is_finite(a[k]) != 0) || !(nv2a_f64_is_finite(b[k]) != 0)) {
             return uvec2(0x0u, 0x7ff80000u);
         }
         e = nv2a_most(e, nv2a_highest(a[k]) + nv2a_highest(b[k]));
     }
+    uvec2 total = uvec2(0u, 0u);
     for (int k = 0; k < 3; k++) {
-        total = nv2a_f64_add(total, nv2a_f64_multiple(terms[k], e - 23));
+        total = nv2a_u64_add(total, nv2a_f64_in_units(nv2a_f64_product(a[k], b[k]), e - 23));
     }
-    return nv2a_f64_cut(total, 24);
+    return nv2a_f64_of_units(total, e - 23, 24);
 }
 
 // a - b of vertices' coordinates, both cut a bit below the 24 of the larger; 24 bits of it.
@@ -224,9 +215,15 @@ uvec2 nv2a_coordinate_difference(uvec2 a, uvec2 b) {
     if (!(nv2a_f64_is_finite(a) != 0) || !(nv2a_f64_is_finite(b) != 0)) {
         return nv2a_f64_subtract(a, b);
     }
-    uvec2 largest = nv2a_f64_larger(nv2a_f64_magnitude(a), nv2a_f64_magnitude(b));
-    int unit = nv2a_f64_bound(nv2a_f64_larger(largest, uvec2(0x0u, 0x39b00000u))) - 25;
-    return nv2a_f64_cut(nv2a_f64_subtract(nv2a_f64_multiple(a, unit), nv2a_f64_multiple(b, unit)), 24);
+    int bound = -99;
+    if (!(nv2a_f64_is_zero(a) != 0)) {
+        bound = nv2a_most(bound, nv2a_f64_bound(a));
+    }
+    if (!(nv2a_f64_is_zero(b) != 0)) {
+        bound = nv2a_most(bound, nv2a_f64_bound(b));
+    }
+    uvec2 steps = nv2a_u64_subtract(nv2a_f64_in_units(a, bound - 25), nv2a_f64_in_units(b, bound - 25));
+    return nv2a_f64_of_units(steps, bound - 25, 24);
 }
 
 // A texture coordinate of three vertices' doubles, by the weights of vertices 0 and 2.

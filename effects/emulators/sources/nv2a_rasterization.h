@@ -23,20 +23,15 @@ static inline int64_t nv2a_edge_function(const int x[3], const int y[3], int k, 
 
 /* Whether the pixel is drawn: on an edge, where it is a left or a top one. */
 static inline int nv2a_coverage(const int x[3], const int y[3], int px, int py) {
-    int64_t area = nv2a_signed_area(x, y), zero = (int64_t)0;
-    if (area == zero) return 0;
+    int64_t zero = (int64_t)0;
+    int turned = nv2a_signed_area(x, y) < zero, drawn = nv2a_signed_area(x, y) != zero;
     for (int k = 0; k < 3; k++) {
-        int a = k == 2 ? 0 : k + 1, b = k == 0 ? 2 : k - 1;
-        if (area < zero) {
-            int other = a;
-            a = b;
-            b = other;
-        }
+        int a = (k + (turned != 0 ? 2 : 1)) % 3, b = (k + (turned != 0 ? 1 : 2)) % 3;
         int64_t n = nv2a_edge_function(x, y, k, px, py);
         int owned = y[b] < y[a] || (y[b] == y[a] && x[b] > x[a]);
-        if (n < zero || (n == zero && !owned)) return 0;
+        if (n < zero || (n == zero && owned == 0)) drawn = 0;
     }
-    return 1;
+    return drawn;
 }
 
 /* 1/s of a positive s of 24 significant bits. */
@@ -66,62 +61,62 @@ static inline uint64_t nv2a_reciprocal_of_sum(uint64_t x) {
     return nv2a_f64_less(x, 0ull) ? nv2a_f64_subtract(0ull, found) : found;
 }
 
-/* What a vertex's edge function is multiplied with: the product of the other two w, with the sign of its own. */
-static inline uint64_t nv2a_weight_factor(const uint64_t inverse_w[3], int k) {
-    uint64_t product = 0x3ff0000000000000ull;
-    for (int i = 0; i < 3; i++) {
-        if (i != k) {
-            uint64_t w = nv2a_f64_divide(0x3ff0000000000000ull, inverse_w[i]);
-            w = nv2a_f64_to_single(nv2a_f64_magnitude(w));
-            if (nv2a_f64_less(0x47efffffe0000000ull, w)) w = 0x47efffffe0000000ull; /* the largest single */
-            product = nv2a_f64_multiply(product, w);
+/* What each vertex's edge function is multiplied with: the product of the other two w, with the sign of its own; one
+ * where the three are equal. */
+static inline void nv2a_weight_factors(const uint64_t inverse_w[3], uint64_t result[3]) {
+    int equal = inverse_w[0] == inverse_w[1] && inverse_w[1] == inverse_w[2];
+    uint64_t w[3];
+    for (int k = 0; k < 3; k++) {
+        w[k] = 0x3ff0000000000000ull;
+        if (!equal) {
+            w[k] = nv2a_f64_to_single(nv2a_f64_divide(0x3ff0000000000000ull, nv2a_f64_magnitude(inverse_w[k])));
+            if (w[k] > 0x47efffffe0000000ull) w[k] = 0x47efffffe0000000ull; /* the largest single */
         }
     }
-    product = nv2a_f64_larger(nv2a_f64_cut(product, 24), 0x2d30000000000000ull); /* 2^-300 */
-    return product | (inverse_w[k] & 0x8000000000000000ull);
+    for (int k = 0; k < 3; k++) {
+        uint64_t others = nv2a_f64_cut(nv2a_f64_product(w[k == 0 ? 1 : 0], w[k == 2 ? 1 : 2]), 24);
+        if (others < 0x2d30000000000000ull) others = 0x2d30000000000000ull; /* 2^-300 */
+        result[k] = equal ? 0x3ff0000000000000ull : others | (inverse_w[k] & 0x8000000000000000ull);
+    }
 }
 
 /* The edge functions by their factors, of 24 bits. */
-static inline void nv2a_weighed_edges(const uint64_t n[3], const uint64_t inverse_w[3], uint64_t e[3]) {
-    int equal = inverse_w[0] == inverse_w[1] && inverse_w[1] == inverse_w[2];
-    for (int k = 0; k < 3; k++) {
-        uint64_t factor = 0x3ff0000000000000ull;
-        if (!equal) factor = nv2a_weight_factor(inverse_w, k);
-        e[k] = nv2a_f64_cut(nv2a_f64_multiply(nv2a_f64_cut(n[k], 24), factor), 24);
-    }
+static inline void nv2a_weighed_edges(const uint64_t n[3], const uint64_t factors[3], uint64_t e[3]) {
+    for (int k = 0; k < 3; k++) e[k] = nv2a_f64_cut(nv2a_f64_product(nv2a_f64_cut(n[k], 24), factors[k]), 24);
 }
 
 /* Their sum, of which each loses what is more than a bit below the 24 of the largest. */
 static inline uint64_t nv2a_weight_sum(const uint64_t e[3]) {
-    uint64_t largest = 0x2ff0000000000000ull, total = 0ull; /* 2^-256 */
-    for (int k = 0; k < 3; k++) largest = nv2a_f64_larger(largest, nv2a_f64_magnitude(e[k]));
-    int unit = nv2a_f64_bound(largest) - 25;
-    for (int k = 0; k < 3; k++) total = nv2a_f64_add(total, nv2a_f64_multiple(e[k], unit));
-    return nv2a_f64_cut(total, 24);
+    int bound = -255;
+    for (int k = 0; k < 3; k++) {
+        if (!nv2a_f64_is_zero(e[k])) bound = nv2a_most(bound, nv2a_f64_bound(e[k]));
+    }
+    int64_t total = (int64_t)0;
+    for (int k = 0; k < 3; k++) total = total + nv2a_f64_in_units(e[k], bound - 25);
+    return nv2a_f64_of_units(total, bound - 25, 24);
 }
 
 /* What two weights leave of one. */
 static inline uint64_t nv2a_rest_of(uint64_t a, uint64_t b) {
-    uint64_t rest = nv2a_f64_subtract(0x3ff0000000000000ull, nv2a_f64_multiple(a, -25));
-    return nv2a_f64_cut(nv2a_f64_subtract(rest, nv2a_f64_multiple(b, -25)), 24);
+    int64_t taken = nv2a_f64_in_units(a, -25) + nv2a_f64_in_units(b, -25);
+    return nv2a_f64_of_units((int64_t)33554432 - taken, -25, 24);
 }
 
 /* How many of 1/2 and 1/4 a weight reaches. */
 static inline int nv2a_weight_class(uint64_t q) {
-    int n = 0;
-    if (!nv2a_f64_less(q, 0x3fe0000000000000ull)) n += 1;
-    if (!nv2a_f64_less(q, 0x3fd0000000000000ull)) n += 1;
-    return nv2a_f64_is_nan(q) ? 0 : n;
+    if ((q & 0x8000000000000000ull) != 0ull || q < 0x3fd0000000000000ull) return 0;
+    return q < 0x3fe0000000000000ull ? 1 : 2;
 }
 
 /* The weights of vertices 0 and 2, of edge functions and 1/w as doubles. */
 static inline void nv2a_weights(const uint64_t n[3], const uint64_t inverse_w[3], uint64_t result[2]) {
-    uint64_t e[3], q[3];
-    nv2a_weighed_edges(n, inverse_w, e);
+    uint64_t factors[3], e[3], q[3];
+    nv2a_weight_factors(inverse_w, factors);
+    nv2a_weighed_edges(n, factors, e);
     uint64_t total = nv2a_weight_sum(e);
     if (nv2a_f64_is_zero(total)) total = 0x3ff0000000000000ull;
     uint64_t by = nv2a_reciprocal_of_sum(total);
-    for (int k = 0; k < 3; k++) q[k] = nv2a_f64_cut(nv2a_f64_multiply(e[k], by), 24);
+    for (int k = 0; k < 3; k++) q[k] = nv2a_f64_cut(nv2a_f64_product(e[k], by), 24);
     int c0 = nv2a_weight_class(q[0]), c1 = nv2a_weight_class(q[1]), c2 = nv2a_weight_class(q[2]);
     result[0] = q[0];
     result[1] = q[2];
@@ -160,23 +155,24 @@ static inline int nv2a_highest(uint64_t a) {
 
 /* The sum of three products, each cut to 2^-23 of the largest product of two factors' highest bits; 24 bits of it. */
 static inline uint64_t nv2a_product_sum(const uint64_t a[3], const uint64_t b[3]) {
-    uint64_t terms[3], total = 0ull;
     int e = -100;
     for (int k = 0; k < 3; k++) {
-        terms[k] = nv2a_f64_multiply(a[k], b[k]);
-        if (!nv2a_f64_is_finite(terms[k])) return 0x7ff8000000000000ull;
+        if (!nv2a_f64_is_finite(a[k]) || !nv2a_f64_is_finite(b[k])) return 0x7ff8000000000000ull;
         e = nv2a_most(e, nv2a_highest(a[k]) + nv2a_highest(b[k]));
     }
-    for (int k = 0; k < 3; k++) total = nv2a_f64_add(total, nv2a_f64_multiple(terms[k], e - 23));
-    return nv2a_f64_cut(total, 24);
+    int64_t total = (int64_t)0;
+    for (int k = 0; k < 3; k++) total = total + nv2a_f64_in_units(nv2a_f64_product(a[k], b[k]), e - 23);
+    return nv2a_f64_of_units(total, e - 23, 24);
 }
 
 /* a - b of vertices' coordinates, both cut a bit below the 24 of the larger; 24 bits of it. */
 static inline uint64_t nv2a_coordinate_difference(uint64_t a, uint64_t b) {
     if (!nv2a_f64_is_finite(a) || !nv2a_f64_is_finite(b)) return nv2a_f64_subtract(a, b);
-    uint64_t largest = nv2a_f64_larger(nv2a_f64_magnitude(a), nv2a_f64_magnitude(b));
-    int unit = nv2a_f64_bound(nv2a_f64_larger(largest, 0x39b0000000000000ull)) - 25; /* 2^-100 */
-    return nv2a_f64_cut(nv2a_f64_subtract(nv2a_f64_multiple(a, unit), nv2a_f64_multiple(b, unit)), 24);
+    int bound = -99;
+    if (!nv2a_f64_is_zero(a)) bound = nv2a_most(bound, nv2a_f64_bound(a));
+    if (!nv2a_f64_is_zero(b)) bound = nv2a_most(bound, nv2a_f64_bound(b));
+    int64_t steps = nv2a_f64_in_units(a, bound - 25) - nv2a_f64_in_units(b, bound - 25);
+    return nv2a_f64_of_units(steps, bound - 25, 24);
 }
 
 /* A texture coordinate of three vertices' doubles, by the weights of vertices 0 and 2. */

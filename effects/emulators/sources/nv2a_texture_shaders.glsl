@@ -81,19 +81,20 @@ int nv2a_shader_result_byte(uint v) {
 
 // The sum of three terms, each cut to the 24 bits of the largest.
 uvec2 nv2a_cut_sum(uvec2 terms[3]) {
-    uvec2 largest = uvec2(0x0u, 0x39b00000u);
-    uvec2 total = uvec2(0x0u, 0x0u);
+    int bound = -99;
     for (int k = 0; k < 3; k++) {
         if (!(nv2a_f64_is_finite(terms[k]) != 0)) {
             return uvec2(0x0u, 0x7ff80000u);
         }
-        largest = nv2a_f64_larger(largest, nv2a_f64_magnitude(terms[k]));
+        if (!(nv2a_f64_is_zero(terms[k]) != 0)) {
+            bound = nv2a_most(bound, nv2a_f64_bound(terms[k]));
+        }
     }
-    int unit = nv2a_f64_bound(largest) - 24;
+    uvec2 total = uvec2(0u, 0u);
     for (int k = 0; k < 3; k++) {
-        total = nv2a_f64_add(total, nv2a_f64_multiple(terms[k], unit));
+        total = nv2a_u64_add(total, nv2a_f64_in_units(terms[k], bound - 24));
     }
-    return total;
+    return nv2a_f64_of_units(total, bound - 24, 53);
 }
 
 // Rule offset-texture: s and t moved by a texel of signed blue and green.

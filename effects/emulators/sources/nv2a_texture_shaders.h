@@ -68,14 +68,14 @@ static inline int nv2a_shader_result_byte(uint32_t v) {
 
 /* The sum of three terms, each cut to the 24 bits of the largest. */
 static inline uint64_t nv2a_cut_sum(const uint64_t terms[3]) {
-    uint64_t largest = 0x39b0000000000000ull, total = 0ull; /* 2^-100 */
+    int bound = -99;
     for (int k = 0; k < 3; k++) {
         if (!nv2a_f64_is_finite(terms[k])) return 0x7ff8000000000000ull;
-        largest = nv2a_f64_larger(largest, nv2a_f64_magnitude(terms[k]));
+        if (!nv2a_f64_is_zero(terms[k])) bound = nv2a_most(bound, nv2a_f64_bound(terms[k]));
     }
-    int unit = nv2a_f64_bound(largest) - 24;
-    for (int k = 0; k < 3; k++) total = nv2a_f64_add(total, nv2a_f64_multiple(terms[k], unit));
-    return total;
+    int64_t total = (int64_t)0;
+    for (int k = 0; k < 3; k++) total = total + nv2a_f64_in_units(terms[k], bound - 24);
+    return nv2a_f64_of_units(total, bound - 24, 53);
 }
 
 /* Rule offset-texture: s and t moved by a texel of signed blue and green. */

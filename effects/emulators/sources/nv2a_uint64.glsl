@@ -10,33 +10,37 @@ uvec2 nv2a_u64_subtract(uvec2 a, uvec2 b) {
     return uvec2(a.x - b.x, a.y - b.y - (a.x < b.x ? 1u : 0u));
 }
 
-// The lower 64 bits of a product.
-uvec2 nv2a_u64_multiply(uvec2 a, uvec2 b) {
-    uint al = a.x & 0xffffu, ah = a.x >> 16, bl = b.x & 0xffffu, bh = b.x >> 16;
+// All 64 bits of a product.
+uvec2 nv2a_u32_product(uint a, uint b) {
+    uint al = a & 0xffffu, ah = a >> 16, bl = b & 0xffffu, bh = b >> 16;
     uint low = al * bl, first = ah * bl, second = al * bh;
     uint middle = (low >> 16) + (first & 0xffffu) + (second & 0xffffu);
-    uint high = ah * bh + (first >> 16) + (second >> 16) + (middle >> 16);
-    return uvec2((middle << 16) | (low & 0xffffu), high + a.x * b.y + a.y * b.x);
+    return uvec2((middle << 16) | (low & 0xffffu), ah * bh + (first >> 16) + (second >> 16) + (middle >> 16));
+}
+
+// The lower 64 bits of a product.
+uvec2 nv2a_u64_multiply(uvec2 a, uvec2 b) {
+    uvec2 low = nv2a_u32_product(a.x, b.x);
+    return uvec2(low.x, low.y + a.x * b.y + a.y * b.x);
 }
 
 // By 0 to 63.
 uvec2 nv2a_u64_left(uvec2 a, int by) {
-    if (by == 0) return a;
-    if (by >= 32) return uvec2(0u, a.x << (by - 32));
-    return uvec2(a.x << by, (a.y << by) | (a.x >> (32 - by)));
+    int n = by & 31;
+    uint low = a.x << n;
+    return by > 31 ? uvec2(0u, low) : uvec2(low, (a.y << n) | ((a.x >> 1) >> (31 - n)));
 }
 
 uvec2 nv2a_u64_right(uvec2 a, int by) {
-    if (by == 0) return a;
-    if (by >= 32) return uvec2(a.y >> (by - 32), 0u);
-    return uvec2((a.x >> by) | (a.y << (32 - by)), a.y >> by);
+    int n = by & 31;
+    uint high = a.y >> n;
+    return by > 31 ? uvec2(high, 0u) : uvec2((a.x >> n) | ((a.y << 1) << (31 - n)), high);
 }
 
 uvec2 nv2a_i64_right(uvec2 a, int by) {
-    int high = int(a.y);
-    if (by == 0) return a;
-    if (by >= 32) return uvec2(uint(high >> (by - 32)), uint(high >> 31));
-    return uvec2((a.x >> by) | (a.y << (32 - by)), uint(high >> by));
+    int n = by & 31;
+    uint high = uint(int(a.y) >> n);
+    return by > 31 ? uvec2(high, uint(int(a.y) >> 31)) : uvec2((a.x >> n) | ((a.y << 1) << (31 - n)), high);
 }
 
 bool nv2a_u64_less(uvec2 a, uvec2 b) {

@@ -25,20 +25,12 @@ int nv2a_is_zero(uint x) {
 // The single of m 2^e cut toward zero to so many bits, with a sign bit: 0 below 2^-126, and above single precision's
 // range the largest number of these bits.
 uint nv2a_packed(uint sign, uvec2 m, int e, int bits) {
-    if (m == uvec2(0x0u, 0x0u)) {
-        return 0u;
-    }
     int top = nv2a_top_bit_64(m);
-    uint kept = (top > 23 ? nv2a_u64_right(m, top - 23) : nv2a_u64_left(m, 23 - top)).x;
-    uint mask = 0xffffffffu << (24 - bits);
     int field = e + top + 127;
-    if (field < 1) {
-        return 0u;
-    }
-    if (field > 254) {
-        return sign | 0x7f000000u | (0x7fffffu & mask);
-    }
-    return sign | (uint(field) << 23) | (kept & 0x7fffffu & mask);
+    uint mask = (0xffffffffu << (24 - bits)) & 0x7fffffu;
+    uint fraction = nv2a_u64_right(nv2a_u64_left(m, 63 - top), 40).x & mask;
+    uint found = (uint(nv2a_clamp(field, 0, 254)) << 23) | (field > 254 ? mask : fraction);
+    return m == uvec2(0x0u, 0x0u) || field < 1 ? 0u : sign | found;
 }
 
 // a b of finite numbers, cut to so many bits.
@@ -46,10 +38,10 @@ uint nv2a_finite_product(uint a, uint b, int bits) {
     if (nv2a_is_zero(a) != 0 || nv2a_is_zero(b) != 0) {
         return 0u;
     }
-    uvec2 ma = uvec2((a & 0x7fffffu) | 0x800000u, 0u);
-    uvec2 mb = uvec2((b & 0x7fffffu) | 0x800000u, 0u);
+    uint ma = (a & 0x7fffffu) | 0x800000u;
+    uint mb = (b & 0x7fffffu) | 0x800000u;
     int e = int((a >> 23) & 255u) + int((b >> 23) & 255u) - 300;
-    return nv2a_packed((a ^ b) & 0x80000000u, nv2a_u64_multiply(ma, mb), e, bits);
+    return nv2a_packed((a ^ b) & 0x80000000u, nv2a_u32_product(ma, mb), e, bits);
 }
 
 // |x| in units of 2^(field - 126 - bits - guard), cut toward zero, with the sign of x.

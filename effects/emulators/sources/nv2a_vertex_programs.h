@@ -31,22 +31,19 @@ static inline int nv2a_is_zero(uint32_t x) {
 /* The single of m 2^e cut toward zero to so many bits, with a sign bit: 0 below 2^-126, and above single precision's
  * range the largest number of these bits. */
 static inline uint32_t nv2a_packed(uint32_t sign, uint64_t m, int e, int bits) {
-    if (m == 0ull) return 0u;
-    int top = nv2a_top_bit_64(m);
-    uint32_t kept = (uint32_t)(top > 23 ? m >> (top - 23) : m << (23 - top));
-    uint32_t mask = 0xffffffffu << (24 - bits);
-    int field = e + top + 127;
-    if (field < 1) return 0u;
-    if (field > 254) return sign | 0x7f000000u | (0x7fffffu & mask);
-    return sign | (uint32_t)field << 23 | (kept & 0x7fffffu & mask);
+    int top = nv2a_top_bit_64(m), field = e + top + 127;
+    uint32_t mask = 0xffffffffu << (24 - bits) & 0x7fffffu;
+    uint32_t fraction = (uint32_t)(m << (63 - top) >> 40) & mask;
+    uint32_t found = (uint32_t)nv2a_clamp(field, 0, 254) << 23 | (field > 254 ? mask : fraction);
+    return m == 0ull || field < 1 ? 0u : sign | found;
 }
 
 /* a b of finite numbers, cut to so many bits. */
 static inline uint32_t nv2a_finite_product(uint32_t a, uint32_t b, int bits) {
     if (nv2a_is_zero(a) || nv2a_is_zero(b)) return 0u;
-    uint64_t ma = (uint64_t)((a & 0x7fffffu) | 0x800000u), mb = (uint64_t)((b & 0x7fffffu) | 0x800000u);
+    uint32_t ma = (a & 0x7fffffu) | 0x800000u, mb = (b & 0x7fffffu) | 0x800000u;
     int e = (int)(a >> 23 & 255u) + (int)(b >> 23 & 255u) - 300;
-    return nv2a_packed((a ^ b) & 0x80000000u, ma * mb, e, bits);
+    return nv2a_packed((a ^ b) & 0x80000000u, (uint64_t)ma * (uint64_t)mb, e, bits);
 }
 
 /* |x| in units of 2^(field - 126 - bits - guard), cut toward zero, with the sign of x. */

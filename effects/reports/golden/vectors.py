@@ -4,8 +4,9 @@ import hashlib
 import json
 
 from fixedpipe.effects.arithmetic.rules import RULES
+from fixedpipe.effects.emulators.single_steps import single_step_files
 from fixedpipe.effects.reports.files import writable_folder, write_whole
-from fixedpipe.pipeline.golden.provenance import provenance
+from fixedpipe.pipeline.golden.provenance import package_version, provenance
 from fixedpipe.pipeline.golden.vectors import STAGES, frame_case, raw_planes, stage_case
 from fixedpipe.pipeline.profiles import NV2A
 
@@ -46,16 +47,47 @@ def write_rules(folder, cases, seed):
     return _write(folder, files, NV2A, seed)
 
 
-def _write(folder, files, profile, seed):
-    """Write the files, and the index of them; all names."""
+def write_single_steps(folder, cases, seed):
+    """Write the rules' vectors in SingleStepTests' form, ``cases`` random ones behind the edges; the files'
+    names.
+
+    Raises Refusal for a folder that cannot be written.
+    """
+    writable_folder(folder / "v1")
+    return _write_each(folder, single_step_files(cases, seed, package_version()))
+
+
+def write_code(folder, files_of, functions):
+    """Write files of code and an index of ``functions``, by rule, with the files' digests; all names.
+
+    ``files_of``: the files' contents by name, of the package's version.
+    """
+    version = package_version()
+    files = files_of(version)
+    index = {"format": FORMAT, "fixedpipe": version, "rules": functions, "files": _digests(files)}
+    index_data = (json.dumps(index, indent=1) + "\n").encode()
+    return _write_each(folder, files | {"index.json": index_data})
+
+
+def _digests(files):
+    return {name: hashlib.sha256(data).hexdigest() for name, data in sorted(files.items())}
+
+
+def _write_each(folder, files):
     for name, data in files.items():
         write_whole(folder / name, data)
+    return [*files]
+
+
+def _write(folder, files, profile, seed):
+    """Write the files, and the index of them; all names."""
+    _write_each(folder, files)
     known = provenance(profile)
     index = {
         "format": FORMAT,
         **{name: known[name] for name in ("profile", "fixedpipe", "kernels")},
         "seed": seed,
-        "files": {name: hashlib.sha256(data).hexdigest() for name, data in sorted(files.items())},
+        "files": _digests(files),
     }
     write_whole(folder / "index.json", (json.dumps(index, indent=1) + "\n").encode())
     return [*files, "index.json"]

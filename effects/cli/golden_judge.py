@@ -1,0 +1,63 @@
+"""What ``fixedpipe golden judge`` does."""
+
+import json
+
+import click
+
+_WIDTH = 34
+
+
+def judge_program(program, names, cases, seed, patience, json_file, html_file):
+    """Judge, print a line for each rule, and write the files that were asked for; whether all is right."""
+    from fixedpipe.effects.arithmetic.rules import RULES
+    from fixedpipe.effects.emulators.judge import judged
+    from fixedpipe.effects.refusal import choose
+    from fixedpipe.effects.reports.files import writable_file, write_whole
+    from fixedpipe.effects.reports.golden.scorecard import scorecard_page, scorecard_record
+
+    paths = [name and writable_file(name) for name in (json_file, html_file)]
+    rules = [choose("rule", name, RULES) for name in dict.fromkeys(names)] or list(RULES.values())
+    scores = []
+    for score in judged(program, rules, cases, seed, patience):
+        scores.append(score)
+        click.echo(_line(score))
+    record = scorecard_record(program, scores, cases, seed)
+    for line in _summary(record["totals"]):
+        click.echo(line)
+    json_path, html_path = paths
+    if json_path:
+        write_whole(json_path, (json.dumps(record, indent=1) + "\n").encode())
+    if html_path:
+        write_whole(html_path, scorecard_page(record).encode())
+        click.echo(f"{html_path} shows them; open it in a browser.")
+    return all(score.whole for score in scores)
+
+
+def _shown(value):
+    return "[" + ", ".join(map(str, value)) + "]" if type(value) is list else str(value)
+
+
+def _line(score):
+    from fixedpipe.effects.emulators.judge import tag_of
+
+    begin = f"{score.rule.id:{_WIDTH}} {f'{score.right} of {score.vectors}':>12}  {tag_of(score.rule):9}"
+    captures = len(score.rule.captures)
+    begin += f"{f'{captures} captures' if captures != 1 else '1 capture':>12}"
+    if score.absent:
+        return f"{begin}  not answered"
+    if score.failure:
+        return f"{begin}  {score.failure}"
+    if score.first is None:
+        return begin
+    inputs = ", ".join(f"{name} {_shown(value)}" for name, value in score.first["inputs"].items())
+    expected, answered = (_shown(score.first[name]) for name in ("expected", "answered"))
+    return f"{begin}  {inputs}: {expected}, not {answered[:80]}"
+
+
+def _summary(totals):
+    yield (
+        f"{totals['whole']} of {totals['rules']} rules are whole, {totals['right']} of {totals['vectors']} "
+        f"vectors right; {totals['absent']} rules not answered, {totals['failed']} failed."
+    )
+    parts = (f"{tag} {found['whole']} of {found['rules']}" for tag, found in totals["by_evidence"].items())
+    yield f"Rules that are whole, by their evidence: {', '.join(parts)}."
