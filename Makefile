@@ -19,7 +19,8 @@ ifneq ($(wildcard $(CAPTURES)),)
 export FIXEDPIPE_CAPTURES ?= $(CAPTURES)
 endif
 
-.PHONY: help setup figures conformance machines instructions arithmetic techniques layers docs docs-check notebooks test test-all check bench accept \
+.PHONY: help setup figures conformance machines instructions arithmetic techniques layers docs docs-check notebooks site test \
+	test-all check bench accept \
 	accept-conformance accept-selftest matrix clean
 
 help:
@@ -43,6 +44,7 @@ help:
 	@echo "make accept-selftest    accept the self-test's digests, once its picture was looked at"
 	@echo "make matrix             the self-test under every Python here, with the oldest and the newest packages allowed"
 	@echo "                        (MATRIX='--python 3.12 --packages oldest --cpus'): 5 minutes each"
+	@echo "make site               build the pages as a site, out/site/index.html, which a browser opens without a server"
 	@echo "make setup              make the virtual environment, .venv, as all of these do on first use"
 	@echo "make clean              remove what is made here, but .venv"
 
@@ -103,6 +105,9 @@ docs: $(READY)
 
 docs-check: $(READY)
 	$(BIN)/python -m tests.documents --check $(ONLY)
+
+site: $(READY)
+	$(BIN)/python -m docs.site $(OUT)/site
 
 notebooks: $(READY)
 	$(BIN)/python -m tests.notebooks
