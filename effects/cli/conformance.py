@@ -36,6 +36,9 @@ _HOW = (
 @click.option(
     "--other", metavar="DIR", help="Another renderer's pictures, DIR/SUITE/CASE.png, counted beside ours."
 )
+@click.option(
+    "--page", "page_file", metavar="FILE", help="With --other: write the scoreboard as a page of its own."
+)
 @click.option("--explain", is_flag=True, help="Of every case that is not exact, what drew its worst pixel.")
 @click.option(
     "--discriminates", metavar="RULE", help="Which captures tell an open rule from its rival; list: which."
@@ -51,6 +54,7 @@ def conformance(
     threads,
     jobs,
     other,
+    page_file,
     explain,
     discriminates,
 ):
@@ -76,9 +80,13 @@ def conformance(
     folder = _folder_of_captures(folder)
     inputs = _folder_of_inputs(inputs, folder)
     captures = find_captures(folder, suites, text)
-    if json_file and html_file and Path(json_file).resolve() == Path(html_file).resolve():
-        raise Refusal(f"--json and --html both name {json_file}; give each a file of its own.")
-    json_path, html_path = (writable_file(name) if name else None for name in (json_file, html_file))
+    if page_file and (not other or discriminates):
+        raise Refusal(
+            "--page is another renderer's scoreboard; give --other DIR, the folder of its pictures."
+        )
+    written = {"--json": json_file, "--html": html_file, "--page": page_file}
+    _refuse_one_file(written)
+    json_path, html_path, page_path = (writable_file(name) if name else None for name in written.values())
     other = _folder_of_other(other)
     if jobs and threads:
         raise Refusal("--jobs and --threads both say how many cases at a time; give one of them.")
@@ -90,6 +98,7 @@ def conformance(
     from fixedpipe.effects.conformance.scoreboard import reader, row_of
     from fixedpipe.effects.reports.conformance import Page, record_of
     from fixedpipe.effects.reports.scoreboard import score_record, scoreboard_html, scoreboard_text
+    from fixedpipe.effects.reports.scoreboard_page import ScoreboardPage
     from fixedpipe.pipeline.validation.walk import DisabledTexture
 
     warnings.simplefilter("ignore", DisabledTexture)  # captures are what a chip drew of it
@@ -106,6 +115,7 @@ def conformance(
         return
     page, records, total, failed = Page() if html_path else None, [], Totals(), 0
     rows, read = {}, reader(other) if other else None
+    published = ScoreboardPage(other.resolve().name) if page_path else None
     with _progress(len(captures)) as (say, step):
         comparisons = compare_all(captures, modules, inputs, threads, jobs=jobs)
         for suite, cases in groupby(comparisons, lambda c: c.suite):
@@ -118,7 +128,10 @@ def conformance(
                 of_suite, failed = of_suite + Totals.of(case), failed + case.failed
                 record = record_of(case)
                 if read and case.covered:
-                    row = rows[suite, case.name] = row_of(case, read)
+                    theirs = read(suite, case.name)
+                    row = rows[suite, case.name] = row_of(case, theirs)
+                    if published:
+                        published.add(case, row, theirs)
                     record |= score_record(row)
                 records.append(record)
                 if page:
@@ -131,12 +144,25 @@ def conformance(
     if html_path:
         write_whole(html_path, page.text(total, scoreboard_html(rows, other) if rows else "").encode())
         click.echo(f"open {html_path}", err=True)
+    if page_path:
+        write_whole(page_path, published.text().encode())
+        click.echo(f"open {page_path}", err=True)
     if failed:
         click.echo(f"{failed} case{'s' * (failed != 1)} ended with an error.", err=True)
     if rows:
         click.echo(scoreboard_text(rows))
     click.echo(str(total))
     sys.exit(1 if failed else 0)
+
+
+def _refuse_one_file(written):
+    """Raise Refusal where two options name one file. ``written``: files, or None, by option."""
+    from fixedpipe.effects.refusal import Refusal
+
+    seen = {}
+    for option, name in written.items():
+        if name and (first := seen.setdefault(Path(name).resolve(), option)) != option:
+            raise Refusal(f"{first} and {option} both name {name}; give each a file of its own.")
 
 
 def _folder_of_other(other):

@@ -55,12 +55,11 @@ class Row:
         return Row(self.ours + more.ours, self.other + more.other)
 
 
-def row_of(comparison: Comparison, read: Callable[[str, str], NDArray[np.uint8] | None]) -> Row:
-    """The Row of a covered Comparison; ``read(suite, case)``: the other renderer's picture, or None. Where it
-    has none the capture counts as missing, and for neither renderer.
+def row_of(comparison: Comparison, other: NDArray[np.uint8] | None) -> Row:
+    """The Row of a covered Comparison and the other renderer's picture. Where it has none, None, the capture
+    counts as missing, and for neither renderer.
     """
     c = comparison
-    other = read(c.suite, c.name)
     if other is None:
         return Row(other=Score(missing=1))
     return Row(Score.of(c.ours, c.theirs, c.compared), Score.of(other, c.theirs, c.compared))

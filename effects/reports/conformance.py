@@ -21,6 +21,12 @@ _STEPS = (
     (64, (255, 90, 220), "64 and more"),
 )
 _TEXT, _OUTSIDE = (58, 84, 130), (58, 60, 66)  # colours of what is not compared
+# What the colours of a difference say.
+LEGEND = (
+    *((color, f"differs by {words}") for _, color, words in _STEPS),
+    (_TEXT, "text, not compared"),
+    (_OUTSIDE, "outside the compared region"),
+)
 _FEW = 400  # differing pixels up to which each is drawn three pixels wide
 _LOOK = (120, 90)  # pixels of the closer look
 
@@ -35,7 +41,8 @@ h3 { font: 1rem/1.4 system-ui, sans-serif; margin: 2rem 0 .2rem; }
 """
 
 
-def _inline(image, alt):
+def inline_picture(image, alt):
+    """An image of bytes [h, w, 3 or 4] as an element of a page, with its PNG file inside."""
     data = b64encode(png(image)).decode()
     height, width = image.shape[:2]
     return (
@@ -87,7 +94,7 @@ def _closer_look(wrong):
 def _three(c, rows, columns, wide, more):
     pictures = {"ours": c.ours, "theirs": c.theirs, "difference": difference_picture(c, wide)}
     return "".join(
-        f"<figure>{_inline(picture[rows, columns], f'{c.suite}/{c.name}, {what}{more}')}"
+        f"<figure>{inline_picture(picture[rows, columns], f'{c.suite}/{c.name}, {what}{more}')}"
         f"<figcaption>{what}{more}</figcaption></figure>"
         for what, picture in pictures.items()
     )
@@ -175,10 +182,8 @@ class Page:
 
     def text(self, total, scoreboard=""):
         """The whole page. ``total``: the Totals of all cases; ``scoreboard``: another renderer's, as HTML."""
-        key = [(color, f"differs by {words}") for _, color, words in _STEPS]
-        key += [(_TEXT, "text, not compared"), (_OUTSIDE, "outside the compared region")]
         legend = "".join(
-            f'<span><i style="background: rgb{color}"></i>{escape(words)}</span>' for color, words in key
+            f'<span><i style="background: rgb{color}"></i>{escape(words)}</span>' for color, words in LEGEND
         )
         sections = "".join(
             _section(suite, self._rows[suite], self._pictures[suite], totals)

@@ -1,6 +1,8 @@
 """Another renderer beside ours, open rules that captures may decide, and what drew a wrong pixel."""
 
 import json
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +12,8 @@ from fixedpipe.effects.conformance import redraw
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Inputs
 from fixedpipe.effects.conformance.redraw import Comparison
 from fixedpipe.effects.conformance.rules import RULES, distinction, fragments_that_differ
-from fixedpipe.effects.conformance.scoreboard import Row, Score
+from fixedpipe.effects.conformance.scoreboard import Row, Score, row_of
+from fixedpipe.effects.reports.scoreboard_page import CAPTURES, SHOWN, ScoreboardPage
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.execution.machine import execute
@@ -85,6 +88,43 @@ def test_another_renderer_is_counted_beside_ours(folders, tmp_path):
     assert found[NAME] == {"equal": WHOLE - 8, "within_one": WHOLE - 1, "largest": 64, "missing": 0}
     assert found["AlphaFuncNotEqual_Disabled"]["missing"] == 1
     assert "Beside another renderer" in html.read_text()
+
+
+def test_the_scoreboard_is_a_page_that_can_be_published(folders, tmp_path):
+    captures, other = folders
+    page = tmp_path / "page.html"
+    assert conformance(captures, "--other", other, "--page", page).exit_code == 0
+    text = page.read_text()
+    assert "<title>theirs beside a real NV2A</title>" in text
+    assert f"{WHOLE - 8:,} of {WHOLE:,}" in text and f"{WHOLE - 1:,} of {WHOLE:,}" in text
+    assert f"<h3>{SUITE}/{NAME}: 8 pixels differ</h3>" in text
+    assert "It has no picture of 1 capture; these count for neither." in text
+    # It needs nothing from elsewhere, and says nothing of this computer.
+    assert "<script" not in text and 'src="data:image/png;base64,' in text
+    assert re.findall(r'(?:href|src)="(?!data:)([^"]*)"', text) == [CAPTURES]
+    assert str(tmp_path) not in text
+
+
+def test_a_page_keeps_the_worst_cases_and_a_name_is_only_text():
+    page, theirs = ScoreboardPage("<b>&"), np.zeros((8, 8, 4), np.uint8)
+    for count in (*range(1, SHOWN + 4), 2):
+        drawn = theirs.copy()
+        drawn.reshape(-1, 4)[:count] = 9
+        c = comparison(theirs, theirs)
+        c = replace(c, name=f"c{count}")
+        page.add(c, row_of(c, drawn), drawn)
+    page.add(c, row_of(c, None), None)
+    found = re.findall(r"<h3>S/c(\d+): ", page.text())
+    assert [int(n) for n in found] == list(range(SHOWN + 3, 3, -1))
+    assert "<b>&" not in page.text() and "&lt;b&gt;&amp; beside" in page.text()
+
+
+def test_a_page_needs_another_renderer(folders, tmp_path):
+    captures, other = folders
+    assert "give --other DIR" in refusal(captures, "--page", tmp_path / "page.html")
+    twice = tmp_path / "x.html"
+    refused = refusal(captures, "--other", other, "--page", twice, "--html", twice)
+    assert "--html and --page both name" in refused
 
 
 def test_other_pictures_that_are_none_are_said(folders, tmp_path):
@@ -178,7 +218,7 @@ def comparison(image, theirs):
         name="N",
         theirs=theirs,
         ours=image,
-        compared=np.ones((4, 4), bool),
+        compared=np.ones(image.shape[:2], bool),
         equal=(image == theirs).all(-1),
     )
 
