@@ -195,10 +195,15 @@ PACKAGES = {
         ),
         "effects": "refusal passes",
     },
+    "effects/presentation": {
+        "pipeline": "profiles",
+        "effects": "refusal bibliography acceptance figures",
+    },
     "effects/reports": {
         "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
         "effects": (
             "refusal technique bibliography acceptance data_files figures arithmetic emulators conformance"
+            " presentation"
         ),
     },
     "effects/pixel_states": {
@@ -211,10 +216,6 @@ PACKAGES = {
             "execution traces"
         ),
         "effects": "refusal",
-    },
-    "effects/presentation": {
-        "pipeline": "profiles",
-        "effects": "refusal bibliography acceptance figures",
     },
     "effects/sweeps": {
         "pipeline": "profiles framebuffers execution ideal golden",
@@ -258,7 +259,7 @@ LIBRARIES = {
     "effects/diagrams": ("PIL",),
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("PIL", "nrrd", "tifffile", "plyfile", "OpenImageIO", "OpenEXR"),
-    "effects/reports": ("PIL", "matplotlib"),
+    "effects/reports": ("PIL", "matplotlib", "flip_evaluator", "markdown_it"),
     "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
     "effects/tasks": ("dask", "distributed", "loky", "mpi4py"),
     "effects/sweeps": ("matplotlib", "pyarrow", "xarray"),

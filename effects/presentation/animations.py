@@ -44,7 +44,8 @@ _DAY_OVER_LAND = Track(
 )
 
 ANIMATIONS = {
-    "F001-2": Animation("the eye sinks to the page", {"angle": there_and_back(16.0, 8.0)}, count=48),
+    # From the figure's own angle down: higher, each strip would cover the one below.
+    "F001-2": Animation("the eye sinks to the page", {"angle": there_and_back(8.0, 4.0)}, count=48),
     "F001-3": Animation("the samples move by a pixel", {"shift": there_and_back(-0.5, 0.5)}, count=48),
     # The last is a step before the first: the waves are back at 1.
     "F001-11": Animation("the waves run", {"time": Track((0.0, 1.0 - 1.0 / 48.0))}, count=48),

@@ -150,9 +150,9 @@ def _bases(folder, named):
 def files_of(folder, figures):
     """The files of the gallery in ``folder``, and its files that no record names.
 
-    The first are its pages, the records of ``figures`` and of their variants, and the files in its two folders
-    whose names have the form above and that a record names. The second have names of that form too. They
-    include no picture if some record cannot be read, because that record may name it.
+    The first are its pages, the records of ``figures`` and of their variants, and the files in its two
+    folders whose names have the form above and that a record names. The second have names of that form
+    too. They include no picture if some record cannot be read, because that record may name it.
     """
     records = [path for path in _records(folder) if path.stem.partition("+")[0] in figures]
     pages_of = [folder / INDEX, folder / PLAIN, *sorted((folder / CATALOGUE).glob("*.html"))]

@@ -4,6 +4,7 @@ import hashlib
 import re
 import shlex
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
@@ -11,9 +12,12 @@ import numpy as np
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bibliography import citation
 from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer
-from fixedpipe.effects.refusal import refusals
+from fixedpipe.effects.presentation.animations import ANIMATIONS
+from fixedpipe.effects.refusal import Refusal, refusals
 from fixedpipe.effects.reports.figure_failures import failure
 from fixedpipe.effects.reports.figure_passes import Passes
+from fixedpipe.effects.reports.motion import in_motion
+from fixedpipe.effects.reports.perceived import flip
 from fixedpipe.effects.reports.pictures import LOSSLESS, NARROW, OF_GRID, WIDE, Pictures
 from fixedpipe.effects.technique import OWN, PAPERS
 from fixedpipe.pipeline.execution.machine import execute
@@ -92,10 +96,26 @@ def picture_name(name, machine, view):
     return f"{name}-{machine}{'' if view == 'machine' else f'-{view}'.replace('_', '-')}.png"
 
 
+# Pixels of a figure among all figures, at most: the gallery of all stays small, and 1:1 on most screens.
+MOST_PIXELS = 1 << 19
+_SIZE_STEP = 16  # panels stay whole multiples of this, as textures and blocks of pixels like it
+
+
+def size_in_gallery(figure):
+    """The height of a figure's panels in the gallery of all figures: the largest with no more than
+    MOST_PIXELS; None: its own, which has no more.
+    """
+    size = figure.size
+    while np.prod(figure.dimensions(size)) > MOST_PIXELS and size > _SIZE_STEP:
+        size = (size - 1) // _SIZE_STEP * _SIZE_STEP
+    return None if size == figure.size else size
+
+
 def steps(figure, machines, with_checks=False, with_references=True):
     """How many steps ``render`` takes for these machines, and one for writing what it gives."""
     methods = {figure.method(machine) for machine in machines}
     on_machines = sum(2 + with_checks - PROFILES[m].arithmetic.exact for m in machines)
+    on_machines += with_references and figure.id in ANIMATIONS
     return on_machines + len(methods) * (with_references and figure.reference is not None) + 1
 
 
@@ -165,6 +185,11 @@ def render(
             ]
         drawn.append(record)
     record = record_of(figure, machines, size, changes, with_checks, drawn, failures, file)
+    if with_references and drawn and not changes and figure.id in ANIMATIONS:
+        step(f"{figure.id}: in motion")
+        with suppress(Refusal):
+            data, record["animation"] = in_motion(figure, drawn[0]["profile"], size, threads)
+            drawing.pictures.whole[f"{record['animation']['digest']}.webp"] = data
     return Rendered(record, drawing.pictures, drawing.named)
 
 
@@ -275,6 +300,7 @@ class _Drawing:
             shown[view] = self._picture(image, codes, bits, (LOSSLESS, *reduced, *of_grid), shown.values())
             if self.with_names:
                 self.named[picture_name(self.name, machine, view)] = deep_picture(codes, bits)
+        as_bytes = {view: image for view, (image, _) in pictures.items()} if is_first else {}
         for view, found in differences.items():
             shown[view] = {}
             if not found.identical:
@@ -296,7 +322,7 @@ class _Drawing:
             "sha256": digest(drawn.image()),
             "same_bits_as": None if same == machine else same,
             "difference": None,
-            **{view: _measures(found) for view, found in differences.items()},
+            **{view: _measures(found, as_bytes) for view, found in differences.items()},
             "pictures": shown,
             "checks": [],
             "provenance": provenance(profile),
@@ -382,9 +408,9 @@ def _codes_of(reference, bits):
     return codes.astype(np.uint8) if bits == 8 else codes
 
 
-def _measures(found):
-    """A Difference in numbers."""
-    return {
+def _measures(found, as_bytes):
+    """A Difference in numbers. ``as_bytes``: pictures by view, for FLIP; empty: without it."""
+    measured = {
         "identical": found.identical,
         "gain": found.gain,
         "rms": found.rms,
@@ -392,6 +418,8 @@ def _measures(found):
         "at": found.at and list(found.at),
         "pixels": found.pixels,
     }
+    seen = flip(as_bytes["machine"], as_bytes[found.of]) if as_bytes else None
+    return measured if seen is None else {**measured, "flip": seen}
 
 
 def _own_values(method):

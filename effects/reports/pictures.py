@@ -113,12 +113,13 @@ WIDE, NARROW, OF_GRID = {".webp": PREVIEW}, {".webp": SMALL}, {f"-{THUMBNAIL}.we
 @dataclass
 class Pictures:
     """Pictures by digest, each once, and the files that each is to have: endings of names, with widths; and
-    of some the picture that they may be told from, ``bases``.
+    of some the picture that they may be told from, ``bases``. ``whole``: other files by name, animations.
     """
 
     pixels: dict[str, np.ndarray] = field(default_factory=dict)
     bases: dict[str, str] = field(default_factory=dict)
     endings: dict[str, dict[str, int]] = field(default_factory=dict)
+    whole: dict[str, bytes] = field(default_factory=dict)
 
     def add(self, image, *files, bases=()):
         """Keep a picture, as for ``canonical``, and return its digest. ``files``: LOSSLESS, WIDE, NARROW,
@@ -144,6 +145,8 @@ class Pictures:
         for digest, endings in self.endings.items():
             for ending, width in endings.items():
                 yield f"{digest}{ending}", partial(self._bytes, digest, width)
+        for name, data in self.whole.items():
+            yield name, partial(bytes, data)
 
     def _bytes(self, digest, width):
         pixels = self.pixels[digest]

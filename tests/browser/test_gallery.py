@@ -385,16 +385,14 @@ def test_the_picture_is_saved_with_the_machine_s_own_pixels(visit, made):
     press(page, "2", "Shift+Digit2")
     name, saved = saved_by(page, "s")
     assert name == "F003-21-GEFORCE_3-ideal-panel-2.png"
-    np.testing.assert_array_equal(
-        saved, made.codes["F003-21", "GEFORCE_3", "ideal"][:, EDGE : 2 * EDGE]
-    )
+    np.testing.assert_array_equal(saved, made.codes["F003-21", "GEFORCE_3", "ideal"][:, EDGE : 2 * EDGE])
 
 
 def test_the_picture_of_twelve_bits_is_saved_with_sixteen(visit, made):
     page = stage(visit("#F003-21/INFINITE_REALITY"))
     with page.expect_download() as download:
         press(page, "s")
-    header, rows = read_png(open(download.value.path(), "rb").read())
+    header, rows = read_png(download.value.path().read_bytes())
     assert header == (3 * EDGE, EDGE, 16, 2)
     codes = made.codes["F003-21", "INFINITE_REALITY", "machine"].astype(np.int64)
     np.testing.assert_array_equal(rows, (2 * codes * 65535 + 4095) // (2 * 4095))

@@ -22,7 +22,7 @@ function makeFigure(set, go, announce) {
   const up = el("a", { class: "step", "aria-keyshortcuts": "Escape" }, "All figures");
   const machines = bar("Machine"), panels = bar("Panel"), viewBar = bar("View");
   const other = choice("Machine B", () => set({ other: other.value, ...(other.value ? {} : plainly()) }));
-  const otherLabel = el("label", {}, of("B"), other);
+  const otherLabel = bar("Machine B", el("label", {}, of("B"), other));
   const status = el("p", { class: "status", id: "status" }), hint = el("p", { class: "hint", hidden: true });
   const how = Object.fromEntries(Object.entries(HOW).map(([name, [text, key]]) => [name, button(text, key, () => compare(name))]));
   const against = choice("Beside it", () => set({ against: against.value }));

@@ -22,8 +22,8 @@ INDEX, PLAIN = "index.html", "plain.html"
 
 
 def pages(folder, figures):
-    """The files of the page, text by name, of the figures whose JSON files lie in ``folder`` (``figure_record``
-    writes them), each with its variants after it.
+    """The files of the page, text by name, of the figures whose JSON files lie in ``folder``
+    (``figure_record`` writes them), each with its variants after it.
 
     ``figures``: the ids in the page's order. Raises Refusal for a JSON file that is not a figure's.
     """
@@ -64,7 +64,7 @@ def pages(folder, figures):
     # Who has no script is led to the plain page; a browser that does not follow shows the link.
     away = f'<noscript><meta http-equiv="refresh" content="0; url={PLAIN}"></noscript>'
     page = (
-        f'<noscript><p class="plain-page"><a href="{PLAIN}">All figures on a page without script</a></p></noscript>\n'
+        f'<noscript><p class="plain-page"><a href="{PLAIN}">All figures, without script</a></p></noscript>\n'
         f'<script type="application/json" id="index">{json_in_html(index)}</script>\n'
         f"<script>{script(__package__, SCRIPTS)}</script>"
     )
@@ -78,7 +78,8 @@ def _whole(title, body, head=""):
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"{head}<style>{PALETTE}{style(__package__, 'gallery.css')}</style></head>\n<body>{body}</body></html>\n"
+        f"{head}<style>{PALETTE}{style(__package__, 'gallery.css')}</style></head>\n"
+        f"<body>{body}</body></html>\n"
     )
 
 
