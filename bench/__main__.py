@@ -20,6 +20,7 @@ from bench import (
     roofline,
     scattering,
     tables,
+    viewer,
 )
 from bench.figures import FIGURES
 from bench.goals import applied, goals
@@ -34,7 +35,13 @@ ROOFLINE, GROWTH, SCATTERING = "roofline", "growth", "scattering"
 PREFILTER = "prefilter"
 NAMES = (*SCENES, *FIGURES, ROOFLINE, GROWTH, SCATTERING, PREFILTER)
 # Other commands of the module, each by its first word.
-COMMANDS = {"history": history.main, "tables": tables.main, "counters": counters.main, "replay": replays.main}
+COMMANDS = {
+    "history": history.main,
+    "tables": tables.main,
+    "counters": counters.main,
+    "replay": replays.main,
+    "viewer": viewer.main,
+}
 
 
 def _arguments(arguments):
@@ -50,7 +57,8 @@ def _arguments(arguments):
         "python -m bench history FILE        what became slower\n"
         "python -m bench tables FILE ...     what --json wrote as Markdown\n"
         "python -m bench counters SCENE ...  instructions of a fragment\n"
-        "python -m bench replay FILE ...      frames of recorded programs, beside glretrace",
+        "python -m bench replay FILE ...      frames of recorded programs, beside glretrace\n"
+        "python -m bench viewer ID:SIZE ...   from a gesture to pixels, by parts",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(

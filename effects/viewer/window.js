@@ -5,7 +5,7 @@ const MOST_UNDONE = 200, MOST_TIMES = 500;
 
 function makeWindow(root, link, options) {
   let state = { ...FIRST, view: { ...FIRST.view } }, names = {}, subjects = [], tool = "look";
-  let serial = 0, asked = "", aboutOf = "", frame = 0, isLinked = false, commandLine = "";
+  let serial = 0, asked = "", aboutOf = "", frame = 0, isAsking = false, isLinked = false;
   let lensOn = false, hovered = null, wantedHistory = 0;
   const waiting = new Map(); // number of a question -> what it is of
   const begun = new Map(); // serial -> when the gesture was made
@@ -135,18 +135,21 @@ function makeWindow(root, link, options) {
   function request(event) {
     if (!isLinked || !state.view.id) return;
     if (event && !begun.has(serial + 1)) begun.set(serial + 1, event.timeStamp || performance.now());
+    isAsking = true;
     if (!frame) frame = requestAnimationFrame(send);
     setTimeout(send, 60); // a page that is not seen has no frames
   }
   function send() {
     if (frame) cancelAnimationFrame(frame);
-    frame = 0;
+    [frame, isAsking] = [0, false];
     const wants = ["ideal", ...(layersSeen().includes("reference") ? ["reference"] : [])];
     const message = { view: state.view, other: state.other, wants }, key = JSON.stringify(message);
+    element.dataset.asked = String(serial);
     if (key === asked || !isLinked) return;
     asked = key;
     if (!begun.has(serial + 1)) begun.set(serial + 1, performance.now());
     link.send({ do: "draw", number: ++serial, ...message });
+    element.dataset.asked = String(serial);
     if (begun.size > 60) begun.delete(begun.keys().next().value);
     const about = JSON.stringify([state.view.id, state.view.machine]);
     if (about !== aboutOf || !state.view.machine) {
@@ -225,7 +228,8 @@ function makeWindow(root, link, options) {
     const found = await digestOf(of);
     if (of.serial !== serial) return;
     element.dataset.sha256 = sha256;
-    element.dataset.canvas = found || "";
+    element.dataset.canvas = found || "none";
+    element.dataset.proved = String(of.serial);
     proof.dataset.equal = String(found === shown);
     proof.textContent = found === null ? `sha256 of the machine\u2019s picture ${sha256.slice(0, 12)}\u2026 ` :
       found === shown ? `the canvas holds the machine\u2019s bytes, sha256 ${sha256.slice(0, 12)}\u2026 ` : "the canvas holds other bytes than the machine drew! ";
@@ -354,7 +358,7 @@ function makeWindow(root, link, options) {
     }
     commandBox.hidden = !spoken.textContent || Boolean(Object.keys(state.view.bits).length || state.view.without.length || state.view.upto !== null);
     element.dataset.serial = String(model.pictures.machine?.serial ?? -1);
-    element.dataset.asked = String(serial);
+    element.dataset.asked = String(serial + isAsking);
     element.dataset.ideal = String(model.has("ideal") && !model.isOld("ideal"));
     const { difference, no_ideal: none } = model.numbers;
     const words = difference && !model.isOld("ideal") ? `, ${difference.identical ? "equal to the ideal\u2019s codes" : `${difference.pixels} pixels differ from the ideal, RMS ${fourDigits(255 * difference.rms)} of 255`}` : none ? `. ${none}` : "";

@@ -42,6 +42,7 @@ DONE = (
     "docs/silicon.md",
     "docs/studies.md",
     "docs/testing.md",
+    "docs/viewer.md",
 )
 # Words of the longest sentence, and of the mean one of a page; columns of the longest line of prose.
 LONGEST, MEAN, COLUMNS = 35, 18, 130
