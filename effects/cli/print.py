@@ -29,8 +29,8 @@ _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "referen
 @click.option(
     "--pictures",
     metavar="NAME,...",
-    help="machine, ideal, reference, difference, reference-difference; otherwise the first four, as far as "
-    "the figure has them.",
+    help="machine, ideal, reference, difference, reference-difference; otherwise machine, reference and "
+    "their difference, or machine, ideal and theirs; of a diagram, and on a slide, the machine's alone.",
 )
 @click.option(
     "--out",
@@ -41,8 +41,8 @@ _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "referen
 @set_option
 @threads_option
 def print(what, profile, style, width, dpi, pictures, out, size, settings, threads):
-    """Compose machine, ideal, reference and difference of figure ID on one sheet, with labels and its source;
-    or machine, ideal and difference of the frame that SCRIPT.py makes.
+    """Compose pictures of figure ID on one sheet, with labels and its source; or machine, ideal and
+    difference of the frame that SCRIPT.py makes.
 
     Pixels stay pixels: in a PNG file each is a square of whole pixels, in PDF and SVG files the figure's own.
     The caption, the command and the paper's BibTeX entry are in the file's own fields, and beside it in a
@@ -58,13 +58,13 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.effects.reports.files import writable_file, write_whole
 
-    asked_of(style, width, dpi)
+    look, _ = asked_of(style, width, dpi)
     of_script = is_own_frame(what)
     figure, machine, method, changes, stem = (_script if of_script else _figure)(
         what, profile, size, settings
     )
     named = None if pictures is None else tuple(word.strip() for word in pictures.split(","))
-    names = names_of(figure, machine, named)
+    names = names_of(figure, machine, named, look.fixed)
     name = Path(out or f"{stem}-{style}.png")
     kind = name.suffix.lower().removeprefix(".")
     if kind not in KINDS:

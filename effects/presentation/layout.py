@@ -120,18 +120,18 @@ def height_of(area, columns, arrangement):
     return _fixed(area, columns, arrangement)[1] + rows * arrangement.height
 
 
-def arrange(area, columns):
+def arrange(area, columns, small=SMALL):
     """The Arrangement of pictures of ``columns`` panels.
 
-    The rows of panels stay whole unless a panel gets SMALL. Among arrangements with lines of equal length,
-    the one with the largest panels is taken. Pictures of one panel may stand side by side; then it is the
+    The rows of panels stay whole unless a panel is lower than ``small`` mm. Among arrangements with lines of
+    equal length, the one with the largest panels is taken. Pictures of one panel may stand side by side; then it is the
     flattest whose panels are nearly as large. If nothing fits, its height is zero or less.
     """
     count = len(area.notes)
     shares = [n for n in range(1, count + 1) if count % n == 0]
     found = [_largest(area, columns, pictures, columns) for pictures in shares]
     largest = max(a.height for a in found)
-    if columns >= 4 and largest < SMALL:
+    if columns >= 4 and largest < small:
         broken = [_largest(area, columns, pictures, math.ceil(columns / 2)) for pictures in shares]
         if max(a.height for a in broken) > WORTH * largest:
             found = broken

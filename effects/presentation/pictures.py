@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.effects.refusal import Refusal, choose
+from fixedpipe.pipeline.profiles import PROFILES
 
 # By name, what a sheet may show, in the order in which it does.
 PICTURES = {
@@ -15,8 +16,12 @@ PICTURES = {
     "difference": "machine - ideal, about middle grey",
     "reference-difference": "machine - reference, about middle grey",
 }
-# Shown where nothing else is asked for, as far as the figure has them.
-USUAL = ("machine", "ideal", "reference", "difference")
+# Shown where nothing else is asked for: of a figure with a reference, and of another.
+WITH_REFERENCE = ("machine", "reference", "reference-difference")
+WITHOUT = ("machine", "ideal", "difference")
+# The texture of a diagram's letters (fixedpipe.effects.diagrams.drawing.FONT).
+_LETTERS = "font"
+_SMALL = 64  # pixels of a panel: the commands of a small picture tell what kind of figure it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +88,19 @@ def _bytes(colors):
     return np.floor(255.0 * np.clip(colors, 0.0, 1.0) + 0.5).astype(np.uint8)
 
 
-def names_of(figure, profile, names=None):
-    """Names of the pictures of a sheet: those asked for, or the USUAL ones that there are.
+def is_diagram(figure, profile):
+    """Whether a figure is a drawing with letters and no rendering that something could be compared with."""
+    if figure.reference is not None or not any(profile == PROFILES[m] for m in figure.machines):
+        return False
+    return any(getattr(command, "texture", None) == _LETTERS for command in figure.commands(profile, _SMALL))
+
+
+def names_of(figure, profile, names=None, alone=False):
+    """Names of the pictures of a sheet: those asked for; else those that tell what the figure is about.
+
+    These are the machine's picture, the reference and their difference; without a reference the ideal and
+    the difference from it; of a diagram the machine's picture alone. ``alone``: of any figure the machine's,
+    as on a slide.
 
     Raises Refusal for another name, for one twice, and for what the figure has not on that machine.
     """
@@ -94,7 +110,10 @@ def names_of(figure, profile, names=None):
     if profile.arithmetic.exact:
         there = ["ideal"]
     if names is None:
-        return tuple(name for name in USUAL if name in there)
+        usual = WITHOUT if figure.reference is None else WITH_REFERENCE
+        if there != ["ideal"] and (alone or is_diagram(figure, profile)):
+            usual = usual[:1]
+        return tuple(name for name in usual if name in there) or tuple(there)
     for name in names:
         choose("picture", name, PICTURES)
         if name not in there:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.effects.bibliography import citation
-from fixedpipe.effects.presentation.layout import Area, arrange, height_of, place
+from fixedpipe.effects.presentation.layout import SMALL, Area, arrange, height_of, place
 from fixedpipe.effects.presentation.pictures import names_of, pictures_of
 from fixedpipe.effects.presentation.styles import LEAST_POINTS, MILLIMETRES, POINTS, STYLES, Style
 from fixedpipe.effects.presentation.typesetting import Font, broken
@@ -113,8 +113,7 @@ def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=No
         Pixels an inch of a PNG file; None: the least, from the style's, with which panels are as large as
         they can be.
     pictures : sequence of str, optional
-        Of ``fixedpipe.effects.presentation.pictures.PICTURES``; None: machine, ideal, reference, difference,
-        as far as there are.
+        Of ``fixedpipe.effects.presentation.pictures.PICTURES``; None: as ``names_of`` there chooses.
 
     Returns
     -------
@@ -124,7 +123,7 @@ def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=No
     and where matplotlib is not installed.
     """
     look, width = asked_of(style, width, dpi)
-    shown = pictures_of(drawn, names_of(drawn.figure, drawn.profile, pictures))
+    shown = pictures_of(drawn, names_of(drawn.figure, drawn.profile, pictures, look.fixed))
     return _Composition(drawn, kind, _scaled(look, width), width, shown).sheet(style, dpi)
 
 
@@ -245,7 +244,8 @@ class _Composition:
         labels, heading, notes = int(any(self.labels)), 1, [int(bool(p.note)) for p in self.pictures]
         for _ in range(6):
             area = self._area(height, labels, heading, notes)
-            arrangement = arrange(area, self.columns)
+            # A slide has a page to fill: rows are broken wherever that makes panels larger.
+            arrangement = arrange(area, self.columns, math.inf if self.style.fixed else SMALL)
             if arrangement.height <= 0:
                 break
             room = arrangement.panels * arrangement.width + (arrangement.panels - 1) * area.gutter
@@ -398,7 +398,8 @@ class _Composition:
         words += ["--style", style_name, "--width", f"{self.width:g}"]
         words += [] if dpi is None else ["--dpi", f"{dpi:g}"]
         names = tuple(picture.name for picture in self.shown)
-        words += ["--pictures", ",".join(names)] if names != names_of(drawn.figure, drawn.profile) else []
+        usual = names_of(drawn.figure, drawn.profile, alone=self.style.fixed)
+        words += ["--pictures", ",".join(names)] if names != usual else []
         known = drawn.figure.parameters_of(drawn.method)
         for name, value in drawn.changes.items():
             words += ["--set", f"{name}={known[name].kind.show(value)}"]

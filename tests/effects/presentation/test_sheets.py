@@ -2,6 +2,7 @@
 
 import base64
 import io
+import math
 import re
 import zlib
 from dataclasses import replace
@@ -19,6 +20,7 @@ from fixedpipe.effects.presentation.sheet import sheet
 from fixedpipe.effects.presentation.sheet_files import KINDS, file_of
 from fixedpipe.effects.presentation.styles import LEAST_POINTS, STYLES
 from fixedpipe.effects.refusal import Refusal
+from fixedpipe.pipeline.profiles import PROFILES
 
 pytest.importorskip("matplotlib")
 
@@ -109,7 +111,8 @@ def embedded_in_pdf(data):
 
 @pytest.mark.parametrize(("style", "width"), [("paper", 60.0), ("slide", 160.0), ("light-slide", 160.0)])
 def test_every_panel_stands_in_the_png_with_its_own_pixels(spheres, style, width):
-    composed = sheet(spheres, "png", style=style, width=width)
+    pictures = ("machine", "ideal", "difference")
+    composed = sheet(spheres, "png", style=style, width=width, pictures=pictures)
     page = np.asarray(Image.open(io.BytesIO(file_of(composed, "png"))))
     corners = [spots(page, panel, composed.scale) for panel in all_panels(spheres)]
     assert composed.scale > 1 and all(len(found) == 1 for found in corners), corners
@@ -266,7 +269,7 @@ def test_a_difference_that_is_none_is_written(spheres):
 
 def test_a_reference_is_shown_where_there_is_one(with_reference):
     usual = names_of(with_reference.figure, with_reference.profile)
-    assert usual == ("machine", "ideal", "reference", "difference")
+    assert usual == ("machine", "reference", "reference-difference")
     composed = sheet(with_reference, "pdf", pictures=("machine", "reference", "reference-difference"))
     shown = [panel.picture for panel in composed.panels]
     assert shown == ["machine", "machine", "reference", "reference-difference"]
@@ -276,6 +279,25 @@ def test_a_reference_is_shown_where_there_is_one(with_reference):
     texts = [line.text for line in composed.lines]
     assert [text for text in texts if text.startswith("(GeForce 256 \N{MINUS SIGN} reference)")]
     assert [text for text in texts if text.startswith("difference from")]
+
+
+def test_a_diagram_is_shown_alone_and_so_is_any_figure_on_a_slide(spheres, with_reference):
+    diagram = FIGURES["F000-6"]
+    assert names_of(diagram, PROFILES[diagram.machines[0]]) == ("machine",)
+    assert names_of(spheres.figure, spheres.profile) == ("machine", "ideal", "difference")
+    assert names_of(spheres.figure, PROFILES["IDEAL"]) == ("ideal",)
+    for drawn in (spheres, with_reference):
+        composed = sheet(drawn, "pdf", style="slide")
+        assert {panel.picture for panel in composed.panels} == {"machine"}
+        # The row of two panels is as wide as the slide's margins and its text allow.
+        room = composed.height - 2 * composed.style.margin
+        assert composed.panels[0].height > 0.6 * room
+
+
+def test_five_panels_on_a_slide_stand_in_two_rows_where_that_makes_them_larger():
+    area = Area(320.0, 150.0, 2.0, 4.0, 6.0, 6.0, (0.0,))
+    whole, broken = arrange(area, 5), arrange(area, 5, math.inf)
+    assert (whole.panels, broken.panels) == (5, 3) and broken.height > 1.1 * whole.height
 
 
 def test_a_sheet_says_that_twelve_bits_are_shown_as_bytes(spheres):
