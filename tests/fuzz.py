@@ -15,6 +15,8 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
+from fixedpipe.effects.tasks.executors import opened
+from fixedpipe.effects.tasks.ordered import in_order
 from fixedpipe.pipeline.commands import Draw, MakeCurrent, Mesh, TexImage
 from fixedpipe.pipeline.description.describe import describe
 from fixedpipe.pipeline.enums import PrimitiveType
@@ -333,6 +335,42 @@ def fuzz(seconds=None, frames=None, first_seed=0, wide=False):
     return tally
 
 
+# Frames that a worker checks in one call.
+FRAMES_OF_A_CALL = 50
+
+
+def fuzz_by(workers, seconds=None, frames=None, first_seed=0, wide=False):
+    """``fuzz`` by the workers of an executor (``fixedpipe.effects.tasks``), some frames each, a few more than
+    were asked for. Returns a Tally; raises Mismatch's words as AssertionError.
+    """
+    tally, begin = Tally(), time.monotonic()
+
+    def calls():
+        seed = first_seed
+        while (seconds is None or time.monotonic() - begin < seconds) and (
+            frames is None or seed < first_seed + frames
+        ):
+            yield seed, wide
+            seed += FRAMES_OF_A_CALL
+
+    for count, specified, mismatch in in_order(workers, fuzzed_there, calls()):
+        if mismatch:
+            raise AssertionError(mismatch)
+        tally.frames += count
+        tally.specified += specified
+    tally.seconds = time.monotonic() - begin
+    return tally
+
+
+def fuzzed_there(first_seed, wide):
+    """In a worker: (frames, frames by the specification, the Mismatch in words or "")."""
+    try:
+        tally = fuzz(frames=FRAMES_OF_A_CALL, first_seed=first_seed, wide=wide)
+    except Mismatch as mismatch:
+        return 0, 0, str(mismatch)
+    return tally.frames, tally.specified, ""
+
+
 def shared_frame(seed, size):
     """A frame that gives the same on a Machine that has drawn others."""
     return random_frame(
@@ -411,6 +449,7 @@ def main(arguments=None):
     parser.add_argument(
         "--python-threads", type=int, default=1, help="threads that draw at once (default: 1)"
     )
+    parser.add_argument("--executor", help="where: processes:N, dask:..., mpi (docs/scale.md)")
     parser.add_argument("--wide", action="store_true", help="machines of 8 to 12 bits")
     given = parser.parse_args(arguments)
     seconds = 60.0 if given.seconds is None and given.frames is None else given.seconds
@@ -421,11 +460,14 @@ def main(arguments=None):
             print(describe(frame.commands))
             check(frame)
             print("no difference")
+        elif given.executor:
+            with opened(given.executor) as workers:
+                print(fuzz_by(workers, seconds, given.frames, given.first_seed, given.wide))
         elif given.python_threads > 1:
             print(fuzz_threads(given.python_threads, seconds, given.frames, given.first_seed))
         else:
             print(fuzz(seconds, given.frames, given.first_seed, given.wide))
-    except Mismatch as mismatch:
+    except (Mismatch, AssertionError) as mismatch:
         print(mismatch)
         return 1
     return 0

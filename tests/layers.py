@@ -193,7 +193,7 @@ PACKAGES = {
         "pipeline": (
             "enums state textures commands profiles vertices framebuffers validation native execution"
         ),
-        "effects": "refusal passes",
+        "effects": "refusal tasks passes",
     },
     "effects/presentation": {
         "pipeline": "profiles",
@@ -202,8 +202,8 @@ PACKAGES = {
     "effects/reports": {
         "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
         "effects": (
-            "refusal technique bibliography acceptance data_files figures arithmetic emulators conformance"
-            " presentation"
+            "refusal tasks technique bibliography acceptance data_files figures arithmetic emulators "
+            "conformance presentation"
         ),
     },
     "effects/pixel_states": {

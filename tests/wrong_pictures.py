@@ -19,10 +19,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import wraps
+from itertools import starmap
 
 import numpy as np
 
 from fixedpipe.effects.figures import FIGURES, Figure, Renderer
+from fixedpipe.effects.figures.figure import _REFERENCES
 from fixedpipe.effects.figures.heidrich_2000 import f002_01_with_and_without_scattering as f002_01
 from fixedpipe.effects.figures.heidrich_2000 import f002_10_three_spheres as f002_10
 from fixedpipe.effects.figures.heidrich_2000 import f002_13_terrain as f002_13
@@ -30,6 +32,8 @@ from fixedpipe.effects.figures.heidrich_2000.shared import backyard
 from fixedpipe.effects.figures.heidrich_2001 import f000_05_fresnel_mirrors as f000_05
 from fixedpipe.effects.figures.heidrich_2001 import f000_09_bump_map_with_shadows as f000_09
 from fixedpipe.effects.scattering import environment_light
+from fixedpipe.effects.tasks.executors import opened
+from fixedpipe.effects.tasks.ordered import in_order
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
 from fixedpipe.pipeline.execution.machine import execute
@@ -235,16 +239,20 @@ def mutations_of(figure: Figure, machine: str) -> Iterator[Mutation]:
 @contextmanager
 def _patched(module, name, function, *kept):
     """Another function under a module's name while the block runs. ``kept``: caches of what it made."""
+
+    def forget():
+        _REFERENCES.clear()
+        for cache in kept:
+            cache.cache_clear()
+
     right = getattr(module, name)
     try:
         setattr(module, name, function)
-        for cache in kept:
-            cache.cache_clear()
+        forget()
         yield
     finally:
         setattr(module, name, right)
-        for cache in kept:
-            cache.cache_clear()
+        forget()
 
 
 def _turned_room():
@@ -324,7 +332,7 @@ def first_failed(figure: Figure, machine: str, mutation: Mutation | None = None)
         # What is measured of a wrong picture may be no number, which fails a check.
         with np.errstate(all="ignore"), warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            for check in wrong.acceptance(wrong, _renderer(wrong, machine, mutation)):
+            for check in wrong.each_check(_renderer(wrong, machine, mutation)):
                 if not check.passed:
                     kept = f"{check.value:.3g}, not {check.relation} {check.bound:.3g}"
                     return f"{check.name} ({check.on.value}: {kept})"
@@ -370,18 +378,36 @@ def main() -> int:
         "figures", nargs="+", choices=tuple(FIGURES), metavar="ID", help="figures by their ids"
     )
     parser.add_argument("--named", action="store_true", help="the strangers' own alone")
+    parser.add_argument("--executor", help="where: processes:N, dask:..., mpi (docs/scale.md)")
     options = parser.parse_args()
     survived = 0
-    for figure_id in options.figures:
-        named = ((name, named_failed(of, name)) for of, name in NAMED if of == figure_id)
-        results = named if options.named else results_of(figure_id)
-        caught = total = 0
-        for name, failed in results:
-            total, caught = total + 1, caught + (failed is not None)
-            print(f"{figure_id}: {name}: {failed or 'SURVIVED'}", flush=True)
-        print(f"{figure_id}: {caught} of {total} wrong pictures are refused", flush=True)
-        survived += total - caught
+    with opened(options.executor) as workers:
+        calls = [(figure_id, options.named) for figure_id in options.figures]
+        found = in_order(workers, results_there, calls) if workers else starmap(_results, calls)
+        for figure_id, results in zip(options.figures, found, strict=True):
+            survived += _printed(figure_id, results)
     return bool(survived)
+
+
+def _results(figure_id, named):
+    if named:
+        return ((name, named_failed(of, name)) for of, name in NAMED if of == figure_id)
+    return results_of(figure_id)
+
+
+def results_there(figure_id: str, named: bool) -> list[tuple[str, str | None]]:
+    """In a worker: what ``results_of`` yields, or the named ones."""
+    return list(_results(figure_id, named))
+
+
+def _printed(figure_id, results):
+    """Print a figure's results as they come; returns how many survived."""
+    caught = total = 0
+    for name, failed in results:
+        total, caught = total + 1, caught + (failed is not None)
+        print(f"{figure_id}: {name}: {failed or 'SURVIVED'}", flush=True)
+    print(f"{figure_id}: {caught} of {total} wrong pictures are refused", flush=True)
+    return total - caught
 
 
 if __name__ == "__main__":

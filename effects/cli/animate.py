@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from fixedpipe.effects.cli.executors import executor_option, workers_of
 from fixedpipe.effects.cli.options import (
     changes_of,
     machine_of,
@@ -38,7 +39,10 @@ from fixedpipe.effects.cli.options import (
 @click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of the figure's panels, pixels.")
 @set_option
 @threads_option
-def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, size, settings, threads):
+@executor_option
+def animate(
+    figure_id, list_only, moves, bits, count, out, fps, loop, profile, size, settings, threads, executor
+):
     """Draw figure ID, or the FIGURE in your FILE.py, while a parameter changes, or the width of its numbers;
     without either as declared.
 
@@ -56,6 +60,7 @@ def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, s
     from fixedpipe.effects.reports.figure_record import variant_name
     from fixedpipe.effects.reports.files import writable_file, written_whole
     from fixedpipe.effects.reports.own_figures import figure_of
+    from fixedpipe.effects.tasks.ordered import in_order
     from fixedpipe.pipeline.profiles import PROFILES
 
     context = click.get_current_context()
@@ -95,13 +100,22 @@ def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, s
     width, height = figure.dimensions(size)
     check_edges(name, width, height)
     path = writable_file(name)
-    announce_compiling()
-    with progress(len(frames)) as step, refusals(), written_whole(path) as temporary:
+    announce_compiling(None if executor else "vector")
+    with (
+        workers_of(executor, threads) as workers,
+        progress(len(frames)) as step,
+        refusals(),
+        written_whole(path) as temporary,
+    ):
 
         def drawn():
-            pictures = pictures_of(
-                figure, machine, frames, size, method=method, threads=threads, changes=changes
-            )
+            if workers:
+                calls = ((figure_id, key, frame, size, settings) for frame in frames)
+                pictures = in_order(workers, picture_there, calls, lambda *call: call[2].said)
+            else:
+                pictures = pictures_of(
+                    figure, machine, frames, size, method=method, threads=threads, changes=changes
+                )
             for frame in frames:
                 step(f"{figure.id}: {frame.said}")
                 yield next(pictures)
@@ -111,6 +125,18 @@ def animate(figure_id, list_only, moves, bits, count, out, fps, loop, profile, s
         f"{path}: {len(frames)} frames of {width}x{height} pixels, {rate} a second, {kind}, "
         f"{path.stat().st_size / 1e6:.2g} MB"
     )
+
+
+def picture_there(figure_id, key, frame, size, settings):
+    """In a worker: a frame's picture, uint8 [h, w, 3]. ``settings``: the texts of --set."""
+    from fixedpipe.effects.presentation.variation import picture_of
+    from fixedpipe.effects.reports.own_figures import figure_of
+    from fixedpipe.pipeline.profiles import PROFILES
+
+    figure = figure_of(figure_id)
+    method = figure.method(key)
+    changes = changes_of(settings, figure, (method,))
+    return picture_of(figure, PROFILES[key], frame, size, method, None, changes)
 
 
 def _tracks(moves, figure, method):

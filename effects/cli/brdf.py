@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from fixedpipe.effects.cli.executors import executor_option, workers_of
 from fixedpipe.effects.cli.options import fill_option, limit_option, profile_option, three_numbers
 
 FORMATS = ("merl", "npz")
@@ -80,10 +81,9 @@ FORMATS = ("merl", "npz")
     "--jobs",
     type=click.IntRange(min=1),
     metavar="N",
-    default=1,
-    show_default=True,
-    help="Processes; any number gives the same bytes.",
+    help="Short for --executor processes:N.",
 )
+@executor_option
 def brdf(
     heights,
     out,
@@ -101,6 +101,7 @@ def brdf(
     profile,
     resume,
     jobs,
+    executor,
 ):
     """Simulate the BRDF of HEIGHTS, with shadows, masking and scattered light.
 
@@ -113,7 +114,7 @@ def brdf(
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import check_size
-    from fixedpipe.effects.refusal import choose, refusals
+    from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_file, writable_folder, writable_picture, write_whole
     from fixedpipe.effects.user_pictures import simulated_brdf
     from fixedpipe.effects.user_pictures.drawing import drawn
@@ -132,10 +133,13 @@ def brdf(
         _refuse_same(picture, out, "the BRDF")
     if resume is not None:
         writable_folder(resume)
+    if jobs and executor:
+        raise Refusal("--jobs and --executor both say who computes; give one of them.")
+    executor = f"processes:{jobs}" if jobs and jobs > 1 else executor
     announce_compiling()
     with refusals():
         field = simulated_brdf.field_of(heights, texels, relief, reflected)
-        found = _simulated(field, directions, bounces, grid, resume, jobs)
+        found = _simulated(field, directions, bounces, grid, resume, executor)
         if form == "merl":
             data = simulated_brdf.merl_file(found)
         else:
@@ -197,21 +201,12 @@ def _refuse_same(path, other, what):
         raise Refusal(f"{path} is {other}, {what}; give another name.")
 
 
-def _simulated(field, directions, bounces, grid, folder, jobs):
+def _simulated(field, directions, bounces, grid, folder, executor):
     """The dense BRDF, with a bar that says how far it is."""
-    import signal
-    from concurrent.futures import ProcessPoolExecutor
-    from contextlib import nullcontext
-    from multiprocessing import get_context
-
     from fixedpipe.effects.cli.progress import progress
     from fixedpipe.effects.user_pictures import simulated_brdf
 
-    # A process that is forked while threads run may hang: new ones begin from nothing.
-    # Ctrl-C ends each of them without a word; this one says it.
-    ending = signal.signal, (signal.SIGINT, signal.SIG_DFL)
-    workers = ProcessPoolExecutor(jobs, get_context("spawn"), *ending) if jobs > 1 else nullcontext()
-    with workers as executor, progress(grid) as step:
+    with workers_of(executor) as workers, progress(grid) as step:
         begun = 0
 
         def came(done):
@@ -226,6 +221,6 @@ def _simulated(field, directions, bounces, grid, folder, jobs):
             bounces=bounces,
             grid=grid,
             folder=folder,
-            executor=executor,
+            executor=workers,
             progress=came,
         )

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import click
 
+from fixedpipe.effects.cli.executors import executor_option, workers_of
 from fixedpipe.effects.cli.options import refuse_beside
 from fixedpipe.effects.cli.progress import error_console
 
@@ -30,9 +31,8 @@ _HOW = (
 @click.option(
     "--threads", type=click.IntRange(min=1), metavar="N", help="Cases at a time; any number, the same bits."
 )
-@click.option(
-    "--jobs", type=click.IntRange(min=1), metavar="N", help="Cases at a time, in processes of their own."
-)
+@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Short for --executor processes:N.")
+@executor_option
 @click.option(
     "--other", metavar="DIR", help="Another renderer's pictures, DIR/SUITE/CASE.png, counted beside ours."
 )
@@ -53,6 +53,7 @@ def conformance(
     html_file,
     threads,
     jobs,
+    executor,
     other,
     page_file,
     explain,
@@ -88,8 +89,9 @@ def conformance(
     _refuse_one_file(written)
     json_path, html_path, page_path = (writable_file(name) if name else None for name in written.values())
     other = _folder_of_other(other)
-    if jobs and threads:
-        raise Refusal("--jobs and --threads both say how many cases at a time; give one of them.")
+    if (jobs is not None) + (threads is not None) + (executor is not None) > 1:
+        raise Refusal("--jobs, --threads and --executor all say how many cases at a time; give one of them.")
+    executor = f"processes:{jobs}" if jobs else executor
 
     announce_compiling()
     from fixedpipe.effects.conformance.case import Inputs
@@ -104,10 +106,10 @@ def conformance(
     warnings.simplefilter("ignore", DisabledTexture)  # captures are what a chip drew of it
     modules, inputs = known_suites(), Inputs(inputs)
     if discriminates:
-        if html_file or other or explain or jobs or threads:
+        if html_file or other or explain or executor or threads:
             raise Refusal(
                 "--discriminates counts pixels by two rules, one case at a time; --html, --other, --explain, "
-                "--jobs and --threads are of no use to it. Leave them out."
+                "--jobs, --threads and --executor are of no use to it. Leave them out."
             )
         from fixedpipe.effects.cli.conformance_rules import tell_distinctions
 
@@ -116,8 +118,8 @@ def conformance(
     page, records, total, failed = Page() if html_path else None, [], Totals(), 0
     rows, read = {}, reader(other) if other else None
     published = ScoreboardPage(other.resolve().name) if page_path else None
-    with _progress(len(captures)) as (say, step):
-        comparisons = compare_all(captures, modules, inputs, threads, jobs=jobs)
+    with workers_of(executor) as workers, _progress(len(captures)) as (say, step):
+        comparisons = compare_all(captures, modules, inputs, threads, executor=workers)
         for suite, cases in groupby(comparisons, lambda c: c.suite):
             of_suite = Totals()
             for case in cases:

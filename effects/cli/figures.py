@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 import click
 
+from fixedpipe.effects.cli.executors import executor_option, workers_of
 from fixedpipe.effects.cli.options import refuse_beside, set_option, threads_option
 from fixedpipe.effects.cli.progress import error_console
 from fixedpipe.pipeline.messages import count
@@ -34,11 +35,24 @@ PAPER = "paper"
 @click.option(
     "--jobs", type=click.IntRange(min=1), metavar="N", help="Processes that draw; else one per processor."
 )
+@executor_option
 @set_option
 @threads_option
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
 def figures(
-    figure_ids, list_only, check, out, png, profiles, size, again, jobs, settings, threads, json_file
+    figure_ids,
+    list_only,
+    check,
+    out,
+    png,
+    profiles,
+    size,
+    again,
+    jobs,
+    executor,
+    settings,
+    threads,
+    json_file,
 ):
     """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
 
@@ -84,6 +98,11 @@ def figures(
         raise Refusal(f"No figure can be drawn on {named}; fixedpipe figures --list has their machines.")
     if settings and not figure_ids:
         raise Refusal("--set changes a figure; name it, as in fixedpipe figures F004-4 --set alpha_x=0.15.")
+    if executor and (settings or jobs):
+        raise Refusal(
+            "--executor draws figures with their own values, by as many workers as it has; leave --set and "
+            "--jobs out. fixedpipe sweep varies values."
+        )
     if settings and check:
         raise Refusal("--check holds for a figure's own values; leave out --check, or --set.")
     changes = {f.id: changes_of(settings, f, {f.method(m): m for m in machines[f.id]}) for f in chosen}
@@ -104,6 +123,7 @@ def figures(
     from fixedpipe.effects.reports.figure_inputs import inputs_of
     from fixedpipe.effects.reports.figure_pool import Order, draw_all, draw_here
     from fixedpipe.effects.reports.figure_record import steps
+    from fixedpipe.effects.reports.figure_tasks import draw_by
     from fixedpipe.pipeline.native.threads import default_threads
 
     if former := set_aside(folder, FIGURES):
@@ -125,7 +145,7 @@ def figures(
     if kept := len(chosen) - len(orders):
         click.echo(f"{count(kept, 'figure')} did not change and stay; --again draws all.", err=True)
     # Of all figures there is a picture each before the rest is drawn.
-    for order in () if figure_ids else orders.values():
+    for order in () if figure_ids or executor else orders.values():
         first = order.first()
         if first and (again or not unchanged(folder, first.id, first.inputs)):
             firsts[first.id] = first
@@ -136,15 +156,20 @@ def figures(
     own_sizes = size is None and not settings
     if left:
         # Several processes share the compiling, and a check is drawn by both engines.
-        announce_compiling("vector" if jobs == 1 and not check else None)
-        click.echo(_plan(left, early, machines, check, own_sizes, jobs), err=True)
+        if not executor:
+            announce_compiling("vector" if jobs == 1 and not check else None)
+        click.echo(_plan(left, early, machines, check, own_sizes, jobs, executor), err=True)
     in_order = longest_after_the_first if jobs > 1 else cheapest_first
     inside = [of[figure.id] for of, some in ((firsts, early), (orders, left)) for figure in in_order(some)]
     number = sum(steps(figure, machines[figure.id], check) for figure in left)
     number += sum(steps(figure, firsts[figure.id].machines, with_references=False) for figure in early)
     awaited, seconds = set(firsts), 0.0
-    with _progress(number) as (step, compiling, say):
-        if jobs > 1:
+    number = len(inside) if executor else number
+    with workers_of(executor if inside else None, threads) as workers, _progress(number) as shown:
+        step, compiling, say = shown
+        if workers:
+            drawn = draw_by(workers, inside, step)
+        elif jobs > 1:
             drawn = draw_all(inside, jobs, max(1, processors // jobs), step, compiling)
         else:
             drawn = draw_here(inside, step, changes)
@@ -214,7 +239,7 @@ def _write_page(folder, figures):
     return []
 
 
-def _plan(chosen, early, machines, check, own_sizes, jobs):
+def _plan(chosen, early, machines, check, own_sizes, jobs, executor):
     """What is coming: how many figures, on how many machines, and how long it takes."""
     from fixedpipe.effects.figures.costs import PROCESSOR, SECONDS, seconds_of
 
@@ -223,6 +248,8 @@ def _plan(chosen, early, machines, check, own_sizes, jobs):
     what = f"{count(len(chosen), 'figure')} on {count(different, 'machine')}, {count(drawings, 'drawing')}"
     if check:
         what += " with acceptance checks"
+    if executor:
+        return f"{what}, by {executor}, the longest early."
     if jobs > 1:
         what += f", in {jobs} processes, the cheapest and then the longest first"
     else:

@@ -1,9 +1,11 @@
 """``fixedpipe study``: an artefact of the hardware, measured: a table, what it says, and a plot."""
 
 import sys
+from itertools import starmap
 
 import click
 
+from fixedpipe.effects.cli.executors import executor_option, workers_of
 from fixedpipe.effects.cli.options import machine_of, refuse_ignored
 from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 
@@ -19,7 +21,8 @@ from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
 @click.option("--csv", "csv_file", metavar="FILE", help="Write the table of a study as CSV as well.")
-def study(study_ids, profile, check, out, json_file, csv_file):
+@executor_option
+def study(study_ids, profile, check, out, json_file, csv_file, executor):
     """Measure the studies with the given IDs, or all, on the emulated machines. Without an ID
     their names are printed; --check without an ID measures all.
 
@@ -31,12 +34,13 @@ def study(study_ids, profile, check, out, json_file, csv_file):
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.reports.rows import csv_text
     from fixedpipe.effects.studies import STUDIES
+    from fixedpipe.effects.tasks.ordered import in_order
     from fixedpipe.effects.technique import INDEX
 
     if not study_ids and not check:
         refuse_ignored(
             click.get_current_context(),
-            ("profile", "out", "json_file", "csv_file"),
+            ("profile", "out", "json_file", "csv_file", "executor"),
             "without an ID studies are named, not measured; give IDs, or all",
         )
         for s in STUDIES.values():
@@ -51,20 +55,22 @@ def study(study_ids, profile, check, out, json_file, csv_file):
     machines = [_machine(s, profile, check) for s in chosen]
     folder = writable_folder(out)
     json_path, csv_path = (name and writable_file(name) for name in (json_file, csv_file))
-    announce_compiling()
+    if executor is None:
+        announce_compiling()
 
     records, missed, without_plot = [], 0, False
-    for number, (s, key) in enumerate(zip(chosen, machines, strict=True)):
-        table, record = measured(s, key, check)
-        click.echo("\n" * bool(number) + _printed(s, key, table))
-        missed += _print_checks(record["checks"])
-        picture = plotted(s, table)
-        without_plot |= picture is None
-        if picture is not None:
-            record["plot"] = f"{s.id}.png"
-            write_whole(folder / record["plot"], picture)
-        write_whole(folder / f"{s.id}.json", json_bytes(record))
-        records.append(record)
+    calls = [(s.id, key, check) for s, key in zip(chosen, machines, strict=True)]
+    with workers_of(executor) as workers:
+        found = in_order(workers, measured_there, calls) if workers else starmap(measured_there, calls)
+        for number, (s, (printed, record, picture)) in enumerate(zip(chosen, found, strict=True)):
+            click.echo("\n" * bool(number) + printed)
+            missed += _print_checks(record["checks"])
+            without_plot |= picture is None
+            if picture is not None:
+                record["plot"] = f"{s.id}.png"
+                write_whole(folder / record["plot"], picture)
+            write_whole(folder / f"{s.id}.json", json_bytes(record))
+            records.append(record)
     if json_path:
         write_whole(json_path, json_bytes(records))
     if csv_path:
@@ -79,6 +85,15 @@ def study(study_ids, profile, check, out, json_file, csv_file):
     if missed:
         click.echo(f"{missed} expected number{'s' * (missed != 1)} missed.", err=True)
         sys.exit(1)
+
+
+def measured_there(study_id, key, check):
+    """In a worker: what the terminal shows of a study, its record, and its plot's bytes or None."""
+    from fixedpipe.effects.studies import STUDIES
+
+    s = STUDIES[study_id]
+    table, record = measured(s, key, check)
+    return _printed(s, key, table), record, plotted(s, table)
 
 
 def _machine(s, profile, check):

@@ -10,30 +10,40 @@ from fixedpipe.effects.cli.compiling import announce_compiling
 
 
 @click.command()
-def warmup():
-    """Compile every kernel that is not yet compiled for this machine, and say where they are kept.
+@click.argument("ids", metavar="[ID …]", nargs=-1)
+def warmup(ids):
+    """Compile every kernel that is not yet compiled for this machine, and say where they are kept. With the
+    IDs of figures or studies, those that they need alone.
 
     It takes a minute or more, once; two processes compile. Do it after an install, or in the build of a
     container. If several users share an install, let its owner do it: all of them read what it leaves. Exit
     status 1 if the kernels could not be kept.
     """
-    from fixedpipe.pipeline.native.background_compiling import compile_beside
+    from fixedpipe.effects.figures import FIGURES
+    from fixedpipe.effects.refusal import choose
+    from fixedpipe.effects.studies import STUDIES
+    from fixedpipe.pipeline.native.background_compiling import compile_beside, make_ready
     from fixedpipe.raster.kernel import CACHE_FOLDER, make_all_ready
     from fixedpipe.raster.kernel_folder import kept
 
+    for name in ids:
+        choose("figure", name, FIGURES) if name not in STUDIES else STUDIES[name]  # which imports it
     began = time.monotonic()
     announce_compiling(None)
     beside = None
     if CACHE_FOLDER in dict(kept()):  # else this process could not read what another compiles
         # For the engine that is missing. The process lives as long as its name here.
         beside = compile_beside("vector") or compile_beside("portable")
-    for name in "fixedpipe.raster", "fixedpipe.effects":
+    for engine in ("vector", "portable") if ids else ():
+        make_ready(engine)
+    for name in () if ids else ("fixedpipe.raster", "fixedpipe.effects"):
         for module in pkgutil.walk_packages(importlib.import_module(name).__path__, f"{name}."):
             if not module.name.endswith(".__main__"):  # which runs a command
                 importlib.import_module(module.name)
     make_all_ready()
     del beside
-    click.echo(f"All kernels are compiled ({time.monotonic() - began:.0f} s).")
+    what = f"The kernels of {', '.join(ids)}" if ids else "All kernels"
+    click.echo(f"{what} are compiled ({time.monotonic() - began:.0f} s).")
     size = dict(kept()).get(CACHE_FOLDER)
     if not size:
         click.echo(

@@ -1,16 +1,16 @@
 """Compare many captures, several at a time, in order. An error in one case does not stop the others."""
 
-import multiprocessing
 import warnings
-from collections import deque
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from functools import partial
+from functools import cache
 
 import numpy as np
 
 from fixedpipe.effects.conformance.redraw import Comparison, compare, known_suites
+from fixedpipe.effects.tasks.executors import of_user
+from fixedpipe.effects.tasks.ordered import in_order
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.validation.walk import DisabledTexture
@@ -35,52 +35,41 @@ def _compare(capture, suite, inputs, profile):
         return Comparison(suite=capture.suite, name=capture.name, theirs=theirs, failed=True, note=note)
 
 
-def compare_all(captures, suites, inputs, threads=None, profile=NV2A, jobs=None):
+def compare_all(captures, suites, inputs, threads=None, profile=NV2A, executor=None):
     """Yield the Comparison of every Capture, in their order.
 
-    ``suites``: by name (``known_suites()``). ``inputs``: an Inputs. ``threads``: cases at a
-    time; None: one per processor. ``jobs``: cases at a time, each in a process of its own, which finds the
-    suites itself; the captures' ``read`` has to be picklable then. ``profile``: the machine. The bits are the
-    same for any number. What ``read`` raises is raised here; what a case raises is its Comparison's note.
+    suites    by name (``known_suites()``)
+    inputs    an Inputs
+    threads   cases at a time; None: one per processor
+    profile   the machine
+    executor  a ``concurrent.futures.Executor`` in place of threads; its workers find the suites themselves,
+              and the captures' ``read`` has to be picklable
+
+    The bits are the same for any number and any executor. What ``read`` raises is raised here; what a case
+    raises is its Comparison's note. Raises Refusal as ``tasks.ordered.in_order``.
     """
-    if jobs is None:
-        threads = threads or default_threads()
-        with ThreadPoolExecutor(threads, "fixedpipe-case") as pool:
-            submit = partial(pool.submit, _compare)
-            yield from _in_order(
-                submit, ((c, suites.get(c.suite), inputs, profile) for c in captures), threads
-            )
+    if executor is None:
+        with ThreadPoolExecutor(threads or default_threads(), "fixedpipe-case") as pool:
+            cases = ((c, suites.get(c.suite), inputs, profile) for c in captures)
+            yield from in_order(of_user(pool), _compare, cases)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, context, _find_suites) as pool:
-        submit = partial(pool.submit, _compare_there)
-        yield from _in_order(submit, ((c, inputs, profile) for c in captures), jobs)
+    cases = ((c, inputs, profile) for c in captures)
+    yield from in_order(of_user(executor), _compare_there, cases, _said)
 
 
-def _in_order(submit, given, workers):
-    pending = deque()
-    try:
-        for arguments in given:
-            pending.append(submit(*arguments))
-            if len(pending) > 2 * workers:  # no more: each holds its pictures until it is taken
-                yield pending.popleft().result()
-        while pending:
-            yield pending.popleft().result()
-    finally:
-        for case in pending:
-            case.cancel()
+def _said(capture, *_):
+    return f"{capture.suite}/{capture.name}"
 
 
-_suites = {}  # of a process that compares cases
-
-
-def _find_suites():
+@cache
+def _suites():
+    """Of a process that compares cases."""
     warnings.simplefilter("ignore", DisabledTexture)  # captures are what a chip drew of it
-    _suites.update(known_suites())
+    return known_suites()
 
 
 def _compare_there(capture, inputs, profile):
-    return _compare(capture, _suites.get(capture.suite), inputs, profile)
+    return _compare(capture, _suites().get(capture.suite), inputs, profile)
 
 
 @dataclass(frozen=True)

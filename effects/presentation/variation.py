@@ -206,6 +206,11 @@ def pictures_of(
     Each is drawn by ``Figure.render`` with the frame's values.
     """
     for frame in frames:
-        machine = profile if frame.bits is None else at_width(profile, frame.bits)
-        drawn = figure.render(machine, size, method=method, threads=threads, **{**changes, **frame.changes})
-        yield drawn.image()[..., :3]
+        yield picture_of(figure, profile, frame, size, method, threads, changes)
+
+
+def picture_of(figure, profile, frame, size, method, threads, changes):
+    """A frame's picture, uint8 [h, w, 3]; arguments as for ``pictures_of``."""
+    machine = profile if frame.bits is None else at_width(profile, frame.bits)
+    drawn = figure.render(machine, size, method=method, threads=threads, **{**changes, **frame.changes})
+    return drawn.image()[..., :3]

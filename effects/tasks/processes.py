@@ -58,6 +58,7 @@ class Processes(Executor):
             if cancel_futures:
                 for future, _ in self._waiting:
                     future.cancel()
+                    future.set_running_or_notify_cancel()  # ends a ``wait`` for it
                 self._waiting.clear()
             free = list(self._free)
         for pool in free:

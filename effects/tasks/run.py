@@ -80,13 +80,14 @@ class _Sent:
         self.again = deque()  # tasks whose call was lost
         self.lost = Counter()  # by digest
         self.came, self.seconds = 0, 0.0
+        self.broken = None  # what the executor raised when it took no call any more
 
     def outcomes(self, tasks):
         """(task, Outcome) as they come, and None wherever ``tasks`` has it."""
         waiting, ended = [], False
         try:
             while waiting or self.again or self.calls or not ended:
-                while len(self.calls) < _CALLS_OF_A_WORKER * max(self.workers(), 1):
+                while not self.broken and len(self.calls) < _CALLS_OF_A_WORKER * max(self.workers(), 1):
                     if self.again:
                         self._send([self.again.popleft()])
                         continue
@@ -104,9 +105,13 @@ class _Sent:
                         break
                     self._send(waiting)
                     waiting = []
+                if self.broken and not self.calls:  # all that it still answered is told
+                    raise _ended(self.broken) from self.broken
                 done, _ = wait(self.calls, return_when=FIRST_COMPLETED)
                 for future in done:
                     yield from self._answered(future, self.calls.pop(future))
+            if self.broken:
+                raise _ended(self.broken) from self.broken
         finally:
             for future in self.calls:
                 future.cancel()
@@ -122,7 +127,8 @@ class _Sent:
         try:
             future = self.executor.submit(batch, work)
         except RuntimeError as error:  # a BrokenExecutor, too
-            raise _ended(error) from error
+            self.broken = error
+            return
         self.calls[future] = tasks
 
     def _answered(self, future, tasks):
@@ -131,7 +137,8 @@ class _Sent:
         except UnfitWorker:
             raise
         except CancelledError as error:
-            raise _ended(error) from error
+            self.broken = self.broken or error
+            return
         except Exception as error:
             yield from self._lost(tasks, error)
             return
