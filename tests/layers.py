@@ -213,9 +213,9 @@ PACKAGES = {
     "effects/replays": {
         "pipeline": (
             "enums messages state pixel_transfer textures commands profiles framebuffers opengl validation "
-            "execution traces"
+            "execution ideal traces"
         ),
-        "effects": "refusal",
+        "effects": "refusal reports",
     },
     "effects/sweeps": {
         "pipeline": "profiles framebuffers execution ideal golden",
@@ -260,6 +260,7 @@ LIBRARIES = {
     "effects/conformance": ("PIL",),
     "effects/user_pictures": ("PIL", "nrrd", "tifffile", "plyfile", "OpenImageIO", "OpenEXR"),
     "effects/reports": ("PIL", "matplotlib", "flip_evaluator", "markdown_it"),
+    "effects/replays": ("PIL",),
     "effects/presentation": ("PIL", "imageio", "imageio_ffmpeg", "matplotlib"),
     "effects/tasks": ("dask", "distributed", "loky", "mpi4py"),
     "effects/sweeps": ("matplotlib", "pyarrow", "xarray"),

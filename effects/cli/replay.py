@@ -40,6 +40,11 @@ _USUAL = "GEFORCE_256"
     type=click.Choice(["mesa"]),
     help="Compare with Mesa's pictures of these frames, which glretrace draws: needs apitrace and Xvfb.",
 )
+@click.option(
+    "--page",
+    metavar="FILE.html",
+    help="Write a page instead: the frames on several machines, the ideal, Mesa's, and the calls.",
+)
 @click.option("--json", "json_file", metavar="FILE", help="Write frames and summary, or the list, as JSON.")
 @click.option(
     "--save-script",
@@ -53,7 +58,20 @@ _USUAL = "GEFORCE_256"
 )
 @threads_option
 def replay(
-    trace, profile, frames, out, size, list_only, checked, beside, json_file, script, video, fps, threads
+    trace,
+    profile,
+    frames,
+    out,
+    size,
+    list_only,
+    checked,
+    beside,
+    page,
+    json_file,
+    script,
+    video,
+    fps,
+    threads,
 ):
     """Draw frames of FILE.trace, which apitrace recorded, or of standard input (-), as PNG files.
 
@@ -67,6 +85,7 @@ def replay(
     """
     from fixedpipe.effects.cli.replay_beside import check_beside
     from fixedpipe.effects.cli.replay_list import tell_list
+    from fixedpipe.effects.cli.replay_page import write_page
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.effects.replays.asked import FramesAsked
 
@@ -75,12 +94,18 @@ def replay(
         asked = FramesAsked.of(frames)
     window = _size(size)
     if list_only:
-        names = "frames", "out", "checked", "beside", "script", "video", "fps", "threads"
+        names = "frames", "out", "checked", "beside", "page", "script", "video", "fps", "threads"
         refuse_ignored(context, names, "--list draws nothing; leave it out")
         tell_list(trace, profile, window, json_file)
         return
     if video is None:
         refuse_ignored(context, ("fps",), "it is of an animation; give --video FILE")
+    if page is not None:
+        names = "out", "size", "checked", "beside", "json_file", "script", "video", "fps"
+        refuse_ignored(context, names, "--page writes nothing but the page; leave it out")
+        machine_of(profile or _USUAL)
+        write_page(trace, profile or _USUAL, asked, page, threads)
+        return
     if beside is not None:
         check_beside(trace, window)
     files = _Files(trace, profile or _USUAL, asked, out, json_file, script, video, fps)

@@ -76,7 +76,7 @@ def test_frames_that_there_are_not_are_refused(tmp_path, frames, words):
 def test_what_cannot_be_read_is_said(tmp_path):
     path = trace(tmp_path / "game.trace")
     path.write_bytes(path.read_bytes()[:-3])
-    with pytest.raises(Refusal, match=r"game\.trace .* at byte"):
+    with pytest.raises(Refusal, match=r"game\.trace.* at byte"):
         list(drawn_frames(path, GEFORCE_256, "all"))
     with pytest.raises(Refusal, match=r"absent\.trace cannot be read"):
         list(drawn_frames(tmp_path / "absent.trace", GEFORCE_256))
