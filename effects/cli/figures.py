@@ -23,6 +23,20 @@ PAPER = "paper"
 @click.option("--out", metavar="DIR", default="out", show_default=True, help="Folder of the gallery.")
 @click.option("--png", metavar="DIR", help="Write every picture as PNG, F004-4-OCTANE.png, there as well.")
 @click.option(
+    "--supersample",
+    type=click.IntRange(2, 8),
+    metavar="N",
+    help="Draw N times as large; each square of N x N pixels is a pixel of the PNG files of --png.",
+)
+@click.option(
+    "--gutter", type=click.IntRange(1, 200), metavar="N", help="Pixels of white between panels, with --png."
+)
+@click.option(
+    "--inset",
+    metavar="X,Y,W,H,ZOOM",
+    help="With --png: a rectangle of the picture, pixels, enlarged in a corner of its panel.",
+)
+@click.option(
     "--profile",
     "profiles",
     metavar="NAME",
@@ -45,6 +59,9 @@ def figures(
     check,
     out,
     png,
+    supersample,
+    gutter,
+    inset,
     profiles,
     size,
     again,
@@ -61,7 +78,8 @@ def figures(
     Writes a gallery, index.html, with a JSON file for each figure and its pictures. A figure that the folder
     has, whose sources, machines, size and packages are what they were, is not drawn again; what the folder
     has of another is replaced, with all of its machines. Several figures are drawn in several processes, the
-    cheapest and then the longest first. Of all figures, each is first drawn on its first machine, without
+    cheapest and then the longest first. Of all figures, those of more than half a million pixels are drawn
+    with fewer; named figures have their own size. Each is first drawn on its first machine, without
     reference and checks, and then on all; --profile takes those that one of the machines can draw. With --set
     a figure is a variant, whose files have names of their own and say what was changed. PNG files have 16
     bits a component where the machine has more than 8; a difference of nothing has no file.
@@ -75,6 +93,7 @@ def figures(
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.figures.costs import cheapest_first, longest_after_the_first
     from fixedpipe.effects.refusal import Refusal, choose, refusals
+    from fixedpipe.effects.reports.figure_record import size_in_gallery
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.technique import INDEX
     from fixedpipe.pipeline.profiles import PROFILES
@@ -106,11 +125,19 @@ def figures(
     if settings and check:
         raise Refusal("--check holds for a figure's own values; leave out --check, or --set.")
     changes = {f.id: changes_of(settings, f, {f.method(m): m for m in machines[f.id]}) for f in chosen}
-    folder, named = writable_folder(out), writable_folder(png) if png else None
+    folder, named = writable_folder(out), _plates(png, supersample, gutter, inset)
     json_path = writable_file(json_file) if json_file else None
+    is_whole = not (figure_ids or size or named)  # of all figures, large ones are drawn smaller
+    sizes = {figure.id: size_in_gallery(figure) if is_whole else size for figure in chosen}
+    for figure in chosen if named else ():
+        width, height = figure.dimensions(size)
+        if named.inset:
+            named.inset.check(figure.id, width, height, figure.columns)
+        if supersample:
+            sizes[figure.id] = supersample * height
     for figure in chosen:
         for machine in machines[figure.id]:
-            check_size(figure.id, figure.dimensions(size), PROFILES[machine])
+            check_size(figure.id, figure.dimensions(sizes[figure.id]), PROFILES[machine])
 
     for figure in chosen:
         for name in changes[figure.id]:
@@ -135,12 +162,22 @@ def figures(
         # Another value, or the figure, may be a file of the user's, whose content no digest here covers.
         made_from, file = None, files_of_users.get(figure.id)
         if not (settings or file):
-            what = figure.id, machines[figure.id], size, check
+            what = figure.id, machines[figure.id], sizes[figure.id], check
             made_from = inputs_of(FIGURES.module_of(figure.id), what)
         if not (again or settings or named or file):
             records[figure.id] = unchanged(folder, figure.id, made_from)
         if not records.get(figure.id):
-            order = figure.id, machines[figure.id], size, threads, check, folder, named, made_from, file
+            order = (
+                figure.id,
+                machines[figure.id],
+                sizes[figure.id],
+                threads,
+                check,
+                folder,
+                named,
+                made_from,
+                file,
+            )
             orders[figure.id] = Order(*order)
     if kept := len(chosen) - len(orders):
         click.echo(f"{count(kept, 'figure')} did not change and stay; --again draws all.", err=True)
@@ -206,6 +243,25 @@ def figures(
         write_whole(json_path, (json.dumps(records, indent=2) + "\n").encode())
     if failed or failures:
         sys.exit(1)
+
+
+def _plates(png, supersample, gutter, inset):
+    """The Plates of --png, None without it. Raises Refusal for what would finish pictures without it."""
+    from fixedpipe.effects.refusal import Refusal
+    from fixedpipe.effects.reports.files import writable_folder
+    from fixedpipe.effects.reports.plates import Inset, Plates
+
+    if not png:
+        asked = [("--supersample", supersample), ("--gutter", gutter), ("--inset", inset)]
+        for name, value in asked:
+            if value is not None:
+                raise Refusal(f"{name} finishes the PNG files of --png; give --png DIR as well.")
+        return None
+    found = Inset.parse(inset) if inset is not None else None
+    if supersample:
+        said = f"{supersample} times as large and averaged over squares of {supersample}x{supersample}"
+        click.echo(f"The PNG files are drawn {said}: say so in their caption.", err=True)
+    return Plates(writable_folder(png), supersample or 1, gutter or 0, found)
 
 
 def _chosen(words):

@@ -20,7 +20,6 @@ from pathlib import Path
 
 from fixedpipe.effects.reports.files import writable_folder, write_whole
 from fixedpipe.effects.reports.gallery import CATALOGUE, INDEX, PLAIN, pages
-from fixedpipe.pipeline.framebuffers.pictures import png
 
 RECORDS, PICTURES = "records", "pictures"
 _PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
@@ -28,7 +27,7 @@ _PICTURE = re.compile(r"([0-9a-f]{16})(?:\.js|\.webp|-480\.webp)")
 _FORMER = b'"difference_gain": '
 # The end of a picture's script that is told from another (fixedpipe.effects.reports.pictures.script).
 _BASE = re.compile(rb'","([0-9a-f]{16})"\)\n$')
-_NAMES = ("digest", "finer", "preview")
+_NAMES = ("digest", "finer", "delta", "preview")
 
 
 def write_figure(folder, rendered, inputs=None, named=None, threads=None):
@@ -36,7 +35,7 @@ def write_figure(folder, rendered, inputs=None, named=None, threads=None):
 
     folder   a Path of a folder that is there
     inputs   the digest of what it was made from (``figure_inputs``), which the record then has
-    named    a Path of a folder for every picture as a PNG file under its readable name; None: none
+    named    Plates, which take every picture as a PNG file under its readable name; None: none
     threads  that code pictures; None: one per processor
 
     A picture that is there already is not written again. Raises Refusal when something cannot be written.
@@ -50,7 +49,7 @@ def write_figure(folder, rendered, inputs=None, named=None, threads=None):
             write_whole(pictures / name, data)
     if named is not None:
         for name, image in rendered.named.items():
-            write_whole(named / name, png(image))
+            named.write(name, image, max(1, len(record["panels"])))
     write_record(folder, record)  # after what it names
     return record
 

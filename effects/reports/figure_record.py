@@ -97,7 +97,7 @@ def picture_name(name, machine, view):
 
 
 # Pixels of a figure among all figures, at most: the gallery of all stays small, and 1:1 on most screens.
-MOST_PIXELS = 1 << 19
+MOST_PIXELS = 768 * 512
 _SIZE_STEP = 16  # panels stay whole multiples of this, as textures and blocks of pixels like it
 
 
@@ -297,7 +297,9 @@ class _Drawing:
             reduced = [WIDE if view == "machine" else NARROW] * is_first
             of_grid = [OF_GRID] * (view == "machine" and not self.machines)
             bits = 8 if view == "reference" else drawn.bits
-            shown[view] = self._picture(image, codes, bits, (LOSSLESS, *reduced, *of_grid), shown.values())
+            files = *reduced, *of_grid
+            told = self._told(view, image, codes, bits, files, shown, pictures["machine"][1])
+            shown[view] = told or self._picture(image, codes, bits, (LOSSLESS, *files), shown.values())
             if self.with_names:
                 self.named[picture_name(self.name, machine, view)] = deep_picture(codes, bits)
         as_bytes = {view: image for view, (image, _) in pictures.items()} if is_first else {}
@@ -310,7 +312,9 @@ class _Drawing:
                     shown[view]["digest"] = self.pictures.add(found.image(), NARROW)
         for view, said in shown.items():
             said["caption"] = self._caption(view, drawn, differences.get(view))
-        self.kept += [said for view, said in shown.items() if view in ("machine", "ideal")]
+        self.kept += [
+            said for view, said in shown.items() if view in ("machine", "ideal") and "delta" not in said
+        ]
         codes = hashlib.sha256(np.ascontiguousarray(drawn.codes()[..., :3])).digest()
         same = self.machines.setdefault((drawn.bits, codes), machine)
         record = {
@@ -364,6 +368,26 @@ class _Drawing:
                     found = self.figure.reference_picture(self.size, method, **self.changes)
                 self.reference = method, found
         return self.reference[1]
+
+    def _told(self, view, image, codes, bits, files, shown, machine):
+        """What the record says of an ideal of more than 8 bits: how far its codes are from the ``machine``'s,
+        in one picture; None where that is no picture of bytes.
+        """
+        if view != "ideal" or bits == 8:
+            return None
+        delta = codes[..., :3].astype(np.int32) - machine[..., :3]
+        if np.abs(delta).max() >= FINER_ZERO:
+            return None
+        height, width = image.shape[:2]
+        said = {"delta": self.pictures.add((delta + FINER_ZERO).astype(np.uint8), LOSSLESS)}
+        said |= {"of": {name: shown["machine"][name] for name in ("digest", "finer")}}
+        return {
+            **said,
+            "digest": self.pictures.add(image, *files),
+            "width": width,
+            "height": height,
+            "bits": bits,
+        }
 
     def _picture(self, image, codes, bits, files, shown):
         """What the record says of a picture that is kept without loss: bytes, and of longer codes what bytes

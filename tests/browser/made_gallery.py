@@ -64,6 +64,12 @@ def pictures_of(codes, bits, folder):
     }
 
 
+def told_from(said, codes, machine, folder):
+    """What a record says of a picture of twelve bits whose codes are told from the machine's."""
+    delta = write_picture(folder, (codes - machine + 128).astype(np.uint8))
+    return {"delta": delta, "of": {name: said["machine"][name] for name in ("digest", "finer")}}
+
+
 def difference_of(machine, other, bits):
     """What a record says of two pictures' difference."""
     where = other[..., 3] > 0 if other.shape[2] == 4 else np.ones(machine.shape[:2], bool)
@@ -86,6 +92,8 @@ def drawn(made, figure, machine, method, bits, pictures, **more):
     for view, codes in pictures.items():
         made.codes[figure, machine, view] = codes
     said = {view: pictures_of(codes, bits, folder) for view, codes in pictures.items()}
+    if bits > 8 and "ideal" in pictures:
+        said["ideal"] |= told_from(said, pictures["ideal"], pictures["machine"], folder)
     for view in said:
         said[view]["caption"] = f"{NAMES[machine]}, {view}"
     record = {

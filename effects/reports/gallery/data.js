@@ -56,8 +56,18 @@ const bytesOf = kept(async (digest) => {
   return { width, height, canvas, data: shown.data };
 }, 24);
 
+// A picture of 12 bits whose codes are told from another's, 128 for the same.
+function toldFrom(other, { data, width, height }, digest) {
+  const { canvas, context } = newCanvas(width, height), shown = context.createImageData(width, height);
+  const codes = Uint16Array.from(other.codes, (code, i) => (i % 4 === 3 ? 255 : code + data[i] - 128));
+  for (let i = 0; i < codes.length; i++) shown.data[i] = i % 4 === 3 ? 255 : Math.floor((codes[i] * 255) / other.full + 0.5);
+  context.putImageData(shown, 0, 0);
+  return { width, height, canvas, data: shown.data, digest, codes, full: other.full };
+}
+
 // A picture with its codes: RGBA at 4 * (y * width + x), from 0 to `full`; alpha stays a byte.
-async function pictureOf({ digest, finer }) {
+async function pictureOf({ digest, finer, delta: told, of }) {
+  if (told) return toldFrom(await pictureOf(of), await bytesOf(told), digest);
   const shown = await bytesOf(digest);
   if (!finer) return { ...shown, digest, codes: shown.data, full: 255 };
   const { data } = await bytesOf(finer);
