@@ -3,15 +3,13 @@
     fixedpipe golden export code --code glsl
     python combiner_shader.py code WORDS > shader.frag
 
-WORDS is a text of lines such as NV097_SET_COMBINER_COLOR_ICW[0] = 0xc8c40000. The registers become constants of the
-shader, so its compiler keeps what they choose and drops the rest.
+WORDS is a text of lines such as NV097_SET_COMBINER_COLOR_ICW[0] = 0xc8c40000. The registers become
+constants of the shader, so its compiler keeps what they choose and drops the rest.
 """
 
 import re
 import sys
 from pathlib import Path
-
-
 
 
 def words_of(text):
@@ -21,7 +19,9 @@ def words_of(text):
 
 
 def main_function(words):
-    """GLSL of ``ivec4 combined(ivec4 texels[4], ivec4 primary, ivec4 secondary, ivec4 fog)``, bytes in and out."""
+    """GLSL of ``ivec4 combined(ivec4 texels[4], ivec4 primary, ivec4 secondary, ivec4 fog)``, bytes in and
+    out.
+    """
 
     def word(method, number=0):
         return f"{words.get((method, number), 0):#x}u"

@@ -1,7 +1,7 @@
 """Judges another program: asks it for the rules' vectors, a line each, and counts what it has right.
 
-A program is a process of its own for each rule, so that one that crashes or hangs loses one rule. What it writes is
-read a line at a time, and no more is kept than a line and the end of its complaints.
+A program is a process of its own for each rule, so that one that crashes or hangs loses one rule. What it
+writes is read a line at a time, and no more is kept than a line and the end of its complaints.
 """
 
 import contextlib
@@ -112,7 +112,7 @@ def same(kind: str, expected: Any, answered: Any) -> bool:
 # ------------------------------------------------------------------------------------------------ the process
 
 
-class _Gone(Exception):
+class _Gone(Exception):  # noqa: N818 (it names what happens)
     """The program does not go on; the message is the rest of a sentence that begins with "It"."""
 
 
@@ -134,7 +134,7 @@ class _Asked:
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise Refusal(
-                f"{command[0]!r} cannot be started: {reason}. Give the path of a program that can be executed."
+                f"{command[0]!r} cannot be started: {reason}. Give the path of a program that runs here."
             ) from error
         for target, arguments in ((self._write, (lines,)), (self._read, ()), (self._listen, ())):
             threading.Thread(target=target, args=arguments, daemon=True).start()
@@ -218,7 +218,9 @@ def _result_of(line, number):
     if type(answer) is not dict or "result" not in answer:
         raise _Gone(f'answers case {number} without a "result".')
     if answer.get("case", number) != number:
-        raise _Gone(f"answers case {number} with case {answer['case']!r}; answers keep the order of the questions.")
+        raise _Gone(
+            f"answers case {number} with case {answer['case']!r}; answers keep the order of the questions."
+        )
     return answer["result"]
 
 
@@ -255,7 +257,9 @@ def judged(
 
 
 def totals(scores: Sequence[Score]) -> dict[str, Any]:
-    """Rules that are whole and all rules, by evidence; vectors; rules that the program has not, or fails in."""
+    """Rules that are whole and all rules, by evidence; vectors; rules that the program has not, or fails
+    in.
+    """
     tags = sorted({tag_of(score.rule) for score in scores})
     by_tag = {tag: [score for score in scores if tag_of(score.rule) == tag] for tag in tags}
     return {

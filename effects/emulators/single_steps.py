@@ -1,7 +1,9 @@
-"""The rules' vectors in the form that SingleStepTests gave to tests of processors: one JSON list for each rule.
+"""The rules' vectors in the form that SingleStepTests gave to tests of processors: one JSON list for each
+rule.
 
-A test has ``name``, ``initial``, ``final``, ``hash`` and ``idx``; metadata.json says what the files are. Numbers are
-whole: those of single and double precision are their bits. There are no cycles: a rule is computed in one step.
+A test has ``name``, ``initial``, ``final``, ``hash`` and ``idx``; metadata.json says what the files are.
+Numbers are whole: those of single and double precision are their bits. There are no cycles: a rule is
+computed in one step.
 
 Source: README.md of the repositories SingleStepTests/8088 and SingleStepTests/65x02.
 """

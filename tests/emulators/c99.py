@@ -42,7 +42,10 @@ def _wrapper(call):
     for i in range(output.count or 1):
         source = "r0" if output.count is None else f"r[{i}]"
         if output.base == "double":
-            store += [f"        out[{2 * i}] = (uint32_t){source};", f"        out[{2 * i + 1}] = (uint32_t)({source} >> 32);"]
+            store += [
+                f"        out[{2 * i}] = (uint32_t){source};",
+                f"        out[{2 * i + 1}] = (uint32_t)({source} >> 32);",
+            ]
         else:
             store.append(f"        out[{i}] = (uint32_t){source};")
     steps = f"in += {call.words_in}, out += {output.words}"
@@ -59,18 +62,18 @@ def _wrapper(call):
     )
 
 
-def program(calls):
-    """C of all stages and of a loop for each call."""
-    includes = "".join(f'#include "nv2a_{stage}.h"\n' for stage in STAGES)
+def program(calls, before=""):
+    """C of all stages, of what stands before, and of a loop for each call."""
+    includes = "".join(f'#include "nv2a_{stage}.h"\n' for stage in STAGES) + before
     return includes + "\n\n".join(_wrapper(call) for call in calls) + "\n"
 
 
 class Library:
-    """The functions of ``calls``, compiled in ``folder``."""
+    """The functions of ``calls``, compiled in ``folder``; ``before``: C that has some of them."""
 
-    def __init__(self, calls, folder, sources=FOLDER):
+    def __init__(self, calls, folder, sources=FOLDER, before=""):
         source, library = folder / "calls.c", folder / "calls.so"
-        source.write_text(program(calls))
+        source.write_text(program(calls, before))
         command = [compiler(), *OPTIONS, "-shared", "-fPIC", f"-I{sources}", "-o", library, source]
         subprocess.run(command, check=True)
         self._library = ctypes.CDLL(str(library))

@@ -1,6 +1,7 @@
 """How the exported functions are called: their inputs and results as words of 32 bits, in C's order.
 
-A double is two words, its lower one first; a name is the chip's number of it; bytes are words, the first byte lowest.
+A double is two words, its lower one first; a name is the chip's number of it; bytes are words, the first
+byte lowest.
 """
 
 import re

@@ -1,7 +1,7 @@
 """Fuzzes the exported C99 against our kernels: ``python -m tests.emulators.fuzz``.
 
-Every rule's function is compiled by cc, and computes random inputs in batches; the kernels that draw compute the same.
-It prints a line for each rule, and ends with status 1 where a bit differs.
+Every rule's function is compiled by cc, and computes random inputs in batches; the kernels that draw
+compute the same. It prints a line for each rule, and ends with status 1 where a bit differs.
 """
 
 import argparse

@@ -1,8 +1,8 @@
 """The GLSL of effects/emulators/sources, made from the C99 beside it: ``python -m tests.emulators.glsl``.
 
-The C keeps to what both languages have: no pointers but arrays that a function receives, no structures, no macros.
-Arrays of two to four numbers become vectors. Numbers of 64 bits become a uvec2, and their operations calls of
-nv2a_uint64.glsl. Conversions that C makes by itself are written out.
+The C keeps to what both languages have: no pointers but arrays that a function receives, no structures, no
+macros. Arrays of two to four numbers become vectors. Numbers of 64 bits become a uvec2, and their
+operations calls of nv2a_uint64.glsl. Conversions that C makes by itself are written out.
 """
 
 import re
@@ -17,19 +17,21 @@ _TYPES = {"int": "int", "uint32_t": "uint", "uint64_t": "u64", "int64_t": "i64",
 _RANK = ("bool", "int", "uint", "i64", "u64")
 _GLSL = {"int": "int", "uint": "uint", "u64": "uvec2", "i64": "uvec2", "void": "void", "bool": "bool"}
 _CALLS = {"+": "add", "-": "subtract", "*": "multiply", "<<": "left", ">>": "right"}
-_RESERVED = set(
-    "active asm buffer cast class coherent common enum extern external filter fixed flat goto half highp image1D in "
-    "inline inout input interface invariant layout long lowp mediump namespace noinline out output packed partition "
-    "patch precise precision public resource restrict sample sampler2D shared short sizeof smooth subroutine superp "
-    "template this typedef union uniform unsigned using varying volatile writeonly".split()
+_RESERVED_WORDS = (
+    "active asm buffer cast class coherent common enum extern external filter fixed flat goto half "
+    "highp image1D in inline inout input interface invariant layout long lowp mediump namespace "
+    "noinline out output packed partition patch precise precision public resource restrict sample "
+    "sampler2D shared short sizeof smooth subroutine superp template this typedef union uniform "
+    "unsigned using varying volatile writeonly "
 )
+_RESERVED = set(_RESERVED_WORDS.split())
 _ALSO_READ = "file"  # the one array that functions both read and write
 _PRECEDENCE = ("||", "&&", "|", "^", "&", "== !=", "< > <= >=", "<< >>", "+ -", "* / %")
 _LEVEL = {operator: k for k, level in enumerate(_PRECEDENCE) for operator in level.split()}
 _UNARY, _ATOM = len(_PRECEDENCE), len(_PRECEDENCE) + 1
 
 
-class Untranslatable(Exception):
+class Untranslatable(Exception):  # noqa: N818 (it names what happens)
     """What the C has and GLSL does not."""
 
 
@@ -123,23 +125,23 @@ class _Function:
         return Text(f"nv2a_i64_of_int({whole})", Kind(base))
 
     def expression(self, node):
-        return getattr(self, f"_{type(node).__name__}")(node)
+        return getattr(self, f"_{type(node).__name__.lower()}")(node)
 
-    def _Constant(self, node):
+    def _constant(self, node):
         return _literal(node.value)
 
-    def _ID(self, node):
+    def _id(self, node):
         return Text(node.name, self.names[node.name])
 
-    def _ArrayRef(self, node):
+    def _arrayref(self, node):
         array, index = self.expression(node.name), self.converted(self.expression(node.subscript), "int")
         return Text(f"{array.within(_ATOM)}[{index.text}]", array.kind.of_element())
 
-    def _Cast(self, node):
+    def _cast(self, node):
         wanted = _base(node.to_type.type)
         return self.converted(self.expression(node.expr), wanted)
 
-    def _UnaryOp(self, node):
+    def _unaryop(self, node):
         if node.op == "!":
             return Text(f"!{self.condition(node.expr).within(_UNARY)}", Kind("bool"), _UNARY)
         found = self.expression(node.expr)
@@ -151,13 +153,13 @@ class _Function:
             return Text(f"nv2a_u64_subtract(uvec2(0u), {found.text})", found.kind)
         return Text(f"{node.op}{found.within(_ATOM)}", found.kind, _UNARY)
 
-    def _TernaryOp(self, node):
+    def _ternaryop(self, node):
         a, b = self.expression(node.iftrue), self.expression(node.iffalse)
         base = max(a.kind.base, b.kind.base, key=_RANK.index)
         a, b = self.converted(a, base), self.converted(b, base)
         return Text(f"{self.condition(node.cond).within(0)} ? {a.within(0)} : {b.text}", Kind(base), -1)
 
-    def _BinaryOp(self, node):
+    def _binaryop(self, node):
         op = node.op
         if op in ("&&", "||"):
             a, b = self.condition(node.left), self.condition(node.right)
@@ -213,7 +215,7 @@ class _Function:
             return Text(f"!{text}", Kind("bool"), _UNARY)
         return Text(text, Kind("bool"))
 
-    def _FuncCall(self, node):
+    def _funccall(self, node):
         name = node.name.name
         returned, parameters = self.functions[name]
         given = [] if node.args is None else node.args.exprs
@@ -225,13 +227,13 @@ class _Function:
             texts.append(self.converted(found, kind.base).text)
         return Text(f"{name}({', '.join(texts)})", returned)
 
-    def _Assignment(self, node):
+    def _assignment(self, node):
         left = self.expression(node.lvalue)
         if node.op == "=":
             right = self.converted(self.expression(node.rvalue), left.kind.base)
             return Text(f"{left.text} = {right.text}", left.kind, -1)
         if left.kind.base in ("u64", "i64"):
-            right = self._BinaryOp(c_ast.BinaryOp(node.op[:-1], node.lvalue, node.rvalue))
+            right = self._binaryop(c_ast.BinaryOp(node.op[:-1], node.lvalue, node.rvalue))
             return Text(f"{left.text} = {right.text}", left.kind, -1)
         right = self.expression(node.rvalue)
         right = self.converted(right, "int" if node.op in ("<<=", ">>=") else left.kind.base)
@@ -260,7 +262,9 @@ class _Function:
         """The lines of a statement."""
         pad = "    " * indent
         if isinstance(node, c_ast.Compound):
-            return [line for each in node.block_items or () for line in self.statement(each, returned, indent)]
+            return [
+                line for each in node.block_items or () for line in self.statement(each, returned, indent)
+            ]
         if isinstance(node, c_ast.Decl):
             return [f"{pad}{self.declaration(node)};"]
         if isinstance(node, c_ast.Return):
@@ -271,7 +275,9 @@ class _Function:
             return self._branches(node, returned, indent)
         if isinstance(node, c_ast.For):
             begin = "; ".join(self.declaration(d) for d in node.init.decls)
-            head = f"{pad}for ({begin}; {self.condition(node.cond).text}; {self.expression(node.next).text}) {{"
+            head = (
+                f"{pad}for ({begin}; {self.condition(node.cond).text}; {self.expression(node.next).text}) {{"
+            )
             return [head, *self.statement(node.stmt, returned, indent + 1), f"{pad}}}"]
         if isinstance(node, c_ast.Break):
             return [f"{pad}break;"]
@@ -331,7 +337,9 @@ class Translation:
         comments = _comments(text)
         code = re.sub(r"/\*.*?\*/", lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.S)
         code = re.sub(r"^#.*$", "", code, flags=re.M).replace("static inline", "")
-        types = "typedef unsigned int uint32_t; typedef unsigned long long uint64_t; typedef long long int64_t; "
+        types = (
+            "typedef unsigned int uint32_t; typedef unsigned long long uint64_t; typedef long long int64_t; "
+        )
         parts = [comments.pop("head")]
         for node in c_parser.CParser().parse(types + code).ext:
             if isinstance(node, c_ast.Typedef):
@@ -385,12 +393,16 @@ def _wrapped(line, width=116):
 
 
 def _comments(text):
-    """What stands above a line, by that line's number, as GLSL's comments; ``head``: what the file says of itself."""
+    """What stands above a line, by that line's number, as GLSL's comments; ``head``: what the file says of
+    itself.
+    """
     found = {}
     for match in re.finditer(r"^/\*.*?\*/\n", text, flags=re.S | re.M):
         line = text.count("\n", 0, match.end()) + 1
         words = match[0].strip().removeprefix("/*").removesuffix("*/")
-        lines = [f"// {each.strip().removeprefix('*').strip()}".rstrip() for each in words.strip().split("\n")]
+        lines = [
+            f"// {each.strip().removeprefix('*').strip()}".rstrip() for each in words.strip().split("\n")
+        ]
         if "head" not in found:
             found["head"] = "\n".join(lines)
         else:

@@ -1,7 +1,7 @@
 """Random inputs of every rule in columns, and what our kernels make of them: for ``tests.emulators.fuzz``.
 
-A rule's entry draws columns from a generator, in the order of the rule's inputs, and computes the result's column. A
-column is int64 or float64, [n] or [n, k]; an input that is a name is the same for a whole batch.
+A rule's entry draws columns from a generator, in the order of the rule's inputs, and computes the result's
+column. A column is int64 or float64, [n] or [n, k]; an input that is a name is the same for a whole batch.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,12 @@ from fixedpipe.pipeline.framebuffers.framebuffer import surface_word
 from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import Fog, FogRegisters
 from fixedpipe.pipeline.textures.depth_words import DEPTH_WORDS
-from fixedpipe.pipeline.textures.words import compressed_texture, stored_texture, texels_of_words, ycbcr_to_rgb
+from fixedpipe.pipeline.textures.words import (
+    compressed_texture,
+    stored_texture,
+    texels_of_words,
+    ycbcr_to_rgb,
+)
 from fixedpipe.pipeline.vertices import chip_floats
 from fixedpipe.pipeline.vertices.chip_floats import LIGHTING_BITS
 from fixedpipe.pipeline.vertices.colors import color_byte
@@ -31,7 +36,9 @@ from fixedpipe.raster.columns.w_slope import w_slope
 CHIP = arithmetic_of(NV2A, 8)
 INSIDE = (0, 1, 2, 126, 127, 128, 129, 254, 255)
 OUTSIDE = (-256, -255, -129, -128, -127, -2, -1, *INSIDE)
-SPECIAL = np.array([0, 1 << 31, 0x3F800000, 0xBF800000, 0x00800000, 0x00080000, 0x7F7FFFFF, 0x7F800000], np.uint32)
+SPECIAL = np.array(
+    [0, 1 << 31, 0x3F800000, 0xBF800000, 0x00800000, 0x00080000, 0x7F7FFFFF, 0x7F800000], np.uint32
+)
 
 
 class Drawn:
@@ -98,8 +105,8 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Fuzzed:
-    """How a rule is fuzzed: ``draw`` makes columns, ``compute`` their result; ``slow``: it computes one at a time, so
-    a thousandth of the inputs are drawn.
+    """How a rule is fuzzed: ``draw`` makes columns, ``compute`` their result; ``slow``: it computes one at
+    a time, so a thousandth of the inputs are drawn.
     """
 
     draw: Any
@@ -135,11 +142,13 @@ for _id, _rule in RULES.items():
         _width = None if _kinds[0] == "single" else 4
         _add(
             _id,
-            lambda d, n=len(_kinds), width=_width: tuple(d.numbers(width) for _ in range(n)),
+            lambda d, kinds=_kinds, width=_width: tuple(d.numbers(width) for _ in kinds),
             _instruction(_id.removeprefix("vertex-").upper(), _kinds),
         )
 _add("vertex-arl", lambda d: (d.ordinary(20),), np.floor)
-_NORMAL = np.array([0, 1 << 31, 0x3F800000, 0xBF800000, 0x00800000, 0x7F7FFFFF, 0x7F800000, 0xFF800000], np.uint32)
+_NORMAL = np.array(
+    [0, 1 << 31, 0x3F800000, 0xBF800000, 0x00800000, 0x7F7FFFFF, 0x7F800000, 0xFF800000], np.uint32
+)
 for _id, _function in (
     ("reciprocal", chip_floats.transform_reciprocal),
     ("inverse-square-root", chip_floats.transform_inverse_root),
@@ -166,7 +175,11 @@ for _id, _function in (
     ("lighting-multiply-add", chip_floats.multiply_add),
     ("lighting-add-product", chip_floats.add_product),
 ):
-    _add(_id, lambda d: tuple(d.short(16) for _ in "abc"), lambda a, b, c, f=_function: f(a, b, c, LIGHTING_BITS))
+    _add(
+        _id,
+        lambda d: tuple(d.short(16) for _ in "abc"),
+        lambda a, b, c, f=_function: f(a, b, c, LIGHTING_BITS),
+    )
 _add(
     "window-coordinate",
     lambda d: (d.ordinary(10), d.ordinary(4, signed=False), d.ordinary(4)),
@@ -177,12 +190,13 @@ _add(
     lambda d: (d.ordinary(24), np.full(d.count, d.random.integers(1, 4097))),
     lambda x, extent: snap(x, extent[0], NV2A),
 )
-_add("color-to-byte", lambda d: (d.fractions(),), lambda v: color_byte(v, NV2A.arithmetic.color_mantissa_bits))
+_add(
+    "color-to-byte", lambda d: (d.fractions(),), lambda v: color_byte(v, NV2A.arithmetic.color_mantissa_bits)
+)
 
 # -------------------------------------------------------------------------------------------- rasterization
 
 _BOX = 12  # pixels along an edge of what a triangle's coverage is asked of
-
 
 
 def _coverage_inputs(d):
@@ -216,7 +230,9 @@ def _weights(n, inverse_w):
     return interpolate.iteration_weights(tuple(n.T), inverse_w)
 
 
-_add("weight-reciprocal", lambda d: (d.ints(1 << 23, (1 << 24) - 1).astype(float),), interpolate.reciprocal_24)
+_add(
+    "weight-reciprocal", lambda d: (d.ints(1 << 23, (1 << 24) - 1).astype(float),), interpolate.reciprocal_24
+)
 _add(
     "iteration-weights",
     lambda d: (_edges(d), _inverse_w(d)),
@@ -259,7 +275,9 @@ _add(
         d.ordinary(3, 3, signed=False),
         np.concatenate([d.ints(0, 7, 2), d.ints(9, 39, 2)], axis=1),
     ),
-    lambda x, y, w, box: np.array([w_slope(*row[:3], 1.0 / row[2], row[3], 4) for row in zip(x, y, w, box, strict=True)]),
+    lambda x, y, w, box: np.array(
+        [w_slope(*row[:3], 1.0 / row[2], row[3], 4) for row in zip(x, y, w, box, strict=True)]
+    ),
     slow=True,
     batch=1 << 10,
 )
@@ -333,7 +351,15 @@ def _bilinear(p00, p10, p01, p11, a, b):
     up = 2.0 * np.arange(len(a)) + 0.5 + b / 256.0
     modes = (C.WRAP_CLAMP_TO_EDGE,) * 3
     return sample.filter_level(
-        level[None, :, :, None], (0.5 + a / 256.0, up, None), None, modes, True, C.TARGET_2D, np.array([0]), 8, None
+        level[None, :, :, None],
+        (0.5 + a / 256.0, up, None),
+        None,
+        modes,
+        True,
+        C.TARGET_2D,
+        np.array([0]),
+        8,
+        None,
     )[:, 0]
 
 
@@ -470,7 +496,7 @@ for _id, _mode, _folded in (
     _add(
         f"fog-factor-{_id}",
         lambda d: (d.ints(0, TABLE_SIZE - 1),),
-        lambda n, entries=table(_mode, _folded): entries[n].astype(np.int64),
+        lambda n, key=(_mode, _folded): table(*key)[n].astype(np.int64),
     )
 
 
@@ -500,8 +526,14 @@ _add(
 )
 _add(
     "stencil-operation",
-    lambda d: (d.one_of([o.name for o in E.StencilOperation]), d.bytes(), np.repeat(d.ints(0, 255)[:1], d.count)),
-    lambda o, stored, reference: per_fragment.stencil_result(E.StencilOperation[o], stored, int(reference[0])),
+    lambda d: (
+        d.one_of([o.name for o in E.StencilOperation]),
+        d.bytes(),
+        np.repeat(d.ints(0, 255)[:1], d.count),
+    ),
+    lambda o, stored, reference: per_fragment.stencil_result(
+        E.StencilOperation[o], stored, int(reference[0])
+    ),
     batch=1 << 12,
 )
 

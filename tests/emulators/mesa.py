@@ -104,8 +104,8 @@ class Shaders(MesaProcess):
         pickle.dump(request, self._process.stdin)
 
     def run(self, call, given, version, source=None, unsigned=False):
-        """Results, uint32 [n, words], of inputs uint32 [n, words]; ``source``: GLSL that has the function, if it is
-        none of the library's.
+        """Results, uint32 [n, words], of inputs uint32 [n, words]; ``source``: GLSL that has the function,
+        if it is none of the library's.
         """
         functions = source or needed([call.function], library())
         return self._ask(

@@ -1,11 +1,12 @@
 """Runs GLSL on words with Mesa's llvmpipe: the other end of ``mesa.Shaders``.
 
-Run as ``python -m tests.emulators.worker`` with Mesa's environment set. A request is a pickled dict: ``version``
-("330 core" or "310 es"), ``source`` (GLSL of functions and of ``void run(int row)``), ``words_in``, ``words_out`` and
-``given``, uint32 [n, words_in]. The answer is uint32 [n, words_out], or a sentence. The first answer is (renderer,
-version of OpenGL, version of OpenGL ES).
+Run as ``python -m tests.emulators.worker`` with Mesa's environment set. A request is a pickled dict:
+``version`` ("330 core" or "310 es"), ``source`` (GLSL of functions and of ``void run(int row)``),
+``words_in``, ``words_out`` and ``given``, uint32 [n, words_in]. The answer is uint32 [n, words_out], or a
+sentence. The first answer is (renderer, version of OpenGL, version of OpenGL ES).
 
-A fragment reads its row of words from a texture of unsigned integers, and writes up to sixteen words into four.
+A fragment reads its row of words from a texture of unsigned integers, and writes up to sixteen words into
+four.
 """
 
 import pickle
@@ -144,7 +145,8 @@ def _version():
 def main():
     """Answer requests until the input ends."""
     make_context()
-    # A context without a vertex array object draws nothing in a core profile; this one is a compatibility context.
+    # A context without a vertex array object draws nothing in a core profile; this one is a compatibility
+    # context.
     GL.glBindVertexArray(GL.glGenVertexArrays(1))
     out = sys.stdout.buffer
     pickle.dump(_version(), out)

@@ -59,11 +59,12 @@ def _row(record):
 
 
 def _stage(name, records):
-    head = "".join(f"<th>{title}</th>" for title in ("rule", "right", "first difference", "evidence", "captures"))
-    rows = "".join(map(_row, records))
-    return (
-        f'<section><h2>{escape(name)}</h2><div class="table"><table><tr>{head}</tr>{rows}</table></div></section>'
+    head = "".join(
+        f"<th>{title}</th>" for title in ("rule", "right", "first difference", "evidence", "captures")
     )
+    rows = "".join(map(_row, records))
+    table = f'<div class="table"><table><tr>{head}</tr>{rows}</table></div>'
+    return f"<section><h2>{escape(name)}</h2>{table}</section>"
 
 
 def scorecard_page(record):
@@ -73,11 +74,12 @@ def scorecard_page(record):
     stages = groupby(record["rules"], lambda rule: rule["stage"])
     command = escape(" ".join(record["program"]))
     return (
-        '<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+        '<!doctype html><html lang="en"><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width">'
         f"<title>{command} and the NV2A's arithmetic</title><style>{STYLE}{_MORE}</style>"
         f"<h1><code>{command}</code> and the NV2A's arithmetic</h1>"
-        f"<p>{found['whole']} of {found['rules']} rules are whole, {found['right']} of {found['vectors']} vectors "
-        f"right. {found['absent']} rules are not answered, {found['failed']} failed.</p>"
+        f"<p>{found['whole']} of {found['rules']} rules are whole, {found['right']} of {found['vectors']} "
+        f"vectors right. {found['absent']} rules are not answered, {found['failed']} failed.</p>"
         f'<p class="quiet">Whole by evidence: {by_tag}. Of fixedpipe {escape(record["fixedpipe"])}, '
         f"{record['cases']} random cases of each rule behind its edges, seed {record['seed']}.</p>"
         + "".join(_stage(name, list(records)) for name, records in stages)
