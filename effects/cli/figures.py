@@ -78,7 +78,7 @@ def figures(
     Writes a gallery, index.html, with a JSON file for each figure and its pictures. A figure that the folder
     has, whose sources, machines, size and packages are what they were, is not drawn again; what the folder
     has of another is replaced, with all of its machines. Several figures are drawn in several processes, the
-    cheapest and then the longest first. Of all figures, those of more than half a million pixels are drawn
+    cheapest and then the longest first. Of all figures, those of more than 262,144 pixels are drawn
     with fewer; named figures have their own size. Each is first drawn on its first machine, without
     reference and checks, and then on all; --profile takes those that one of the machines can draw. With --set
     a figure is a variant, whose files have names of their own and say what was changed. PNG files have 16

@@ -97,7 +97,7 @@ def picture_name(name, machine, view):
 
 
 # Pixels of a figure among all figures, at most: the gallery of all stays small, and 1:1 on most screens.
-MOST_PIXELS = 768 * 512
+MOST_PIXELS = 1 << 18
 _SIZE_STEP = 16  # panels stay whole multiples of this, as textures and blocks of pixels like it
 
 
