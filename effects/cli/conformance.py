@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from fixedpipe.effects.cli.executors import executor_option, workers_of
-from fixedpipe.effects.cli.options import refuse_beside
+from fixedpipe.effects.cli.options import given_options, refuse_beside
 from fixedpipe.effects.cli.progress import error_console
 
 _HOW = (
@@ -39,6 +39,11 @@ _HOW = (
 @click.option(
     "--page", "page_file", metavar="FILE", help="With --other: write the scoreboard as a page of its own."
 )
+@click.option(
+    "--answers",
+    metavar="FILE",
+    help="What a board answered to gl_questions.c, - for standard input: which facts stand.",
+)
 @click.option("--explain", is_flag=True, help="Of every case that is not exact, what drew its worst pixel.")
 @click.option(
     "--discriminates", metavar="RULE", help="Which captures tell an open rule from its rival; list: which."
@@ -56,6 +61,7 @@ def conformance(
     executor,
     other,
     page_file,
+    answers,
     explain,
     discriminates,
 ):
@@ -77,6 +83,16 @@ def conformance(
         from fixedpipe.effects.cli.conformance_rules import list_rules
 
         list_rules()
+        return
+    if answers is not None:
+        from fixedpipe.effects.cli.conformance_answers import tell_answers
+
+        others = set(given_options(click.get_current_context())) - {"--answers", "--json"}
+        if others:
+            raise Refusal(
+                f"--answers reads a board's answers alone; leave {' and '.join(sorted(others))} out."
+            )
+        tell_answers(answers, json_file)
         return
     folder = _folder_of_captures(folder)
     inputs = _folder_of_inputs(inputs, folder)

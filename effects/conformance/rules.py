@@ -65,6 +65,15 @@ def _interpolates(combiners):
     return combiners.final.a.register != Register.ZERO
 
 
+def _is_zero(combiners):
+    """Whether both words of the final combiner are 0."""
+    final = combiners.final
+    inputs = final.a, final.b, final.c, final.d, final.e, final.f, final.g
+    return all(
+        given.register == Register.ZERO and given.mapping == Mapping.UNSIGNED_IDENTITY for given in inputs
+    )
+
+
 def _rounded(n):
     return (2 * n + 255) // 510
 
@@ -186,6 +195,15 @@ RULES = {
             2,
             (1,),
         ),
+    ),
+    "final-words-zero": Rule(
+        "What does the final combiner draw if both of its words are 0?",
+        "black",
+        "SPARE0, as some readers of dumps have it",
+        stage="final combiner",
+        concern=_is_zero,
+        differs=lambda columns: np.ones(columns["mapped"][0].shape[1], bool),
+        probe=Probe("!!RC1.0 { rgb { spare0 = col0; } } out.rgb = zero; out.a = zero.b;", 100, 0, (100,)),
     ),
     "color-bits": Rule(
         "How many significant bits of a float vertex colour become a byte?",

@@ -260,6 +260,12 @@ class _Reader:
             )
             zero = CombinerInput()
             return FinalCombiner(zero, zero, zero, spare0, zero, zero, alpha), _CLAMP
+        if not any(self.words.get((name, 0), 0) for name in names):
+            # Inferred: words of 0 are inputs of 0. Public readers of dumps differ.
+            self.notes.append(
+                "both words of the final combiner are 0: it draws black, alpha 0. Other readers of dumps "
+                "draw SPARE0; no capture tells."
+            )
         first, second = map(self.word, names)
         read = [self.variable(names[0], 0, first >> shift, ComponentUsage.RGB) for shift in (24, 16, 8, 0)]
         read += [self.variable(names[1], 0, second >> shift, ComponentUsage.RGB) for shift in (24, 16)]

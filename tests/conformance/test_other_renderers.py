@@ -178,20 +178,25 @@ def test_a_changed_machine_changes_what_the_rule_says():
 RIVALS = {
     "half-bias": (int((150 - 127.5) * 4), (150 - 127) * 4),
     "negative-products": (-4 * -(200 // 255),),
+    "final-words-zero": (100,),
     "final-lerp": ((2 * 100 + 255) // 510 + (2 * 155 * 2 + 255) // 510,),
 }
 
 
 def probed(probe, profile):
     """What a probe's fragments are on a machine."""
-    program = parse_program(probe.text)
-    validate_program(None, program.combiners, profile)
+    return pixels_of(parse_program(probe.text).combiners, probe.primary, profile)
+
+
+def pixels_of(combiners, primary, profile):
+    """The red, green and blue that combiners make of a primary colour of that byte on a machine."""
+    validate_program(None, combiners, profile)
     vertices = Mesh(
         np.array([[0.0, 0.0, 0.0, 1.0]]),
         PrimitiveType.POINTS,
-        colors=np.full((1, 4), probe.primary / 255),
+        colors=np.full((1, 4), primary / 255),
     )
-    state = PassState(register_combiners=program.combiners)
+    state = PassState(register_combiners=combiners)
     return (
         execute((Draw(label="probe", mesh=vertices, state=state),), profile, 1, 1).image()[0, 0, :3].tolist()
     )

@@ -238,6 +238,13 @@ def test_what_a_dump_leaves_out_is_said():
     assert program.sources.general == ("", "lines 1, 2")
 
 
+def test_a_final_combiner_whose_words_are_0_is_said():
+    text = "SET_COMBINER_CONTROL = 0x11101\nSET_COMBINER_SPECULAR_FOG_CW0 = 0\n"
+    (note,) = parse_program(text).notes
+    assert note.startswith("both words of the final combiner are 0: it draws black, alpha 0.")
+    assert parse_program(f"{text}SET_COMBINER_SPECULAR_FOG_CW1 = 0x1c80\n").notes == ()
+
+
 def test_texture_shaders_have_words():
     stages = (
         TextureShaderStage(Op.TEXTURE_2D),
