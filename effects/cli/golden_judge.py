@@ -16,7 +16,8 @@ def judge_program(program, names, cases, seed, patience, json_file, html_file):
     from fixedpipe.effects.reports.golden.scorecard import scorecard_page, scorecard_record
 
     paths = [name and writable_file(name) for name in (json_file, html_file)]
-    rules = [choose("rule", name, RULES) for name in dict.fromkeys(names)] or list(RULES.values())
+    chosen = {choose("rule", name, RULES).id for name in names} or RULES.keys()
+    rules = [rule for id_, rule in RULES.items() if id_ in chosen]  # in the order of the machine
     scores = []
     for score in judged(program, rules, cases, seed, patience):
         scores.append(score)
