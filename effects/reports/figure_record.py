@@ -16,6 +16,7 @@ from fixedpipe.effects.presentation.animations import ANIMATIONS
 from fixedpipe.effects.refusal import Refusal, refusals
 from fixedpipe.effects.reports.figure_failures import failure
 from fixedpipe.effects.reports.figure_passes import Passes
+from fixedpipe.effects.reports.letters import labels_of, without_letters
 from fixedpipe.effects.reports.motion import in_motion
 from fixedpipe.effects.reports.perceived import flip
 from fixedpipe.effects.reports.pictures import LOSSLESS, NARROW, OF_GRID, WIDE, Pictures
@@ -331,6 +332,8 @@ class _Drawing:
             "checks": [],
             "provenance": provenance(profile),
         }
+        if labels := [] if self.with_names else self._labels(machine):
+            record["labels"] = labels
         if is_first:
             record["passes"] = [self._pass(one) for one in passes]
             record["commands"] = number
@@ -349,6 +352,8 @@ class _Drawing:
 
         with refusals():
             given = {"threads": self.threads, "watch": watch if with_passes else None}
+            if not self.with_names:  # the page sets the letters; files under names have the machine's
+                given["method"] = without_letters(self.figure.method(machine))
             drawn = self.figure.render(machine, self.size, **given, **self.changes)
             if not profile.arithmetic.exact:
                 self.step(f"{self.name}: the same on the ideal")
@@ -356,6 +361,12 @@ class _Drawing:
         if not seen:
             return drawn, [], 0
         return drawn, seen[0].passes(drawn.image()), len(seen[0].lines)
+
+    def _labels(self, machine):
+        """The figure's letters as text, where the page sets them."""
+        with refusals():
+            commands = self.figure.commands(machine, self.size, **self.changes)
+        return labels_of(commands, self.figure.dimensions(self.size)[1])
 
     def _reference(self, method):
         """The figure's reference with a method's values, kept until another method draws."""

@@ -11,6 +11,9 @@ from docs.site.stage import stage
 
 LARGEST = 60_000_000  # bytes of the whole site. Assumed: what a page of a project may hold
 
+# What the theme and the extensions still call, and the next Sphinx renames.
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::PendingDeprecationWarning")
+
 
 def no_passes(figure_id, machine):
     """In the place of passes, which take seconds a figure."""
