@@ -95,7 +95,9 @@ def _values(text, kind, what):
         return values
     if not (steps.isdecimal() and 2 <= int(steps) <= MOST_POINTS):
         raise Refusal(f"{what} has {steps!r} steps; give a whole number from 2 to {MOST_POINTS:,}.")
-    return along(kind, values, int(steps))
+    found = along(kind, values, int(steps))
+    # 0.3 rather than 0.30000000000000004: who asks for ten steps means the decimals.
+    return [float(f"{v:.12g}") if isinstance(v, float) else v for v in found]
 
 
 def _parser(kind, what):
