@@ -33,6 +33,7 @@ from fixedpipe.pipeline.opengl import (  # noqa: F401
     texture_queries,
     texturing,
     tokens,
+    vertex_program_draws,
     vertex_programs,
 )
 from fixedpipe.pipeline.opengl.context import Context

@@ -16,7 +16,7 @@ from fixedpipe.pipeline.opengl.array_memory import (
 from fixedpipe.pipeline.opengl.buffers import as_memory
 from fixedpipe.pipeline.opengl.current import COORDINATE_SETS, texture_unit_number
 from fixedpipe.pipeline.opengl.entry_points import entry, no_effect, register
-from fixedpipe.pipeline.opengl.outcomes import GLError
+from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 
 _KINDS: dict[int, Kind] = {
     tokens.VERTEX_ARRAY: "positions",
@@ -31,6 +31,12 @@ _KINDS: dict[int, Kind] = {
     tokens.VERTEX_ARRAY_RANGE_NV: "vertex_array_range",
     tokens.VERTEX_ARRAY_RANGE_WITHOUT_FLUSH_NV: "vertex_array_range_without_flush",
 }
+# Vertex attributes by number: the conventional arrays (NV_vertex_program). 8 and more are coordinates.
+_ATTRIBUTE_ARRAYS: dict[int, Kind] = dict(
+    enumerate(("positions", "weights", "normals", "colors", "secondary_colors", "fog_coordinates"))
+)
+_ATTRIBUTE_ARRAYS |= {8 + unit: (TEXTURE, unit) for unit in range(COORDINATE_SETS)}
+_KINDS |= {tokens.VERTEX_ATTRIB_ARRAY0_NV + number: kind for number, kind in _ATTRIBUTE_ARRAYS.items()}
 # What EnableClientState takes; Enable takes it too (EXT_vertex_array).
 ARRAYS = frozenset({*_KINDS, tokens.TEXTURE_COORD_ARRAY})
 
@@ -200,6 +206,27 @@ def texture_coordinate_pointer(gl, size, type_, stride, pointer):
 def vertex_weight_pointer(gl, size, type_, stride, pointer):
     """Where weights lie (EXT_vertex_weighting)."""
     _set_pointer(gl, "weights", size, type_, stride, pointer)
+
+
+def _attribute_kind(number):
+    """The array of a vertex attribute. Raises Refused, and GLError."""
+    if not 0 <= number < 8 + COORDINATE_SETS:
+        raise GLError(tokens.INVALID_VALUE, f"{number} is no vertex attribute")
+    kind = _ATTRIBUTE_ARRAYS.get(number)
+    if kind is None:
+        raise Refused(f"an array of attribute {number} is not read here")
+    return kind
+
+
+@entry("VertexAttribPointerNV", compiled=False)
+def attribute_pointer(gl, number, size, type_, stride, pointer):
+    """Where a vertex attribute lies: the conventional array of its number."""
+    kind = _attribute_kind(number)
+    sizes, types = _ALLOWED[name_of_kind(kind)]
+    if size not in sizes or type_ not in types:
+        told = f"{size} components of {tokens.name_of(type_)}"
+        raise Refused(f"attribute {number} has {told}, which its conventional array has not")
+    _set_pointer(gl, kind, size, type_, stride, pointer)
 
 
 def _register_with_counts():

@@ -187,6 +187,74 @@ for _size in (1, 2, 3, 4):
         _multi_coordinates(_size, _suffix)
 
 
+def register_attributes(set_other) -> None:
+    """Enter VertexAttrib and VertexAttribs: attributes by number (NV_vertex_program, ARB_vertex_program).
+
+    ``set_other(gl, number, components)``: sets those that are no conventional ones, 6 and 7.
+    """
+
+    def set_one(gl, number, components):
+        setter = _ATTRIBUTES.get(number)
+        if setter is not None:
+            setter(gl, components)
+        elif 8 <= number < 8 + COORDINATE_SETS:
+            set_coordinates(gl, number - 8, components)
+        elif number in (6, 7):
+            set_other(gl, number, components)
+        else:
+            raise GLError(tokens.INVALID_VALUE, f"{number} is no vertex attribute")
+
+    names = [(size, kind, kind, "") for size in (1, 2, 3, 4) for kind in "sfd"]
+    names += [(4, kind, "as it is", "") for kind in ("b", "i", "ub", "us", "ui")]
+    names += [(4, "N" + kind, kind, "") for kind in ("b", "s", "i", "ub", "us", "ui")]
+    for size, kind, suffix, _ in names:
+        convert = fractions if kind.startswith("N") else _as_they_are
+
+        def scalars(gl, number, *components, suffix=suffix, convert=convert):
+            set_one(gl, number, convert(suffix, components))
+
+        def vector(gl, number, components, suffix=suffix, convert=convert, size=size):
+            set_one(gl, number, convert(suffix, _first(components, size)))
+
+        register(f"VertexAttrib{size}{kind}", scalars, inside=True)
+        register(f"VertexAttrib{size}{kind}v", vector, inside=True)
+
+    def bytes_nv(gl, number, *components):
+        set_one(gl, number, fractions("ub", components))
+
+    def byte_vector_nv(gl, number, components):
+        set_one(gl, number, fractions("ub", _first(components, 4)))
+
+    # NVIDIA's bytes are fractions; ARB's without N are not.
+    register("VertexAttrib4ubNV", bytes_nv, inside=True)
+    register("VertexAttrib4ubvNV", byte_vector_nv, inside=True)
+    for size in (1, 2, 3, 4):
+        for kind in ("s", "f", "d", "ub"):
+            if kind == "ub" and size != 4:
+                continue
+
+            def several(gl, first, count, numbers, size=size, kind=kind):
+                # In descending order, so that attribute 0 is last and gives the vertex.
+                for n in reversed(range(count)):
+                    given = numbers[size * n : size * n + size]
+                    set_one(
+                        gl, first + n, fractions("ub", given) if kind == "ub" else _as_they_are("", given)
+                    )
+
+            register(f"VertexAttribs{size}{kind}v", several, inside=True)
+
+
+# The conventional attributes by number; 8 and more are texture coordinates.
+_ATTRIBUTES = {
+    0: vertex,
+    1: lambda gl, given: setattr(gl.current, "weight", float(given[0])),
+    2: lambda gl, given: setattr(gl.current, "normal", filled(given)[:3]),
+    3: _color,
+    4: _secondary_color,
+    5: lambda gl, given: setattr(gl.current, "fog_coordinate", float(given[0])),
+}
+
+
 def _one(value):
     return _first(value, 1)[0]
 
@@ -274,6 +342,7 @@ def needed_columns(state: PassState) -> dict[str, int]:
     return needs
 
 
+_PROGRAMMED = ("enabled", tokens.VERTEX_PROGRAM_NV)
 # By a state's identity: the state, and the columns that it needs.
 _needs: dict[int, tuple[PassState, dict[str, int]]] = {}
 _MOST_NEEDS = 4096
@@ -281,6 +350,10 @@ _MOST_NEEDS = 4096
 
 def columns_read(gl) -> dict[str, int]:
     """``needed_columns`` of the present state, and what feedback returns."""
+    if gl.values[_PROGRAMMED]:
+        from fixedpipe.pipeline.opengl.vertex_program_draws import COLUMNS
+
+        return COLUMNS
     state = gl.state()
     found = _needs.get(id(state))
     if found is None:
@@ -329,6 +402,10 @@ def finish_primitive(gl, mode, columns, indices=None, counts=None):
 
 def draw_mesh(gl, mesh: Mesh) -> None:
     """Draw a Mesh, or select by it, or feed it back, as RenderMode says."""
+    if gl.values[_PROGRAMMED]:
+        from fixedpipe.pipeline.opengl.vertex_program_draws import programmed_mesh
+
+        mesh = programmed_mesh(gl, mesh)
     if gl.values["render_mode"] != tokens.RENDER:
         gl.select(mesh)
     elif gl.values["draw_buffer"] == tokens.NONE:

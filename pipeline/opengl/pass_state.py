@@ -2,6 +2,7 @@
 
 from fixedpipe.pipeline.opengl import driver
 from fixedpipe.pipeline.opengl.values import section
+from fixedpipe.pipeline.opengl.vertex_program_draws import ENABLED, programmed_state
 from fixedpipe.pipeline.state import PassState
 
 # Fields of PassState, and the section that makes each.
@@ -27,6 +28,7 @@ _FIELDS = {
 }
 
 
-@section("pass", *_FIELDS.values())
-def _pass(gl, *parts):
-    return driver.place_sprite(gl.profile, PassState(**dict(zip(_FIELDS, parts, strict=True))))
+@section("pass", ENABLED, *_FIELDS.values())
+def _pass(gl, programmed, *parts):
+    state = PassState(**dict(zip(_FIELDS, parts, strict=True)))
+    return driver.place_sprite(gl.profile, programmed_state(state) if programmed else state)

@@ -1,4 +1,6 @@
-"""Programs and shaders: refused by name (ARB and NV vertex programs, and what came after the machines here).
+"""Programs and shaders that are refused by name: ARB's, and what came after the machines here.
+
+NV_vertex_program's are carried out (vertex_program_draws.py).
 
 A call that makes or sets a program is refused where it is made. So is a draw while a program is in use.
 """
@@ -12,11 +14,17 @@ from fixedpipe.pipeline.opengl.values import declare, section
 # GetIntegerv(CURRENT_PROGRAM), and ATI_fragment_shader's capability.
 CURRENT_PROGRAM, _FRAGMENT_SHADER_ATI = 0x8B8D, 0x8920
 
-_ASSEMBLY = "vertex and fragment programs are not drawn here"
+_ASSEMBLY = "ARB_vertex_program and fragment programs are not drawn here"
 _SHADERS = "OpenGL's shaders came after the machines here"
 _ATI = "no machine here has ATI_fragment_shader"
 
-for _token in (tokens.VERTEX_PROGRAM_ARB, tokens.FRAGMENT_PROGRAM_ARB, _FRAGMENT_SHADER_ATI):
+for _token in (
+    tokens.VERTEX_PROGRAM_ARB,
+    tokens.VERTEX_PROGRAM_TWO_SIDE_NV,
+    tokens.VERTEX_PROGRAM_POINT_SIZE_NV,
+    tokens.FRAGMENT_PROGRAM_ARB,
+    _FRAGMENT_SHADER_ATI,
+):
     capability(_token)
 # The shader program in use; 0: none.
 declare("program", 0)
@@ -25,15 +33,14 @@ declare("program", 0)
 @section(
     "programs",
     "program",
-    ("enabled", tokens.VERTEX_PROGRAM_ARB),
     ("enabled", tokens.FRAGMENT_PROGRAM_ARB),
     ("enabled", _FRAGMENT_SHADER_ATI),
 )
-def _programs(gl, program, vertex, fragment, ati):
+def _programs(gl, program, fragment, ati):
     """None. Raises Refused while a program would take part in drawing."""
     if program:
         raise Refused(_SHADERS)
-    if vertex or fragment:
+    if fragment:
         raise Refused(_ASSEMBLY)
     if ati:
         raise Refused(_ATI)
@@ -54,10 +61,10 @@ def use_program(gl, program):
 
 def _register_refused():
     sizes = ("4f", "4d", "4fv", "4dv", "s4fv", "s4dv")
-    parameters = [f"Program{kind}Parameter{size}" for kind in ("Env", "Local", "") for size in sizes]
+    parameters = [f"Program{kind}Parameter{size}" for kind in ("Env", "Local") for size in sizes]
     assembly = (
-        *("BindProgram", "GenPrograms", "DeletePrograms", "IsProgram", "ProgramString", "LoadProgram"),
-        *("ExecuteProgram", "RequestResidentPrograms", "TrackMatrix", *parameters),
+        *("BindProgram", "GenPrograms", "DeletePrograms", "IsProgram", "ProgramString"),
+        *("ExecuteProgram", *parameters),
     )
     shaders = (
         *("CreateShader", "CreateShaderObject", "CreateProgram", "CreateProgramObject", "ShaderSource"),

@@ -18,8 +18,7 @@ def draw(gl):
     ("name", "arguments", "word"),
     [
         ("glProgramStringARB", (t.VERTEX_PROGRAM_ARB, 0x8875, 3, b"END"), "programs"),
-        ("glLoadProgramNV", (t.VERTEX_PROGRAM_NV, 1, 3, b"END"), "programs"),
-        ("glProgramParameter4fvNV", (t.VERTEX_PROGRAM_NV, 0, [0.0] * 4), "programs"),
+        ("glProgramLocalParameter4fvARB", (t.VERTEX_PROGRAM_ARB, 0, [0.0] * 4), "programs"),
         ("glCreateShader", (0x8B31,), "shaders"),
         ("glCreateShaderObjectARB", (0x8B31,), "shaders"),
         ("glUniform3fv", (0, 1, [0.0] * 3), "shaders"),

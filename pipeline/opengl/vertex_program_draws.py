@@ -1,0 +1,278 @@
+"""NV_vertex_program 1.0 and 1.1 on the host: programs, their parameters, and what a draw's vertices become.
+
+A program runs here, in the arithmetic of the NV20's transform unit (``vertices.vertex_programs``;
+docs/numbers.md section 2): 24 significant bits, its own reciprocals, logarithms and powers. Its positions
+enter the machine as clip coordinates behind identity matrices; its colours, fog and texture coordinates enter
+as a vertex's own. So machines without vertex programs draw them too, as drivers of 2001 did on the processor.
+
+Attributes are the conventional ones of the same number (NV_vertex_program, "Vertex Attributes"). Assumed: a
+program reads x alone of attributes 1 and 5, and 6 and 7 are constants of a draw.
+"""
+
+import re
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from fixedpipe.pipeline.commands import Mesh
+from fixedpipe.pipeline.enums import FogCoordinateSource
+from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.current import COORDINATE_SETS, filled, register_attributes
+from fixedpipe.pipeline.opengl.entry_points import entry, register
+from fixedpipe.pipeline.opengl.matrices import top
+from fixedpipe.pipeline.opengl.meshes import make_mesh
+from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
+from fixedpipe.pipeline.opengl.values import declare
+from fixedpipe.pipeline.state import PassState, TexGen, VertexState
+from fixedpipe.pipeline.vertices.vertex_programs import VertexProgram, vertex_program
+
+ENABLED = ("enabled", tokens.VERTEX_PROGRAM_NV)
+# Program parameters, by number (NV_vertex_program's MAX_PROGRAM_PARAMETERS).
+PARAMETERS = 96
+_LONGEST = 1 << 16  # characters of a program. Assumed: 128 instructions take a tenth
+_HEADER = re.compile(r"\s*!!(VP1\.[01])(.*?)END\s*\Z", re.DOTALL)
+# What the interpreter calls each attribute by its number: it has the NV2A's order beside the names.
+_INPUTS = ("OPOS", "WGHT", "NRML", "COL0", "COL1", "FOGC", 6, 7, "TEX0", "TEX1", "TEX2", "TEX3", 13, 14, 15)
+_INPUT = re.compile(r"\bv\[\s*(?:(\d+)|TEX([4-7]))\s*\]")
+
+declare("vertex program", 0)
+declare("program parameters", ((0.0, 0.0, 0.0, 0.0),) * PARAMETERS)
+declare("tracked matrices", ())
+for _number in (6, 7):
+    declare(("vertex attribute", _number), (0.0, 0.0, 0.0, 1.0))
+
+
+# ----------------------------------------------------------------------------------------------- programs
+
+
+@lru_cache(maxsize=64)
+def assembled(text: str) -> VertexProgram:
+    """The program of a text of NV_vertex_program. Raises ValueError for one that is none."""
+    found = _HEADER.match(text)
+    if found is None:
+        raise ValueError("it does not begin with !!VP1.0 or !!VP1.1 and end with END")
+    return vertex_program(_INPUT.sub(_input, found[2]))
+
+
+def _input(found):
+    number = int(found[1]) if found[1] else 8 + int(found[2])
+    if number >= len(_INPUTS):
+        raise ValueError(f"attribute {number} is not read here")
+    return f"v[{_INPUTS[number]}]"
+
+
+def _text_of(given):
+    return given.decode("latin-1") if isinstance(given, bytes) else str(given)
+
+
+@entry("LoadProgramNV", compiled=False)
+def load_program(gl, target, name, length, text):
+    """Give a program its text."""
+    if target == tokens.VERTEX_STATE_PROGRAM_NV:
+        raise Refused("vertex state programs are not carried out here")
+    if target != tokens.VERTEX_PROGRAM_NV:
+        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no kind of program")
+    if not 0 <= length <= _LONGEST:
+        raise GLError(tokens.INVALID_VALUE, f"a program of {length} characters")
+    try:
+        gl.shared.programs[name] = assembled(_text_of(text)[:length])
+    except ValueError as error:
+        gl.shared.programs.pop(name, None)
+        raise GLError(tokens.INVALID_OPERATION, str(error)) from None
+
+
+@entry("BindProgramNV")
+def bind_program(gl, target, name):
+    """Choose the vertex program that draws use."""
+    if target != tokens.VERTEX_PROGRAM_NV:
+        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no vertex program")
+    gl.values.set("vertex program", int(name))
+
+
+@entry("GenProgramsNV", compiled=False)
+def gen_programs(gl, count, names=None):
+    """Names of programs; in a trace those that the driver gave. They need not be entered."""
+
+
+@entry("DeleteProgramsNV", compiled=False)
+def delete_programs(gl, count, names):
+    """Forget programs."""
+    for name in names[:count]:
+        gl.shared.programs.pop(name, None)
+        if gl.values["vertex program"] == name:
+            gl.values.set("vertex program", 0)
+
+
+@entry("IsProgramNV", compiled=False)
+def is_program(gl, name):
+    """Whether a program has a text."""
+    return name in gl.shared.programs
+
+
+@entry("RequestResidentProgramsNV", "AreProgramsResidentNV", compiled=False)
+def resident_programs(gl, *arguments):
+    """Where programs lie makes no difference here."""
+    gl.tally.add("no effect", gl.called)
+
+
+# --------------------------------------------------------------------------------------------- parameters
+
+
+def _set_parameters(gl, target, first, rows):
+    if target != tokens.VERTEX_PROGRAM_NV:
+        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no vertex program")
+    if not 0 <= first <= first + len(rows) <= PARAMETERS:
+        raise GLError(tokens.INVALID_VALUE, f"parameters {first} to {first + len(rows) - 1} of {PARAMETERS}")
+    before = gl.values["program parameters"]
+    gl.values.set("program parameters", (*before[:first], *rows, *before[first + len(rows) :]))
+
+
+def _register_parameters():
+    for suffix in "fd":
+
+        def one(gl, target, index, *components):
+            _set_parameters(gl, target, index, [filled(components)])
+
+        def vector(gl, target, index, components):
+            _set_parameters(gl, target, index, [filled(components[:4])])
+
+        def several(gl, target, index, count, numbers):
+            numbers = np.frombuffer(numbers, np.float32) if isinstance(numbers, bytes) else numbers
+            _set_parameters(gl, target, index, [filled(numbers[4 * n : 4 * n + 4]) for n in range(count)])
+
+        register(f"ProgramParameter4{suffix}NV", one)
+        register(f"ProgramParameter4{suffix}vNV", vector)
+        register(f"ProgramParameters4{suffix}vNV", several)
+
+
+_register_parameters()
+_TRANSFORMS = {
+    tokens.IDENTITY_NV: lambda m: m,
+    tokens.INVERSE_NV: np.linalg.inv,
+    tokens.TRANSPOSE_NV: np.transpose,
+    tokens.INVERSE_TRANSPOSE_NV: lambda m: np.linalg.inv(m).T,
+}
+_MATRICES = {
+    tokens.MODELVIEW: lambda gl: np.array(top(gl, "modelview")),
+    tokens.PROJECTION: lambda gl: np.array(top(gl, "projection")),
+    tokens.COLOR: lambda gl: np.array(top(gl, "color matrix")),
+    tokens.TEXTURE: lambda gl: np.array(top(gl, ("texture matrix", gl.values["active_texture"]))),
+    tokens.MODELVIEW_PROJECTION_NV: lambda gl: (
+        np.array(top(gl, "projection")) @ np.array(top(gl, "modelview"))
+    ),
+    **{
+        tokens.TEXTURE0 + unit: lambda gl, unit=unit: np.array(top(gl, ("texture matrix", unit)))
+        for unit in range(COORDINATE_SETS)
+    },
+}
+
+
+@entry("TrackMatrixNV")
+def track_matrix(gl, target, address, matrix, transform):
+    """Have four parameters follow a matrix; NONE ends it."""
+    if target != tokens.VERTEX_PROGRAM_NV or transform not in _TRANSFORMS:
+        raise GLError(tokens.INVALID_ENUM)
+    if address % 4 or not 0 <= address < PARAMETERS:
+        raise GLError(tokens.INVALID_VALUE, f"parameters {address} to {address + 3} of {PARAMETERS}")
+    if matrix != tokens.NONE and matrix not in _MATRICES:
+        raise Refused(f"{tokens.name_of(matrix)} is not tracked here")
+    kept = tuple([each for each in gl.values["tracked matrices"] if each[0] != address])
+    more = () if matrix == tokens.NONE else ((address, matrix, transform),)
+    gl.values.set("tracked matrices", kept + more)
+
+
+def _constants(gl):
+    constants = dict(enumerate(gl.values["program parameters"]))
+    for address, matrix, transform in gl.values["tracked matrices"]:
+        try:
+            rows = _TRANSFORMS[transform](_MATRICES[matrix](gl))
+        except np.linalg.LinAlgError:
+            raise Refused("a tracked matrix has no inverse") from None
+        constants |= {address + n: tuple(row) for n, row in enumerate(rows.tolist())}
+    return constants
+
+
+# --------------------------------------------------------------------------------------------- attributes
+
+
+def set_attribute(gl: Any, number: int, components: tuple[float, ...]) -> None:
+    """Set attribute 6 or 7, which are no conventional ones."""
+    gl.values.set(("vertex attribute", number), filled(components))
+
+
+register_attributes(set_attribute)
+
+# -------------------------------------------------------------------------------------------------- draws
+
+# Columns that a vertex program may read.
+COLUMNS = {
+    "texture_coordinates": COORDINATE_SETS - 1,
+    "normals": 1,
+    "secondary_colors": 1,
+    "fog_coordinates": 1,
+    "weights": 1,
+}
+
+
+def programmed_mesh(gl: Any, mesh: Mesh) -> Mesh:
+    """The mesh of what the bound program makes of a mesh's vertices.
+
+    Raises Refused without a program, and LeftOut where a result is infinite or NaN.
+    """
+    program = gl.shared.programs.get(gl.values["vertex program"])
+    if program is None:
+        raise Refused("VERTEX_PROGRAM_NV is enabled, and the bound program has no text that is known here")
+    for token in (tokens.VERTEX_PROGRAM_TWO_SIDE_NV, tokens.VERTEX_PROGRAM_POINT_SIZE_NV):
+        if gl.values[("enabled", token)]:
+            raise Refused(f"{tokens.name_of(token)} is enabled; a program's {_WRITTEN[token]} not drawn here")
+    # A missing w of a normal or colour is 1, as of positions.
+    given = {
+        "OPOS": mesh.positions,
+        "WGHT": _column(mesh.weights),
+        "NRML": mesh.normals,
+        "COL0": mesh.colors,
+        "COL1": mesh.secondary_colors,
+        "FOGC": _column(mesh.fog_coordinates),
+        **{_INPUTS[8 + n]: each for n, each in enumerate(mesh.texture_coordinates[: len(_INPUTS) - 8])},
+        **{n: gl.values[("vertex attribute", n)] for n in (6, 7)},
+    }
+    results = program.run({key: each for key, each in given.items() if each is not None}, _constants(gl))
+    count = len(mesh.positions)
+    missing = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (count, 4))
+    units = [results.get(f"TEX{n}", missing) for n in range(4)]
+    columns = {
+        "positions": results.get("HPOS", missing),
+        "colors": results.get("COL0", missing),
+        "secondary_colors": results.get("COL1", missing),
+        "fog_coordinates": results.get("FOGC", np.zeros(count)),
+        "texture_coordinates": units,
+    }
+    if mesh.edge_flags is not None:
+        columns["edge_flags"] = mesh.edge_flags
+    gl.tally.add("lit here", f"{gl.called}: its vertices go through a vertex program")
+    return make_mesh(mesh.primitive, columns, mesh.indices, mesh.counts)
+
+
+_WRITTEN = {
+    tokens.VERTEX_PROGRAM_TWO_SIDE_NV: "back colours are",
+    tokens.VERTEX_PROGRAM_POINT_SIZE_NV: "point size is",
+}
+
+
+def _column(values):
+    return None if values is None else values[:, None]
+
+
+@lru_cache(maxsize=1024)
+def programmed_state(state: PassState) -> PassState:
+    """The state that draws what a program made: without matrices, lighting and generated coordinates."""
+    gen = (TexGen(),) * 4
+    plain = VertexState().modelview
+    units = tuple([unit and replace(unit, gen=gen, matrix=plain) for unit in state.texture_units])
+    fog = state.fog
+    if fog is not None:
+        fog = replace(fog, coordinate_source=FogCoordinateSource.FOG_COORDINATE, registers=None)
+    vertex = VertexState(viewport=state.vertex.viewport)
+    return replace(state, vertex=vertex, texture_units=units, fog=fog)
