@@ -203,7 +203,8 @@ function makeWindow(root, link, options) {
     numbers({ number, value }) {
       if (number !== serial) return;
       model.setNumbers(value);
-      prove(value);
+      known = { number, value };
+      prove();
       show();
     },
   };
@@ -222,9 +223,12 @@ function makeWindow(root, link, options) {
     failure.hidden = !words;
     stage.element.setAttribute("aria-busy", "false");
   }
-  async function prove({ shown, sha256 }) {
+  // Digests may come before the picture that they are of, which waits until earlier ones are shown.
+  let known = null;
+  async function prove() {
     const of = model.pictures.machine;
-    if (!of || !shown || of.serial !== serial) return;
+    if (!of || !known?.value.shown || known.number !== serial || of.serial !== serial || element.dataset.proved === String(serial)) return;
+    const { shown, sha256 } = known.value;
     const found = await digestOf(of);
     if (of.serial !== serial) return;
     element.dataset.sha256 = sha256;
@@ -250,7 +254,10 @@ function makeWindow(root, link, options) {
       counted.bytes += size;
       counted.pictures++;
       if (header.serial === serial && header.name === "machine") fail("");
-      if (header.name === "machine") arrived(header);
+      if (header.name === "machine") {
+        arrived(header);
+        prove();
+      }
       else if (isTaken) show();
     },
     kept: (name, bytes, number) => {
@@ -407,7 +414,8 @@ function makeWindow(root, link, options) {
   function onkey(event) {
     const target = event.composedPath()[0];
     const isTyping = target.closest?.("input, select, textarea, dialog, summary");
-    const isUndo = (event.ctrlKey || event.metaKey) && ["z", "y"].includes(event.key.toLowerCase()) && !isTyping;
+    const isText = target.closest?.("input[type=text], input[type=number], textarea"); // which undo by themselves
+    const isUndo = (event.ctrlKey || event.metaKey) && ["z", "y"].includes(event.key.toLowerCase()) && !isText;
     if (event.defaultPrevented || (isTyping && !isUndo) || event.altKey || ((event.ctrlKey || event.metaKey) && !isUndo)) return;
     if (isUndo) unmake(...(event.key.toLowerCase() === "y" || event.shiftKey ? ["on", "back"] : ["back", "on"]));
     else if (!key(event)) return;

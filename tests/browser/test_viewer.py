@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 import zipfile
-from contextlib import contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -253,7 +253,7 @@ def test_a_pixels_history_is_that_of_inspect(visit, tmp_path):
     page = visit("#F004-4/GEFORCE_256/machine?labels=false&zoom=4&at=20|30")
     page.locator(".stage").focus()
     page.keyboard.press("Enter")
-    page.wait_for_function("document.querySelector('.history').textContent.includes('Pixel (20, 30)')")
+    page.wait_for_function("() => document.querySelector('.history').textContent.includes('Pixel (20, 30)')")
     out = tmp_path / "history.html"
     arguments = ["inspect", "F004-4", "--pixel", "20,30", "--size", str(SIZE), "--html", str(out)]
     assert CliRunner().invoke(main, arguments).exit_code == 0
@@ -267,7 +267,7 @@ def test_a_pixels_history_is_that_of_inspect(visit, tmp_path):
     box = page.locator(".stage").bounding_box()
     page.click("[data-tool=look]")
     page.mouse.click(box["x"] + box["width"] / 2 + 6, box["y"] + box["height"] / 2 + 2)
-    page.wait_for_function("!document.querySelector('.history').textContent.includes('Pixel (20, 30)')")
+    page.wait_for_function("() => !document.querySelector('.history').textContent.includes('Pixel (20, 30)')")
     at = state(page)["at"]
     assert f"Pixel ({at[0]}, {at[1]})" in page.inner_text(".history")
 
@@ -278,7 +278,9 @@ def test_the_address_keeps_what_is_seen(visit):
     drag(page, 30, 10)
     page.keyboard.press("e")
     settled(page)
-    page.wait_for_function("location.hash.includes('set.light') && location.hash.includes('exposure=0.5')")
+    page.wait_for_function(
+        "() => location.hash.includes('set.light') && location.hash.includes('exposure=0.5')"
+    )
     before, digest_before = state(page), seen(page)
     page.reload()
     settled(page)
@@ -412,10 +414,10 @@ def test_random_gestures_raise_no_error_and_keep_no_memory(visit, count, capfd):
 
 
 def answered(server, path, **headers):
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
-    connection.request("GET", path, headers=headers)
-    answer = connection.getresponse()
-    return answer, answer.read()
+    with closing(http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)) as connection:
+        connection.request("GET", path, headers=headers)
+        answer = connection.getresponse()
+        return answer, answer.read()
 
 
 def test_only_the_whole_address_of_this_computer_opens_the_page(server):
@@ -458,7 +460,7 @@ def test_a_forged_origin_or_a_wrong_token_gets_no_connection(server):
         with pytest.raises(InvalidStatus) as refused:
             connect(address, origin=origin, open_timeout=60).__enter__()
         assert refused.value.response.status_code in (403, 404)
-    with connect(live, origin=own, open_timeout=60) as good:
+    with connect(live, origin=own, open_timeout=60, ping_interval=None) as good:
         assert json.loads(good.recv())["say"] == "hello"
         good.send("no JSON {")
         assert json.loads(good.recv())["say"] == "refused"
@@ -468,25 +470,28 @@ def test_a_forged_origin_or_a_wrong_token_gets_no_connection(server):
                 good.recv(timeout=60)
 
 
+def emptied(server):
+    """Waits until windows that were closed are forgotten."""
+    end = time.monotonic() + HANGS / 1000
+    while server.windows and time.monotonic() < end:
+        time.sleep(0.01)
+    assert not server.windows
+
+
 def test_there_are_no_more_windows_than_may_be(server):
     from websockets.exceptions import ConnectionClosed
     from websockets.sync.client import connect
 
     live, own = f"ws://127.0.0.1:{server.port}/{TOKEN}/live", f"http://127.0.0.1:{server.port}"
-    opened = [connect(live, origin=own, open_timeout=60) for _ in range(MOST_WINDOWS)]
-    for one in opened:
-        one.recv()
-    with (
-        connect(live, origin=own, open_timeout=60) as late,
-        pytest.raises(ConnectionClosed, match="windows already"),
-    ):
-        late.recv(timeout=60)
-    for one in opened:
-        one.close()
-    end = time.monotonic() + 60
-    while server.windows and time.monotonic() < end:
-        time.sleep(0.01)
-    assert not server.windows
+    emptied(server)
+    with ExitStack() as opened:
+        for _ in range(MOST_WINDOWS):
+            window = opened.enter_context(connect(live, origin=own, open_timeout=60, ping_interval=None))
+            assert json.loads(window.recv())["say"] == "hello"
+        late = opened.enter_context(connect(live, origin=own, open_timeout=60, ping_interval=None))
+        with pytest.raises(ConnectionClosed, match="windows already"):
+            late.recv(timeout=60)
+    emptied(server)
 
 
 # -------------------------------------------------------------------------------------------- for everyone
