@@ -71,6 +71,8 @@ def animate(
         return
     if figure_id is None:
         raise Refusal("Name a figure; fixedpipe animate --list has those that move by themselves.")
+    if executor:
+        refuse_ignored(context, ("limit", "fill"), "workers read files as they are; leave --executor out")
     figure = figure_of(figure_id)
     key = profile or figure.machines[0]
     with refusals():

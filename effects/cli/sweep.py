@@ -6,7 +6,6 @@ from pathlib import Path
 import click
 
 from fixedpipe.effects.cli.executors import executor_option, workers_of
-from fixedpipe.effects.cli.options import fill_option, limit_option
 from fixedpipe.pipeline.messages import count
 
 _FORMS = (".png", ".svg", ".pdf")
@@ -52,8 +51,6 @@ _FORMS = (".png", ".svg", ".pdf")
 @click.option(
     "--no-times", is_flag=True, help="Leave seconds and workers out: then equal results have equal bytes."
 )
-@limit_option
-@fill_option
 def sweep(
     what,
     varied,

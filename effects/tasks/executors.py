@@ -2,6 +2,7 @@
 
 import logging
 import re
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
@@ -17,6 +18,7 @@ from fixedpipe.pipeline.native.threads import default_threads
 WRITTEN = "processes[:N], dask:local[:N], dask:tcp://HOST:PORT, dask:FILE.json, mpi or loky[:N]"
 # Assumed: more processes than these on one computer are a slip of the keyboard.
 _MOST_PROCESSES = 1024
+_SECONDS_BETWEEN_COUNTS = 2.0  # of a cluster's workers, which come and go
 _SECONDS_TO_ANSWER = 15  # of a scheduler, and of its first worker's arrival
 
 
@@ -179,9 +181,15 @@ def _dask(held, text, threads, say):
     pool = client.get_executor(pure=False, **({} if fit is None else {"workers": fit}))
     held.callback(pool.shutdown, wait=False)
 
+    counted, count_at = 0, -_SECONDS_BETWEEN_COUNTS
+
     def count_of():
-        known = client.scheduler_info(n_workers=-1)["workers"]
-        return sum(worker["nthreads"] for name, worker in known.items() if fit is None or name in fit)
+        nonlocal counted, count_at
+        if time.monotonic() - count_at >= _SECONDS_BETWEEN_COUNTS:  # each asks the scheduler
+            known = client.scheduler_info(n_workers=-1)["workers"]
+            counted = sum(worker["nthreads"] for name, worker in known.items() if fit is None or name in fit)
+            count_at = time.monotonic()
+        return counted
 
     return Workers(pool, count_of, threads or 1)
 
