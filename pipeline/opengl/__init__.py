@@ -23,6 +23,7 @@ from fixedpipe.pipeline.opengl import (  # noqa: F401
     lighting,
     lists,
     matrices,
+    occlusion_queries,
     pass_state,
     pixel_transfers,
     pixels,
