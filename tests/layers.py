@@ -206,6 +206,10 @@ PACKAGES = {
             "conformance presentation"
         ),
     },
+    "effects/nv2a_frames": {
+        "pipeline": "enums state textures commands profiles notations execution",
+        "effects": "refusal conformance",
+    },
     "effects/pixel_states": {
         "pipeline": ("enums messages state textures commands profiles notations validation inspection"),
         "effects": "refusal",
@@ -222,9 +226,7 @@ PACKAGES = {
         "effects": "refusal tasks acceptance figures studies reports presentation",
     },
     "effects/viewer": {
-        "pipeline": (
-            "enums commands profiles description framebuffers execution ideal inspection golden"
-        ),
+        "pipeline": ("enums commands profiles description framebuffers execution ideal inspection golden"),
         "effects": "refusal geometry reflectance user_pictures figures reports",
     },
     "effects/cli": {
@@ -235,7 +237,8 @@ PACKAGES = {
         ),
         "effects": (
             "refusal technique bump_mapping volumes scattering acceptance figures studies arithmetic emulators "
-            "conformance user_pictures reports pixel_states replays presentation sweeps tasks viewer"
+            "conformance user_pictures reports nv2a_frames pixel_states replays presentation sweeps tasks "
+            "viewer"
         ),
     },
 }

@@ -22,6 +22,7 @@ _COMMANDS = (
     "animate",
     "sweep",
     "replay",
+    "nv2a",
     "bump",
     "roughness",
     "material",
@@ -60,6 +61,7 @@ What to do next:
   fixedpipe sweep F004-8 --vary bits=4:16 --out bits.csv
                                 a figure over a grid of values, as a table, on as many machines as you have
   fixedpipe replay GAME.trace   what a recorded OpenGL program drew, on the machine that it was written for
+  fixedpipe nv2a FRAME.nv2a     what an emulator's log of the NV2A's registers and vertices draws
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
   fixedpipe roughness sample:gravel --out gravel.npz --picture gravel.png
