@@ -121,3 +121,29 @@ def test_names_of_captures_are_found():
         "- one. Measured: Fog, W_param, 3 of 3 (DotZW, `code_x`) on a GeForce 3. Source: NV_fence, DotXX.\n"
     )
     assert list(captures_named(text)) == ["W_param", "DotZW"]
+
+
+# The captures that are redrawn: their suites and their cases.
+_ACCEPTED = re.findall(
+    r"^(\w+)/(.+?): \d+ / \d+$", (ROOT / "tests" / "conformance" / "accepted.txt").read_text(), re.MULTILINE
+)
+REDRAWN = {name for pair in _ACCEPTED for name in pair}
+
+
+def names_a_capture(text):
+    """Whether a text has the name of a suite or case that is redrawn, or what several cases begin with."""
+    words = {word.strip(".,;:()") for word in text.split()}
+    long = tuple(word for word in words if "_" in word)
+    return bool(words & REDRAWN) or any(name.startswith(long) for name in REDRAWN if long)
+
+
+@pytest.mark.parametrize("item", [i for i in bullets(TEXT) if "Measured" in i and i.startswith("- <a id=")])
+def test_a_measured_rule_names_a_capture_that_is_redrawn(item):
+    rule = re.search(r"N\d+\.\d+", item)[0]
+    whole = re.search(rf'<a id="{rule}">.*?(?=^- <a id=|^## )', TEXT, re.MULTILINE | re.DOTALL)[0]
+    assert names_a_capture(whole), whole
+
+
+def test_what_names_no_capture_is_seen():
+    assert names_a_capture("all pixels (Texture_cubemap)") and names_a_capture("DepthFmt_z16 captures")
+    assert not names_a_capture("Measured: all pixels of 3 captures. OpenGL 1.2.1")
