@@ -13,8 +13,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 CACHE = ROOT / ".cache" / "site"
-# Edge of the panels whose passes are described, in pixels: passes do not depend on it, meshes do.
-SIZE = 64
 # Lines of passes that a page shows: the longest figures have thousands.
 LINES = 120
 _PICTURE = re.compile(r'src="\.\./images/(?P<id>[A-Z]\w+(?:-\d+)?)-(?P<machine>[A-Z]\w+)\.png"')
@@ -41,7 +39,8 @@ def described(figure_id, machine):
         kept.parent.mkdir(parents=True, exist_ok=True)
         for old in kept.parent.glob(f"{figure_id}-{machine}-*.txt"):
             old.unlink()
-        kept.write_text(describe(FIGURES[figure_id].commands(PROFILES[machine], SIZE), folded=True))
+        figure = FIGURES[figure_id]
+        kept.write_text(describe(figure.commands(PROFILES[machine], figure.size), folded=True))
     return kept.read_text()
 
 

@@ -78,12 +78,12 @@ def bump(
     """Bump-map a mesh with PHOTO: a PNG, TIFF (its first page), JPEG or NPY file, or a sample.
 
     Machines with register combiners have a halfway vector at every pixel, those with the imaging subset one
-    for every triangle; any other takes some fifty passes, and has wide highlights alone: stone, or --alpha-x
-    and --alpha-y from 0.71. IDEAL draws without rounding.
+    for every triangle. Any other machine takes some fifty passes and has only wide highlights: stone, or
+    --alpha-x and --alpha-y from 0.71. IDEAL draws without rounding.
 
-    From a distance bumps flicker. --antialias mip filters what the textures hold as if it were colours, and
-    the bumps' highlight shrinks to a smooth surface's; --antialias roughness keeps with every level how far
-    the normals spread that it has lost, and the highlight is as wide. Both take register combiners.
+    From a distance bumps flicker. --antialias mip filters what the textures hold as if it were colours, so
+    the bumps' highlight shrinks to a smooth surface's. --antialias roughness stores with every level how far
+    its lost normals spread, so the highlight stays as wide. Both take register combiners.
 
     Samples: sample:gravel, sample:brick, sample:grass, sample:coins, sample:moon (photographs) and
     sample:jacksboro (an elevation model). Light is high, dark is low. The light's +x is right, +y up, +z

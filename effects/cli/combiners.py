@@ -53,9 +53,10 @@ def combiners(file, profile, targets, notation, constants, draw, bounds, table, 
     text. It may also be a Direct3D pixel shader ps.1.0 to ps.1.3, the Xbox's xps.1.1, or words of the NV2A's
     registers as an emulator's dump has them.
 
-    A register is marked as clamped if a clamp of the machine may change it; without --profile the machine is
-    the NV2A. --bounds: the range of every register after every stage on the machine, for colours and texels
-    from 0 to 1, and which clamps can bite. A range may be wider than what fragments reach, never narrower.
+    A register is marked as clamped if a clamp of the machine may change it. Without --profile the machine is
+    the NV2A. --bounds prints the range of every register after every stage on the machine, for colours and
+    texels from 0 to 1, and which clamps can bite. A range may be wider than what fragments reach, never
+    narrower.
     """
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.user_pictures.inputs import read_text

@@ -49,12 +49,16 @@ def environment(image, kind, out, layout, exponent, size, exposure, threads):
     """Make environment maps of IMAGE: a panorama, a light probe, or the faces of a cube.
 
     Radiance (.hdr) and OpenEXR (pip install 'fixedpipe[probes]') files keep their range; others are PNG,
-    TIFF, JPEG and NPY. A panorama's middle is -z (--as latlong, or ball of a square light probe). --as mirror
-    is the photograph of a mirroring ball from +z. --as cross is six faces in 4:3 or 3:4, as --to cube draws
-    them; --as strip is +x, -x, +y, -y, +z and -z in 6:1 or 1:6, as textures are loaded.
+    TIFF, JPEG and NPY. A panorama's middle is -z (--as latlong, or ball for a square light probe). Other
+    layouts are:
 
-    An NPZ file has `faces`, float32 [6, N, N, 3] in the order +x, -x, +y, -y, +z, -z, or `discs`,
-    [2, N, N, 3], of z <= 0 and z > 0; a picture has a cross, or both discs.
+    \b
+    --as mirror  the photograph of a mirroring ball from +z
+    --as cross   six faces in 4:3 or 3:4, as --to cube draws them
+    --as strip   +x, -x, +y, -y, +z and -z in 6:1 or 1:6, as textures are loaded
+
+    An NPZ file has `faces`, float32 [6, N, N, 3] in the order +x, -x, +y, -y, +z, -z. Or it has `discs`,
+    [2, N, N, 3], of z <= 0 and z > 0. A picture has a cross, or both discs.
     """
     import io
     from pathlib import Path

@@ -54,14 +54,17 @@ from fixedpipe.effects.cli.options import refuse_ignored, set_option
 def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
     """Look into figure ID, into the frame that SCRIPT.py makes, or into frame N of a trace.
 
-    --pixel: every command that touched a pixel, every fragment there and every stage of each: what the
-    machine read and made, as codes and as values, the guided ideal's values, and how much of the error each
-    stage adds, by cause. --registers: of every register after every stage the least, greatest and mean value,
-    the shares that were clamped, how many codes it used, how many bits it leaves unused. --row: what the
-    machine has along a row of the picture beside the guided ideal: banding. --map: a picture of what happened
-    where, and the pixel that has most of it. --attribution: the error of the whole picture, and what is left
-    of it when one thing of the machine is as exact as it can be; with --stages, one stage of all passes, or
-    of --command K.
+    --pixel prints every command that touched a pixel, every fragment there, and every stage of each. A stage
+    has what the machine read and made, as codes and as values, and the guided ideal's values. It also says
+    how much of the error it adds, by cause.
+
+    --registers prints for every register after every stage the least, greatest and mean value, the shares
+    that were clamped, the codes that it used, and the bits that it leaves unused. --row prints the machine
+    and the guided ideal along a row of the picture, which shows banding. --map draws what happened where, and
+    names the pixel that has most of it.
+
+    --attribution prints the error of the whole picture, and what is left of it when one part of the machine
+    is as exact as it can be. With --stages the part is one stage of all passes, or of --command K.
 
     --bits, --without, --constant and --texture look into the frame with something changed; alone, they say
     what that does to its error. PART: combiner, texture, framebuffer, filter_fraction. --replace, and

@@ -30,10 +30,10 @@ def roughness(heights, out, shown, size, height_scale, once):
     each level stands the covariance of the offsets that it has lost: K = [a b; b c], D with D D^T = K, and
     I_1, the largest deviation (Schilling 1997).
 
-    The NPZ file has, of level L, offsets_L, covariance_L (a, b, c), deviations_L (d_1, d_2, d_3),
-    isotropic_L, and bytes_L, D in bytes over `scale`: d_1 and d_3 from 0 to 255, d_2 from 1 to 255 with zero
-    at 128. Rows are bottom row first. The picture has the bumps' normals above and D below, level beside
-    level.
+    For each level L the NPZ file has offsets_L, covariance_L (a, b, c), deviations_L (d_1, d_2, d_3),
+    isotropic_L and bytes_L. The last is D in bytes over `scale`: d_1 and d_3 from 0 to 255, d_2 from 1 to 255
+    with zero at 128. Rows are bottom row first. The picture has the bumps' normals above and D below, level
+    beside level.
 
     Samples are those of fixedpipe bump: sample:jacksboro is an elevation model.
     """

@@ -91,10 +91,10 @@ def scatter(
     """Light HEIGHTS, a PNG, TIFF, JPEG or NPY file or a sample, without and with scattered light.
 
     The heights are made a square of texels that repeats: 128 along an edge at most, 64 on the G400. The left
-    half has direct light and its shadows, the right half what the bumps scatter at each other as well, by the
-    machine's own way: pixel textures, texture shaders, lookups by the host, or offset textures.
+    half has direct light and its shadows. The right half also has what the bumps scatter at each other, by
+    the machine's own way: pixel textures, texture shaders, lookups by the host, or offset textures.
 
-    With more bounces terms are smaller, and a machine's bytes lose some of a dark field's; IDEAL loses none.
+    With more bounces terms are smaller, and a machine's bytes lose some of a dark field's. IDEAL loses none.
 
     The light's +x is right, +y up in the picture, +z out of it. Samples are those of fixedpipe bump:
     sample:jacksboro is an elevation model.

@@ -43,9 +43,9 @@ def shadows(mesh, algorithm, light, view, out, size, profile, up, map_size, thre
     """Throw the shadow of MESH, an OBJ or PLY file, on a floor, and say how it compares with rays.
 
     The mesh stands on the floor y = 0, 2.4 units large; the light's +x is right, +y up, +z towards you. The
-    floor is as wide and the eye as far away as the shadow needs. depth-map is the shadow map with a depth
-    texture; alpha-multitexture and alpha-single keep depths in alpha; z-pass and z-fail are shadow volumes,
-    and need a mesh that is closed.
+    floor is as wide and the eye as far away as the shadow needs. The algorithm depth-map is the shadow map
+    with a depth texture. Of alpha-multitexture and alpha-single the map holds depths in alpha. Shadow
+    volumes, z-pass and z-fail, need a mesh that is closed.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.progress import progress_of_long

@@ -25,8 +25,8 @@ _LINE = re.compile(
 # What stands at the right of a command in a column of its own, and says what it does.
 _COLUMN = re.compile(r" {2,}.*")
 _CODE = re.compile(r"`(?:\.venv/bin/)?fixedpipe(?P<words>\s[^`]*)`")
-# Values that stand for one: a word in capitals, or an ellipsis.
-_STANDS_FOR = re.compile(r"[A-Z_]+|.*…|\.\.\.")
+# Values that stand for one: a word in capitals, an ellipsis, a notebook's {variable}.
+_STANDS_FOR = re.compile(r"[A-Z_]+|.*…|\.\.\.|\{.*\}")
 
 
 def command_lines(text):
@@ -45,6 +45,8 @@ def _cut(words):
     found = []
     for word in cut:
         if set(word) <= set("|&;<>"):
+            if word == ">" and found[-1:] == ["2"]:  # 2> redirects what is said of progress
+                found.pop()
             break
         found.append(word)
     return found

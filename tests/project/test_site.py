@@ -13,6 +13,9 @@ from docs.site.api_pages import commands, topics
 from docs.site.check import faults
 from docs.site.stage import INDEX, Links, contents, sections
 
+# What the theme and the extensions still call, and the next Sphinx renames.
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::PendingDeprecationWarning")
+
 
 def no_passes(figure_id, machine):
     """In the place of passes, which take seconds a figure."""
