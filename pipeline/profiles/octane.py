@@ -19,6 +19,8 @@ from fixedpipe.pipeline.textures.images import TWELVE_BIT_FORMATS
 _DRIVER = "Assumed: as on the plain board; a query of an Octane's driver would settle it"
 _SUBSET = "Assumed: as on the imaging board; a query of an Octane's driver would settle it"
 _PICTURE = "Assumed: as on the plain board; a picture of an Octane would settle it"
+# What SGI's own library writes to the board's registers.
+_TRACED = "public traces of SGI's libGLcore for this board (techomancer/iris, src/dev/mgras/te1.rs)"
 _NO_COMBINERS = "Assumed: does not matter; an Octane has no register combiners"
 
 OCTANE = Profile.of(
@@ -28,12 +30,11 @@ OCTANE = Profile.of(
     max_texture_units=known(1, "Source: Heidrich and others 2000, section 6 (no multi-texturing)"),
     internal_formats=known(
         CORE_FORMATS | TWELVE_BIT_FORMATS,
-        "Source: OpenGL 1.2.1 table 3.16; twelve bits Inferred from SGIX_impact_pixel_texture's alpha",
+        f"Source: OpenGL 1.2.1 table 3.16; twelve bits by {_TRACED} (texels of 4, 8 and 12 bits)",
     ),
     wrap_modes=known(
         CORE_WRAP_MODES | {WrapMode.CLAMP_TO_BORDER},
-        "Assumed: edge and border clamp; an Octane's driver that lists SGIS_texture_border_clamp would "
-        "settle it",
+        f"Source: border clamp by {_TRACED} (registers for GL_CLAMP_TO_BORDER_SGIS); edge clamp Assumed",
     ),
     texture_color_table=known(True, "Source: SGIX_impact_pixel_texture (it shifts alphas by one)"),
     color_bits=known(
@@ -45,7 +46,7 @@ OCTANE = Profile.of(
     pixel_texture=known(True, "Source: SGIX_pixel_texture; Kautz, Seidel 2000, section 5"),
     pixel_texture_sgis=known(True, "Assumed: as well; a driver's list of SGIS_pixel_texture would settle it"),
     impact_pixel_texture=known(True, "Source: SGIX_impact_pixel_texture"),
-    texture_bits=known(12, "Inferred: from SGIX_impact_pixel_texture's alpha of twelve bits"),
+    texture_bits=known(12, f"Source: {_TRACED} (texels of 12 bits at most)"),
     combiner_bits=known(
         8,
         "Assumed: environments are as wide as the colour buffer; a picture of an Octane would settle it",
