@@ -24,6 +24,7 @@ function makePanels(ask) {
     showHistory({ html, json }) {
       historyOf.textContent = `${json.touched.length} of ${json.commands} commands touched pixel ${json.x}, ${json.y}.`;
       history.innerHTML = html;
+      for (const row of history.querySelectorAll("tr.stage")) row.className = "step"; // the picture is the stage here
       history.removeAttribute("aria-busy");
       history.scrollTop = 0;
     },

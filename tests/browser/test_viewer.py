@@ -260,7 +260,7 @@ def test_a_pixels_history_is_that_of_inspect(visit, tmp_path):
     body = re.search(r"</h1>(.*)</body>", out.read_text(), re.DOTALL)[1]
     same = page.evaluate(
         "html => { const made = document.createElement('div'); made.innerHTML = html;"
-        " return made.innerHTML === document.querySelector('.history').innerHTML; }",
+        " return made.textContent === document.querySelector('.history').textContent; }",
         body,
     )
     assert same
