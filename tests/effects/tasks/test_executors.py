@@ -159,7 +159,7 @@ def test_a_worker_with_another_version_is_refused_by_name():
             UnfitWorker, match=rf"The worker .+:{os.getpid()} has {name} {own[name]}, and this client 0"
         ):
             check_environment({**own, name: "0"})
-    with pytest.raises(UnfitWorker, match="has numba none"):
+    with pytest.raises(UnfitWorker, match="has Python none"):
         check_environment(own, {})
 
 
