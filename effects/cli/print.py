@@ -57,6 +57,7 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
     from fixedpipe.effects.presentation.typesetting import drawing_library
     from fixedpipe.effects.refusal import Refusal, refusals
     from fixedpipe.effects.reports.files import writable_file, write_whole
+    from fixedpipe.effects.reports.letters import labels_of, without_letters
 
     look, _ = asked_of(style, width, dpi)
     of_script = is_own_frame(what)
@@ -81,12 +82,16 @@ def print(what, profile, style, width, dpi, pictures, out, size, settings, threa
     beside_it = [what for what, of in _NEEDED.items() if of & {*names}]
     with progress_of_long(2 + len(beside_it)) as step, refusals():
         step(f"{figure.id} on {machine.name}")
-        drawn = figure.render(machine, size, method=method, threads=threads, **changes)
+        # Letters are set in the sheet's own type, and not in the machine's pixels.
+        commands = figure.commands(machine, size, method, **changes)
+        letters = labels_of(commands, figure.dimensions(size)[1]) or ()
+        bare = without_letters(method) if letters else method
+        drawn = figure.render(machine, size, method=bare, threads=threads, **changes)
         for what in beside_it:  # computed when it is first asked for
             step(f"the {what}")
             getattr(drawn, what)
         step("the sheet")
-        composed = sheet(drawn, kind, style=style, width=width, dpi=dpi, pictures=named)
+        composed = sheet(drawn, kind, style=style, width=width, dpi=dpi, pictures=named, letters=letters)
     write_whole(path, file_of(composed, kind))
     write_whole(beside, composed.bib.encode())
     click.echo(f"{path}: {composed.said}")

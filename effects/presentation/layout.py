@@ -124,8 +124,8 @@ def arrange(area, columns, small=SMALL):
     """The Arrangement of pictures of ``columns`` panels.
 
     The rows of panels stay whole unless a panel is lower than ``small`` mm. Among arrangements with lines of
-    equal length, the one with the largest panels is taken. Pictures of one panel may stand side by side; then it is the
-    flattest whose panels are nearly as large. If nothing fits, its height is zero or less.
+    equal length, the one with the largest panels is taken. Pictures of one panel may stand side by side; then
+    it is the flattest whose panels are nearly as large. If nothing fits, its height is zero or less.
     """
     count = len(area.notes)
     shares = [n for n in range(1, count + 1) if count % n == 0]

@@ -22,6 +22,9 @@ from fixedpipe.pipeline.profiles import PROFILES
 LEADING = 1.25
 # Where a line's letters stand in it, from its top.
 BASELINE = 0.93
+# Points of letters over a picture, at least, and of a line's height in the picture; an index in the size of
+# its letter, and how far below the line it stands.
+LETTERS, LETTERS_IN_LINE, INDEX, LOWERED = 7.0, 0.82, 0.72, 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +44,9 @@ class Panel:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of text on a sheet: where its baseline begins, mm; ``upright``: it runs upwards."""
+    """A line of text on a sheet: where its baseline begins, mm; ``upright``: it runs upwards; ``over``: it
+    stands over a panel; ``halo``: the colour around its letters, or none.
+    """
 
     x: float
     y: float
@@ -49,6 +54,8 @@ class Line:
     font: Font
     color: str
     upright: bool = False
+    over: bool = False
+    halo: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +102,7 @@ class Sheet:
         return "".join(f"% {line}\n" for line in said) + (f"\n{self.bibtex}" if self.bibtex else "")
 
 
-def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=None):
+def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=None, letters=()):
     """Compose a figure's pictures on a sheet.
 
     Parameters
@@ -114,6 +121,9 @@ def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=No
         they can be.
     pictures : sequence of str, optional
         Of ``fixedpipe.effects.presentation.pictures.PICTURES``; None: as ``names_of`` there chooses.
+    letters : sequence of dict, optional
+        Labels that stand over the machine's picture and its ideal, drawn without them: {runs, x, y, size,
+        color, align}, as ``fixedpipe.effects.reports.letters.labels_of`` gives them.
 
     Returns
     -------
@@ -124,7 +134,7 @@ def sheet(drawn, kind="png", *, style="paper", width=None, dpi=None, pictures=No
     """
     look, width = asked_of(style, width, dpi)
     shown = pictures_of(drawn, names_of(drawn.figure, drawn.profile, pictures, look.fixed))
-    return _Composition(drawn, kind, _scaled(look, width), width, shown).sheet(style, dpi)
+    return _Composition(drawn, kind, _scaled(look, width), width, shown, letters).sheet(style, dpi)
 
 
 def asked_of(style, width=None, dpi=None):
@@ -153,11 +163,24 @@ def _line_height(points):
     return LEADING * points * MILLIMETRES / POINTS
 
 
+def _rows_of(runs):
+    """The lines of [text, level] parts, which end at a newline."""
+    rows = [[]]
+    for text, level in runs:
+        for n, part in enumerate(text.split("\n")):
+            if n:
+                rows.append([])
+            if part:
+                rows[-1].append((part, level))
+    return rows
+
+
 class _Composition:
     """What a sheet is composed of, and where: one attempt after another at how many lines the labels take."""
 
-    def __init__(self, drawn, kind, style, width, shown):
+    def __init__(self, drawn, kind, style, width, shown, letters=()):
         self.drawn, self.kind, self.style, self.width = drawn, kind, style, width
+        self.letters = letters
         figure, self.shown = drawn.figure, shown
         self.pictures = tuple(picture for picture in shown if picture.panels)
         self.said = tuple(picture for picture in shown if not picture.panels)
@@ -352,7 +375,11 @@ class _Composition:
             left = style.margin + spot.left
             self._head(lines, area, arrangement, picture, left, top + spot.top, corners)
             labelled = number == 0 or arrangement.pictures > 1 or arrangement.panels < self.columns
-            for (x, y), label, pixels in zip(corners, self.labels, picture.panels, strict=True):
+            for column, ((x, y), label, pixels) in enumerate(
+                zip(corners, self.labels, picture.panels, strict=True)
+            ):
+                if pixels is not None and picture.name in ("machine", "ideal"):
+                    self._letters(lines, column, x, y, arrangement.height / pixels.shape[0])
                 if labelled and (pixels is not None or number == 0):
                     self._above(lines, label, "label", style.ink, x, y, arrangement.width)
                 if pixels is not None:
@@ -361,6 +388,28 @@ class _Composition:
             for n, text in enumerate(broken(picture.note, self.fonts["note"], spot.width)):
                 y = top + spot.bottom + n * height + BASELINE * height / LEADING
                 lines.append(Line(left, y, text, self.fonts["note"], style.quiet))
+
+    def _letters(self, lines, column, left, top, pixel):
+        """The letters over a panel whose corner is at ``left``, ``top`` and whose pixels are ``pixel`` mm."""
+        across = self.drawn.figure.panel_width(self.drawn.size)
+        for label in self.letters:
+            if not column * across <= label["x"] < (column + 1) * across:
+                continue
+            points = max(LETTERS, LETTERS_IN_LINE * label["size"] * pixel * POINTS / MILLIMETRES)
+            rows = _rows_of(label["runs"])
+            height = _line_height(points)
+            middle = top + label["y"] * pixel
+            for n, row in enumerate(rows):
+                fonts = [Font(self.style.face, points * (INDEX if level < 0 else 1.0)) for _, level in row]
+                widths = [font.width(text) for font, (text, _) in zip(fonts, row, strict=True)]
+                x = left + (label["x"] - column * across) * pixel - sum(widths) * (label["align"][0] + 1) / 2
+                y = middle + (n - len(rows) / 2) * height + BASELINE * height / LEADING
+                for font, wide, (text, level) in zip(fonts, widths, row, strict=True):
+                    low = LOWERED * points * MILLIMETRES / POINTS if level < 0 else 0.0
+                    lines.append(
+                        Line(x, y + low, text, font, label["color"], over=True, halo=label.get("halo", ""))
+                    )
+                    x += wide
 
     def _head(self, lines, area, arrangement, picture, left, top, corners):
         """A picture's name: above it, or upright at its left."""

@@ -7,15 +7,18 @@ import numpy as np
 from fixedpipe.effects.presentation.styles import MILLIMETRES
 from fixedpipe.effects.presentation.typesetting import drawing_library
 
+HALO = 0.25  # of letters' size, the width of what surrounds them
 
-def _canvas(matplotlib, sheet):
-    """A matplotlib figure with the sheet's text on its ground."""
+
+def _canvas(matplotlib, sheet, lines=None, ground=None):
+    """A matplotlib figure with the sheet's text, or some of its ``lines``, on its ground or another."""
     from matplotlib.figure import Figure
+    from matplotlib.patheffects import withStroke
 
     size = sheet.width / MILLIMETRES, sheet.height / MILLIMETRES
-    figure = Figure(figsize=size, dpi=sheet.dpi or 72.0, facecolor=sheet.style.paper)
-    for line in sheet.lines:
-        figure.text(
+    figure = Figure(figsize=size, dpi=sheet.dpi or 72.0, facecolor=ground or sheet.style.paper)
+    for line in sheet.lines if lines is None else lines:
+        text = figure.text(
             line.x / sheet.width,
             1.0 - line.y / sheet.height,
             line.text,
@@ -27,6 +30,9 @@ def _canvas(matplotlib, sheet):
             va="baseline",
             parse_math=False,
         )
+        if line.halo:
+            width = HALO * line.font.points
+            text.set_path_effects([withStroke(linewidth=width, foreground=line.halo)])
     return figure
 
 
@@ -43,12 +49,27 @@ def _png(matplotlib, sheet):
         large = panel.pixels.repeat(sheet.scale, 0).repeat(sheet.scale, 1)
         x, y = (round(v * pixels) for v in (panel.x, panel.y))
         page[y : y + large.shape[0], x : x + large.shape[1]] = large
+    page = _with_letters(matplotlib, sheet, page)
     info = PngInfo()
     for key, text in _fields(sheet).items():
         info.add_itxt(key, text)
     buffer = io.BytesIO()
     Image.fromarray(page).save(buffer, "PNG", dpi=(sheet.dpi, sheet.dpi), pnginfo=info)
     return buffer.getvalue()
+
+
+def _with_letters(matplotlib, sheet, page):
+    """A page, uint8 [h, w, 3], with the lines that stand over panels."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    over = [line for line in sheet.lines if line.over]
+    if not over:
+        return page
+    canvas = FigureCanvasAgg(_canvas(matplotlib, sheet, over, "none"))
+    canvas.draw()
+    ink = np.array(canvas.buffer_rgba()).astype(np.float64)
+    share = ink[..., 3:] / 255.0
+    return np.floor(ink[..., :3] * share + page * (1.0 - share) + 0.5).astype(np.uint8)
 
 
 def _fields(sheet):

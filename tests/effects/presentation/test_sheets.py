@@ -300,6 +300,41 @@ def test_five_panels_on_a_slide_stand_in_two_rows_where_that_makes_them_larger()
     assert (whole.panels, broken.panels) == (5, 3) and broken.height > 1.1 * whole.height
 
 
+LETTERS = (
+    {"runs": [["\u03b1", 0]], "x": 8.0, "y": 10.0, "size": 1.0, "color": "#ff0000", "align": [0, 0]},
+    {"runs": [["s", 0], ["u", -1]], "x": 40.0, "y": 20.0, "size": 6.0, "color": "#00ff00", "align": [0, 0]},
+)
+
+
+def test_letters_stand_over_their_panels_in_seven_points_or_more(spheres):
+    composed = sheet(spheres, "pdf", pictures=("machine", "difference"), letters=LETTERS)
+    over = [line for line in composed.lines if line.over]
+    assert [line.text for line in over] == ["\u03b1", "s", "u"]
+    alpha, letter, index = over
+    assert alpha.font.points == 7.0 and letter.font.points > 7.0
+    assert index.font.points < letter.font.points and index.y > letter.y
+    first, second = composed.panels[:2]
+    pixel = first.height / SIZE
+    assert abs(alpha.x + alpha.font.width(alpha.text) / 2 - (first.x + 8 * pixel)) < 1e-6
+    assert second.x < letter.x < second.x + second.width
+    assert not [line for line in sheet(spheres, "pdf").lines if line.over]
+
+
+def test_letters_are_in_the_png_over_the_pixels(spheres):
+    red = sheet(spheres, "png", pictures=("machine",), letters=LETTERS[:1])
+    plain = sheet(spheres, "png", pictures=("machine",))
+    with_letters, without = (
+        np.asarray(Image.open(io.BytesIO(file_of(one, "png")))).astype(int) for one in (red, plain)
+    )
+    changed = np.nonzero((with_letters != without).any(-1))
+    assert len(changed[0]) > 20
+    panel, each = red.panels[0], red.dpi / 25.4
+    middle = np.median(changed[1]) / each, np.median(changed[0]) / each
+    pixel = panel.height / SIZE
+    assert abs(middle[0] - (panel.x + 8 * pixel)) < 1.0 and abs(middle[1] - (panel.y + 10 * pixel)) < 1.0
+    assert (with_letters[changed] == [255, 0, 0]).all(-1).any()
+
+
 def test_a_sheet_says_that_twelve_bits_are_shown_as_bytes(spheres):
     drawn = FIGURES["F003-21"].render("INFINITE_REALITY", SIZE)
     assert "12 bits a component are shown as the nearest bytes" in sheet(drawn, "pdf").caption
