@@ -23,7 +23,10 @@ def saved(path):
 def test_they_are_there():
     assert [path.stem for path in notebooks.NOTEBOOKS] == [
         "figure_varied",
+        "from_equation_to_figure",
         "golden_tests",
+        "heights_to_brdf",
+        "program_of_2001",
         "where_a_ring_comes_from",
     ]
 
