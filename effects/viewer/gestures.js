@@ -11,6 +11,11 @@ const HIGHEST = 89; // degrees: an eye does not look along the upright axis
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
 const toolsOf = (controls) => Object.keys(TOOLS).filter((tool) => tool === "look" || controls.some((of) => TOOLS[tool].of.includes(of.gesture)));
+// What a drag turns where nobody has chosen: a camera that goes around, else the light.
+function usualTool(controls) {
+  const can = toolsOf(controls), isRound = controls.some((of) => ["orbit", "eye", "turn"].includes(of.gesture));
+  return isRound || !can.includes("light") ? can.find((tool) => tool !== "look") || "look" : "light";
+}
 
 // A vector turned about the upright axis by `right`, and about the horizontal one by `down`, degrees.
 function turned([x, y, z], right, down) {

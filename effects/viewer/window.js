@@ -91,7 +91,7 @@ function makeWindow(root, link, options) {
     set({});
   }
   function setView(changes, isDone, event) {
-    change({ view: { ...state.view, ...changes } }, isDone, event);
+    change({ view: { ...state.view, ...changes } }, isDone, event || { timeStamp: performance.now() });
   }
   function setValues(found, isDone, event) {
     const own = Object.fromEntries((model.about?.controls || []).map((of) => [of.name, of.text]));
@@ -147,7 +147,6 @@ function makeWindow(root, link, options) {
     element.dataset.asked = String(serial);
     if (key === asked || !isLinked) return;
     asked = key;
-    if (!begun.has(serial + 1)) begun.set(serial + 1, performance.now());
     link.send({ do: "draw", number: ++serial, ...message });
     element.dataset.asked = String(serial);
     if (begun.size > 60) begun.delete(begun.keys().next().value);
@@ -214,7 +213,7 @@ function makeWindow(root, link, options) {
     if (isNew || !model.about) {
       model.setAbout(value);
       const can = toolsOf(value.controls);
-      if (!can.includes(tool) || tool === "look") tool = can.includes("camera") ? "camera" : can.includes("light") ? "light" : "look";
+      if (!can.includes(tool) || tool === "look") tool = usualTool(value.controls);
     }
     show();
   }
