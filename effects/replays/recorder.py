@@ -91,6 +91,6 @@ def _written(argument):
     """An argument as a trace has it."""
     if isinstance(argument, np.ndarray):
         return np.ascontiguousarray(argument).tobytes()
-    if isinstance(argument, np.generic):
-        return argument.item()
-    return list(argument) if isinstance(argument, tuple) else argument
+    if type(argument) is tuple:
+        return list(argument)
+    return argument.item() if hasattr(argument, "item") else argument  # a number of NumPy's
