@@ -40,21 +40,41 @@ def sun_and_sky(field, visibility, frame, light, sun, sky, bounces):
 
     Raises ValueError for a light that is no direction, and as ``light_transport.gathered``.
     """
+    return sun_alone(field, visibility, frame, light, sun, bounces), sky_alone(
+        field, visibility, frame, sky, bounces
+    )
+
+
+def sun_alone(field, visibility, frame, light, sun, bounces):
+    """What ``sun_and_sky`` says of the sun. Arguments and errors are the same."""
     sphere.finite(light, "The sun's direction")
-    axes = [np.asarray(axis, np.float64) for axis in frame]
-    local = in_frame(np.asarray(light, np.float64), *axes)
+    local = in_frame(np.asarray(light, np.float64), *_axes(frame))
     lit = np.zeros((*field.heights.shape, 3))
     if local[2] > 0.0:
         facing = np.maximum(dot(field.normals, local), 0.0) * free_view(field, local)
         lit = field.albedo * facing[..., None] * np.array(sun)
-    around = sky(from_frame(visibility.directions, *axes))
-    above = field.albedo * light_transport.gathered(field, visibility, np.zeros(lit.shape), around)
-    both, albedo = np.concatenate([lit, above], axis=2), np.concatenate([field.albedo] * 2, axis=2)
-    arriving = both
+    return _scattered_on(field, visibility, lit, bounces)
+
+
+def sky_alone(field, visibility, frame, sky, bounces):
+    """What ``sun_and_sky`` says of the sky. Arguments and errors are the same."""
+    around = sky(from_frame(visibility.directions, *_axes(frame)))
+    none = np.zeros((*field.heights.shape, 3))
+    above = field.albedo * light_transport.gathered(field, visibility, none, around)
+    return _scattered_on(field, visibility, above, bounces)
+
+
+def _axes(frame):
+    return [np.asarray(axis, np.float64) for axis in frame]
+
+
+def _scattered_on(field, visibility, arriving, bounces):
+    """Light that texels send back, with what they scatter at each other."""
+    found = arriving
     for _ in range(bounces):
-        arriving = albedo * light_transport.gathered(field, visibility, arriving)
-        both = both + arriving
-    return both[..., :3], both[..., 3:]
+        arriving = field.albedo * light_transport.gathered(field, visibility, arriving)
+        found = found + arriving
+    return found
 
 
 @dataclass(frozen=True, eq=False)

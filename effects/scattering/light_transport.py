@@ -163,13 +163,15 @@ def _gather(normals, directions, seen, light, sky, out):
     """
     rows, columns, components = out.shape
     for row in range(rows):
-        for column in range(columns):
-            n = normals[row, column]
-            for i in range(len(directions)):
+        # Direction by direction along a row, as ``seen`` lies in memory; each texel adds them in their order.
+        for i in range(len(directions)):
+            x, y, z = directions[i, 0], directions[i, 1], directions[i, 2]
+            for column in range(columns):
                 texel = seen[i, row, column]
                 if texel == BACK:
                     continue
-                cosine = (n[0] * directions[i, 0] + n[1] * directions[i, 1]) + n[2] * directions[i, 2]
+                n = normals[row, column]
+                cosine = (n[0] * x + n[1] * y) + n[2] * z
                 for k in range(components):
                     out[row, column, k] += cosine * (light[texel, k] if texel >= 0 else sky[i, k])
 

@@ -233,8 +233,16 @@ def radiance(name, edge, frame, light, directions, bounces):
 
     frame  the part's (tangent, binormal, normal) in the world, tuples; light: towards the sun
     """
-    seen = _visibility(name, edge, directions)
-    return environment_light.sun_and_sky(field_of(name, edge), seen, frame, light, SUN, sky, bounces)
+    field, seen = field_of(name, edge), _visibility(name, edge, directions)
+    by_sun = environment_light.sun_alone(field, seen, frame, light, SUN, bounces)
+    return by_sun, _by_sky(name, edge, frame, directions, bounces)
+
+
+@lru_cache(maxsize=64)
+def _by_sky(name, edge, frame, directions, bounces):
+    """The sky's share, which no light changes."""
+    field, seen = field_of(name, edge), _visibility(name, edge, directions)
+    return environment_light.sky_alone(field, seen, frame, sky, bounces)
 
 
 def _looked_up(table, s, t):
