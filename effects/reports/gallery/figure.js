@@ -409,6 +409,7 @@ function makeFigure(set, go, announce) {
     }
     lensOn ||= Boolean(state.at);
     load(state);
+    element.classList.toggle("unread", !model || model.record.id !== state.id);
     if (!model || model.record.id !== state.id) return stage.show(null, state);
     state = { ...state, ...shownInstead() };
     stage.show(model, { ...state, layers: layers(), how: { pair: "panes", panels: "panes", wipe: "wipe" }[state.how] || "one", crop: rectangle() });
