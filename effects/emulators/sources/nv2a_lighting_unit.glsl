@@ -103,20 +103,12 @@ uint nv2a_lighting_add_product(uint a, uint b, uint c) {
     int e = int((a >> 23) & 255u) + int((b >> 23) & 255u) - 280;
     int top = e + nv2a_top_bit(uint(product)) + 1;
     int term = 0;
-    int place = 0;
     if (!(nv2a_is_zero(c) != 0)) {
-        term = nv2a_lighting_bits(c) << 1;
-        place = int((c >> 23) & 255u) - 126;
-        int above = top;
+        int place = int((c >> 23) & 255u) - 126;
         top = nv2a_most(top, place);
-        term = term >> nv2a_least(top - place, 31);
-        product = product >> nv2a_least(top - 15 - e, 31);
-        if (above < top - 31) {
-            product = 0;
-        }
-    } else {
-        product = product >> (top - 15 - e);
+        term = nv2a_lighting_bits(c) << 1 >> nv2a_least(top - place, 31);
     }
+    product = product >> nv2a_least(top - 15 - e, 31);
     if (((a ^ b) & 0x80000000u) != 0u) {
         product = -product;
     }

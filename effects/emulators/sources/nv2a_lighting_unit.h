@@ -77,18 +77,13 @@ static inline uint32_t nv2a_lighting_add_product(uint32_t a, uint32_t b, uint32_
     if (nv2a_is_zero(a) || nv2a_is_zero(b)) return nv2a_is_zero(c) ? 0u : c & 0xfffffc00u;
     int product = nv2a_lighting_bits(a) * nv2a_lighting_bits(b);
     int e = (int)(a >> 23 & 255u) + (int)(b >> 23 & 255u) - 280; /* of the product's last bit */
-    int top = e + nv2a_top_bit((uint32_t)product) + 1, term = 0, place = 0;
+    int top = e + nv2a_top_bit((uint32_t)product) + 1, term = 0;
     if (!nv2a_is_zero(c)) {
-        term = nv2a_lighting_bits(c) << 1;
-        place = (int)(c >> 23 & 255u) - 126;
-        int above = top;
+        int place = (int)(c >> 23 & 255u) - 126;
         top = nv2a_most(top, place);
-        term = term >> nv2a_least(top - place, 31);
-        product = product >> nv2a_least(top - 15 - e, 31);
-        if (above < top - 31) product = 0;
-    } else {
-        product = product >> (top - 15 - e);
+        term = nv2a_lighting_bits(c) << 1 >> nv2a_least(top - place, 31);
     }
+    product = product >> nv2a_least(top - 15 - e, 31);
     if (((a ^ b) & 0x80000000u) != 0u) product = -product;
     if ((c & 0x80000000u) != 0u) term = -term;
     return nv2a_signed_packed(product + term, top - 15);

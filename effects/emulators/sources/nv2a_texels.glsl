@@ -94,7 +94,7 @@ int nv2a_dithered(int v, int taken, int step) {
     return step * kept + taken + step / 2 - 1;
 }
 
-// A colour of a block's four: a, b, thirds, or with `half` a middle and nothing.
+// A colour of a block's four: its two ends, and thirds, or the middle and nothing.
 void nv2a_block_color(uint ends, int code, int half_way, out ivec4 result) {
     ivec4 a;
     ivec4 b;

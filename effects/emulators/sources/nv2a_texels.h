@@ -89,7 +89,7 @@ static inline int nv2a_dithered(int v, int taken, int step) {
     return step * kept + taken + step / 2 - 1;
 }
 
-/* A colour of a block's four: a, b, thirds, or with `half` a middle and nothing. */
+/* A colour of a block's four: its two ends, and thirds, or the middle and nothing. */
 static inline void nv2a_block_color(uint32_t ends, int code, int half_way, int result[4]) {
     int a[4], b[4];
     nv2a_texel_r5g6b5((int)(ends & 0xffffu), a);

@@ -76,13 +76,14 @@ int nv2a_bilinear(int p00, int p10, int p01, int p11, int a, int b) {
     return nv2a_filter_step(nv2a_filter_step(p00, p10, a), nv2a_filter_step(p01, p11, a), b);
 }
 
-// Four texels of two levels each, red first; the second's weight of 256: a texel of a trilinear filter.
+// The same of all four components.
 void nv2a_bilinear_texel(ivec4 p00, ivec4 p10, ivec4 p01, ivec4 p11, int a, int b, out ivec4 result) {
     for (int k = 0; k < 4; k++) {
         result[k] = nv2a_bilinear(p00[k], p10[k], p01[k], p11[k], a, b);
     }
 }
 
+// Two levels' texels, by the second's weight of 256.
 void nv2a_between_levels(ivec4 level, ivec4 next, int f, out ivec4 result) {
     for (int k = 0; k < 4; k++) {
         result[k] = nv2a_filter_step(level[k], next[k], f);

@@ -71,12 +71,13 @@ static inline int nv2a_bilinear(int p00, int p10, int p01, int p11, int a, int b
     return nv2a_filter_step(nv2a_filter_step(p00, p10, a), nv2a_filter_step(p01, p11, a), b);
 }
 
-/* Four texels of two levels each, red first; the second's weight of 256: a texel of a trilinear filter. */
+/* The same of all four components. */
 static inline void nv2a_bilinear_texel(
     const int p00[4], const int p10[4], const int p01[4], const int p11[4], int a, int b, int result[4]) {
     for (int k = 0; k < 4; k++) result[k] = nv2a_bilinear(p00[k], p10[k], p01[k], p11[k], a, b);
 }
 
+/* Two levels' texels, by the second's weight of 256. */
 static inline void nv2a_between_levels(const int level[4], const int next[4], int f, int result[4]) {
     for (int k = 0; k < 4; k++) result[k] = nv2a_filter_step(level[k], next[k], f);
 }

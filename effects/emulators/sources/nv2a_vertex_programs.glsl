@@ -149,11 +149,6 @@ uint nv2a_program_sum(uvec4 x) {
             found = x[k];
         }
     }
-    for (int k = 0; k < 4; k++) {
-        if (nv2a_is_nan(x[k]) != 0) {
-            return 0x7fc00000u;
-        }
-    }
     return found != 0u ? found : nv2a_finite_sum(x, 24, 5);
 }
 

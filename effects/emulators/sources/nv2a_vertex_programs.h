@@ -122,9 +122,6 @@ static inline uint32_t nv2a_program_sum(const uint32_t x[4]) {
             found = x[k];
         }
     }
-    for (int k = 0; k < 4; k++) {
-        if (nv2a_is_nan(x[k])) return 0x7fc00000u;
-    }
     return found != 0u ? found : nv2a_finite_sum(x, 24, 5);
 }
 

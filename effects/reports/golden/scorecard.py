@@ -9,8 +9,8 @@ from fixedpipe.pipeline.golden.provenance import package_version
 
 FORMAT = 1
 _MORE = """
-td { vertical-align: top; overflow-wrap: anywhere; padding: .15rem .8rem .15rem 0; } td.number { white-space: nowrap; }
-td code { font-size: .8rem; overflow-wrap: anywhere; } .wrong td:nth-child(2) { color: var(--bad); }
+td { vertical-align: top; overflow-wrap: anywhere; padding: .15rem .8rem .15rem 0; }
+td.number { white-space: nowrap; } td code { font-size: .8rem; } .wrong td:nth-child(2) { color: var(--bad); }
 table { table-layout: fixed; width: 100%; min-width: 48rem; } th:nth-child(1) { width: 14rem; }
 th:nth-child(2) { width: 7rem; } th:nth-child(5) { width: 22%; }
 .right td:nth-child(2) { color: var(--good); } .table { overflow-x: auto; }
