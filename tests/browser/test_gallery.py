@@ -685,6 +685,7 @@ def test_a_figure_s_page_says_what_failed_and_shows_what_was_drawn(visit_folder,
 
 def test_without_script_the_plain_page_says_what_failed(visit_folder, failing):
     page = visit_folder(failing, java_script_enabled=False)
+    page.wait_for_url("**/plain.html")
     assert page.locator("#F003-21 .failed").all_inner_texts() == [NOBODY]
     assert page.locator("#K12 .failed").all_inner_texts() == [ONE]
 
