@@ -49,7 +49,7 @@ _FORMS = (".png", ".svg", ".pdf")
 )
 @click.option("--again", is_flag=True, help="Forget what the manifest has, and compute all points.")
 @click.option(
-    "--no-times", is_flag=True, help="Leave seconds and workers out: then equal results have equal bytes."
+    "--no-times", is_flag=True, help="Leave seconds and workers out: equal results are equal CSV files then."
 )
 def sweep(
     what,
