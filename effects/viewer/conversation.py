@@ -69,12 +69,14 @@ class Conversation:
 
     def hear(self, message: Any) -> None:
         """Do what a window says. What cannot be done is answered by a sentence."""
-        number = message.get("number") if isinstance(message, Mapping) else None
+        said = message if isinstance(message, Mapping) else {}
+        number = said.get("number")
         number = number if type(number) is int else -1
         try:
-            if not isinstance(message, Mapping) or message.get("do") not in self._heard:
+            act = self._heard.get(str(said.get("do")))
+            if act is None:
                 raise Refusal(f"There is no such message; give one of {', '.join(self._heard)} as do.")
-            self._heard[message["do"]](message, number)
+            act(said, number)
         except ValueError as error:
             with self._lock:
                 self._send({"say": "refused", "number": number, "words": str(error)})

@@ -331,6 +331,7 @@ HOSTILE = [
     "draw",
     {"do": "../../etc/passwd"},
     {"do": "__class__"},
+    {"do": ["draw"], "number": {}},
     {"do": "draw", "number": 1, "view": None},
     {
         "do": "draw",
