@@ -27,11 +27,13 @@ from fixedpipe.effects.refusal import nearest
 
 # The data files, by name: what each of their tables has, and what it may have.
 WORDS = {
-    "figures.toml": (("title", "caption", "must_see", "source", "techniques"), ("panels", "parts")),
+    "figures.toml": (("title", "caption", "must_see", "source", "techniques"), ("panels", "parts", "compared")),
     "studies.toml": (("title", "question", "source", "techniques"), ("method",)),
 }
 # What is a tuple of texts; every other word is a text.
 _SEVERAL = ("techniques", "panels", "parts")
+# What is a tuple of whole numbers.
+_NUMBERS = ("compared",)
 _OF_A_CHECK = ("at_most", "at_least", "reason")
 _ANSWERS = {answer.value for answer in Answer}
 
@@ -123,7 +125,11 @@ class Data:
         except tomllib.TOMLDecodeError as error:
             self._refuse(f"{error}.", error)
 
-    def _word(self, name: str, value: object) -> str | tuple[str, ...]:
+    def _word(self, name: str, value: object) -> str | tuple[str, ...] | tuple[int, ...]:
+        if name in _NUMBERS:
+            if not isinstance(value, list) or not all(type(number) is int for number in value):
+                self._refuse(f"{name} of [{self._id}] is {value!r}; give a list of whole numbers.")
+            return tuple(value)
         texts = value if name in _SEVERAL else [value]
         if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
             what = "a list of texts" if name in _SEVERAL else "a text"

@@ -175,11 +175,13 @@ def shares_alike(figure, renderer, true):
         )
 
 
-def of_reference(figure):
-    """What ``shares_alike`` takes, of all that the figure's own reference has."""
-    picture, true = figure.reference_picture(), {}
-    for k in range(figure.columns):
-        panel = panel_of(picture[::-1], k)
+def of_reference(figure, method):
+    """What ``shares_alike`` takes, of what the reference of the figure drawn in a Method's way has in the
+    panels ``figure.compared``.
+    """
+    picture, true = figure.reference_picture(method=method)[::-1], {}
+    for number in figure.compared:
+        panel = panel_of(picture, number - 1)
         where = panel[..., 3] > 0.0
-        true[k] = where, panel[where, :3]
+        true[number - 1] = where, panel[where, :3]
     return true

@@ -1,18 +1,16 @@
-"""The checks of diagrams: where marks are, whether every part is seen, whether letters can be read."""
+"""The checks of diagrams: where marks are, and whether letters can be read."""
 
 import numpy as np
 from PIL import ImageFont
 
 from fixedpipe.effects.acceptance.check import Answer, Check
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.geometry.views import panel_of
 from fixedpipe.pipeline.commands import Draw
 
 
 def drawn_check(figure, renderer, places):
-    """The Checks of a diagram: marks are at the places of the geometry, on the ideal and on the machine, all
-    parts of its data file are seen, and its letters can be read.
+    """The Checks of a diagram: marks are at the places of the geometry, on the ideal and on the machine.
 
     ``places``: (panel's number, its view at half the figure's size, point, colour) for each mark. The
     measured number is the largest distance of a pixel there from its colour.
@@ -30,21 +28,17 @@ def drawn_check(figure, renderer, places):
             on=on,
             reason="a mark covers the pixel's middle",
         )
-    yield parts_check(figure, renderer)
-    yield from letters_check(figure, renderer)
 
 
-def letters_check(figure, renderer, expected=()):
+def letters_check(figure, renderer):
     """The Check that the displayed letters are the font's glyphs, upright, in their label's order.
-
-    ``expected``: labels without which nothing can be read; the others are what the commands have.
 
     The glyphs are Pillow's own, not those of the texture that is drawn. The measured number is the least
     share of a label's glyph pixels that have its colour, minus the share of its other pixels that have it. Of
     a label with an outline those others are the outline's, for what lies behind may be as light.
     """
     image = renderer.machine_window(figure, figure.size)
-    font, least, labels, missing = ImageFont.load_default_imagefont(), 1.0, 0, set(expected)
+    font, least, labels = ImageFont.load_default_imagefont(), 1.0, 0
     for command in figure.commands(renderer.profile, figure.size, renderer.method):
         if not _is_text(command):
             continue
@@ -74,11 +68,10 @@ def letters_check(figure, renderer, expected=()):
             shown[0].append(same[beside])
         beside, on = (np.concatenate(parts).mean() if parts else 0.0 for parts in shown)
         least = min(least, float(on - beside))
-        missing.discard(command.label)
-    if labels or expected:
+    if labels:
         yield Check(
             f"the least legible of {labels} labels: its glyphs' pixels in its colour, less those beside them",
-            0.0 if missing else least,
+            least,
             at_least=0.9,
             on=Answer.MACHINE,
             reason="what crosses a letter takes few of its pixels; a turned or filled one loses a third",

@@ -21,6 +21,6 @@ def identify(name):
 # How a figure's module is named.
 FORM = "f004_02_rings for F004-2, or k14_dot_product_bumps for K14: two digits, then words"
 # Modules of this folder that are no figures.
-BESIDE = ("costs", "figure", "own_maps", "parameters", "rendering", "scattering_ways")
+BESIDE = ("costs", "displayed_checks", "figure", "own_maps", "parameters", "rendering", "scattering_ways")
 # By id, in the catalogue's order.
 FIGURES: Collection[Figure] = Collection(sys.modules[__name__], "FIGURE", identify, FORM, beside=BESIDE)

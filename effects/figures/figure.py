@@ -5,7 +5,7 @@ rendered on any machine and compared. A ``Method`` is for machines that must dra
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from importlib.util import find_spec
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.figures.displayed_checks import displayed_checks
 from fixedpipe.effects.figures.parameters import Parameter
 from fixedpipe.effects.figures.rendering import Rendering
 from fixedpipe.effects.geometry.views import panel_width
@@ -91,6 +92,7 @@ class Figure:
     panels       what each of its panels shows, from left to right, in a label's few words; whatever
                  presents the figure draws the labels, the machine does not
     parts        labels of the Draws that must be seen, which ``parts_check`` asks for
+    compared     numbers, from 1, of the panels whose pixels a check compares with the reference's
     size         default height of a panel, pixels
     aspect       a panel's width to its height, as whole numbers: (8, 5)
     parameters   what may be changed of it, by name; ``commands`` takes other values by these names
@@ -108,6 +110,7 @@ class Figure:
     techniques: tuple[str, ...]
     panels: tuple[str, ...] = ("",)
     parts: tuple[str, ...] = ()
+    compared: tuple[int, ...] = ()
     size: int = 512
     aspect: tuple[int, int] = (1, 1)
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
@@ -121,6 +124,13 @@ class Figure:
             raise ValueError(f"{self.id} has {len(self.panels)} panels; give each a label: {self.panels}.")
         if not (len(self.aspect) == 2 and all(isinstance(n, int) and n >= 1 for n in self.aspect)):
             raise ValueError(f"{self.id}'s aspect is {self.aspect!r}; give width and height, whole numbers.")
+        if self.compared and (
+            self.reference is None or not {*self.compared} <= {*range(1, self.columns + 1)}
+        ):
+            raise ValueError(
+                f"{self.id} compares the panels {self.compared} with its reference; name panels from 1 to "
+                f"{self.columns}, and give it a reference."
+            )
         for name, parameter in self.parameters.items():
             if not isinstance(parameter, Parameter):
                 raise ValueError(
@@ -360,7 +370,7 @@ class Figure:
     ) -> NDArray[np.float64] | None:
         """What the algorithm approximates, by ``reference``, of the figure's parameters and the method's own:
         RGBA float64 [height, width, 4], top row first, 1.0 = full, alpha 0 where a panel has none. None where
-        the figure has no reference.
+        the figure has no reference. It is computed once for all machines, and not to be written to.
 
         size     a panel's height in pixels; None: the figure's own
         method   one of ``methods``, whose values of parameters it takes; None: the first
@@ -374,6 +384,10 @@ class Figure:
         width, height = self.dimensions(size)
         values = self._scene_values(method, self.accepted(method, changes))
         named = (*self.parameters, *method.parameters)
+        of = self.reference, height, repr([(name, values[name]) for name in named])
+        for *made_of, picture in tuple(_REFERENCES):
+            if made_of == [*of]:
+                return picture
         picture = self.reference(height, **{name: values[name] for name in named})
         if picture.shape != (height, width, 4):
             raise ValueError(
@@ -385,6 +399,8 @@ class Figure:
                 f"{self.id}'s reference holds {picture[y, x, channel]} at column {x}, row {y}; give finite "
                 "colours, and alpha 0 where there is none."
             )
+        picture.flags.writeable = False
+        _REFERENCES.append((*of, picture))
         return picture
 
     def _scene_values(self, method: Method, changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -407,12 +423,23 @@ class Figure:
 
     def checks(self, renderer: "Renderer") -> tuple[Check, ...]:
         """The figure's acceptance checks, rendered by a ``Renderer``: a tuple of Check."""
-        return tuple(self.acceptance(self, renderer))
+        return tuple(self.each_check(renderer))
+
+    def each_check(self, renderer: "Renderer") -> Iterator[Check]:
+        """``checks``, each measured when it is asked for: those of every displayed picture
+        (``displayed_checks``), then the figure's own.
+        """
+        yield from displayed_checks(self, renderer)
+        yield from self.acceptance(self, renderer)
 
 
 # The figures' own scenes that were made last: figure, method, machine, size and commands. A machine's picture
 # and its checks are of the same one, and the ideal's on one machine after the other.
 _MADE: deque[tuple[Figure, Method, Profile, int, tuple[Command, ...]]] = deque(maxlen=3)
+
+
+# The references that were computed last: function, height, values and picture. All machines have the same.
+_REFERENCES: deque[tuple[Reference, int, str, NDArray[np.float64]]] = deque(maxlen=3)
 
 
 def _own_scene(figure: Figure, method: Method, machine: Profile, edge: int) -> tuple[Command, ...]:

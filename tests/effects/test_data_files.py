@@ -100,6 +100,8 @@ def test_what_is_computed_is_given(data):
         ('title = "A title"', "title = 1", r"title of \[F004-1\] is 1; give a text"),
         ('["K01", "K15"]', '"K01"', r"techniques of \[F004-1\] is 'K01'; give a list of texts"),
         ('["K01", "K15"]', "[1]", r"techniques of \[F004-1\] is \[1\]; give a list of texts"),
+        ("panels =", 'compared = "left"\npanels =', "compared of .* is 'left'; give a list of whole numbers"),
+        ("panels =", "compared = [1.5]\npanels =", r"compared of .* is \[1.5\]; give a list of whole numbers"),
         ("[F004-1]\n", "[F004-3]\n", "line 12 is of F004-1, whose tables end before; move it there"),
         ("[F004-2]\n", "[F004-1]\n", "line 27 is of F004-1, whose"),
         ('title = "A title"', "title = A", r"Invalid value \(at line 3, column 9\)"),

@@ -7,7 +7,6 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -184,7 +183,6 @@ def checks(figure, renderer):
         yield DATA.check(
             "pixels that show what a ray finds there within 8/255, the least of the panels", share, on
         )
-    yield parts_check(figure, renderer)
 
 
 FIGURE = Figure(

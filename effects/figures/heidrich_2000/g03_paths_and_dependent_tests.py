@@ -10,7 +10,6 @@ import numpy as np
 from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
@@ -226,7 +225,6 @@ def checks(figure, renderer):
             "energy of steps at texels' borders over that of others, bilinear", smooth[0] / smooth[1], on
         )
     yield arithmetic_check(figure, renderer, 0.004, "what the host computed is stored in bytes")
-    yield parts_check(figure, renderer)
 
 
 FIGURE = Figure(

@@ -6,7 +6,6 @@ import math
 from itertools import pairwise
 
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -99,7 +98,6 @@ def checks(figure, renderer):
             min(a - b for a, b in pairwise(bled)),
             on,
         )
-    yield parts_check(figure, renderer)
 
 
 FIGURE = Figure(

@@ -5,11 +5,9 @@ from functools import lru_cache
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.acceptance.ray_caster import RayCaster
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.diagrams.checks import letters_check
 from fixedpipe.effects.diagrams.drawing import BLUE, INK, RED, VISIBLE, YELLOW
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
@@ -190,8 +188,6 @@ def checks(figure, renderer):
             at_most=len(marks) // 4,
             n=len(marks),
         )
-    yield parts_check(figure, renderer)
-    yield from letters_check(figure, renderer)
 
 
 FIGURE = Figure(

@@ -9,7 +9,6 @@ from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import root_mean_square
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.diagrams.checks import letters_check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry import surfaces
@@ -168,7 +167,6 @@ def checks(figure, renderer):
     textures = _textures(size, p["bumps"], p["height"], p["cells"])
     toward_light = unit_vector(p["light"], "The light")
     expected = textures.evaluated(toward_light, EYE)
-    yield from letters_check(figure, renderer, LETTERS)
     for on in Answer:
         yield _tiles_check(figure, renderer, on, textures, toward_light)
         # The square fills the panel: a texel for each pixel, so that no filter of materials takes part.

@@ -5,7 +5,6 @@ import numpy as np
 from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.bump_mapping import diffuse_bump
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import own_maps
@@ -134,7 +133,6 @@ def checks(figure, renderer):
         ),
         *silhouette_check(figure, renderer, 128, {"shown": (FLAT, FLAT)}, {"shown": (BRICK_NORMALS, FLAT)}),
         arithmetic_check(figure, renderer, 0.0029, "8-bit normals and vectors; a third of slack"),
-        parts_check(figure, renderer),
     )
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fixedpipe.effects.acceptance import agreement, seen_places, shadow_reference
+from fixedpipe.effects.acceptance import agreement, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
@@ -142,14 +142,6 @@ def checks(figure, renderer):
     towards = agreement.cosines(truths[0]) > 0.0
     return (
         *agreement.volume_checks(found),
-        *(
-            DATA.check(
-                "pixels that show what a ray finds there within 8/255, the least of the panels",
-                share,
-                on,
-            )
-            for on, share in seen_places.shares_alike(figure, renderer, seen_places.of_reference(figure))
-        ),
         *(
             DATA.check(
                 "without shadows: part of what faces the light that is lit",

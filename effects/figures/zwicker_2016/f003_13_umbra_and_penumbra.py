@@ -3,10 +3,8 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.diagrams.checks import letters_check
 from fixedpipe.effects.diagrams.drawing import INK, YELLOW
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
@@ -84,8 +82,6 @@ def checks(figure, renderer):
             float(np.abs(drawn - light.edges(half_width)).max()) * 0.5 * size,
             on,
         )
-    yield parts_check(figure, renderer)
-    yield from letters_check(figure, renderer)
 
 
 FIGURE = Figure(

@@ -3,10 +3,8 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.diagrams.checks import letters_check
 from fixedpipe.effects.diagrams.drawing import INK
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
@@ -92,8 +90,6 @@ def checks(figure, renderer):
                 on,
                 name=light.name,
             )
-    yield parts_check(figure, renderer)
-    yield from letters_check(figure, renderer)
 
 
 FIGURE = Figure(

@@ -4,10 +4,8 @@ import numpy as np
 
 from fixedpipe.effects.acceptance import ray_caster
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.diagrams.checks import letters_check
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.geometry.matrices import transform
@@ -108,8 +106,6 @@ def checks(figure, renderer):
         grey = renderer.window(on, figure, _SIZE, marks=False)[..., 0]
         alike = np.abs(grey - shown.depth) <= (0.75 * step if on is Answer.MACHINE else 0.001)
         yield DATA.check("pixels whose grey is the depth that a ray finds", float(alike.mean()), on)
-    yield parts_check(figure, renderer)
-    yield from letters_check(figure, renderer)
 
 
 FIGURE = Figure(

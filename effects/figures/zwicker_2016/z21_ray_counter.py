@@ -3,10 +3,8 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.diagrams.checks import letters_check
 from fixedpipe.effects.diagrams.drawing import BLUE, GREEN, INK, RED, YELLOW
 from fixedpipe.effects.diagrams.flatland import Shape, crossings, first_hit, is_visible, shadow_volume
 from fixedpipe.effects.figures import parameters as word
@@ -155,8 +153,6 @@ def checks(figure, renderer):
                 red, green = image[j, i, :2]
                 wrong += (red > green) != c.enters
         yield DATA.check("drawn marks of the wrong sign", float(wrong), on)
-    yield parts_check(figure, renderer)
-    yield from letters_check(figure, renderer)
 
 
 FIGURE = Figure(

@@ -7,11 +7,9 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check
-from fixedpipe.effects.acceptance.parts import parts_check
 from fixedpipe.effects.bump_mapping import diffuse_bump, tangent_space
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
-from fixedpipe.effects.diagrams.checks import letters_check
 from fixedpipe.effects.diagrams.drawing import INK, RED, VIOLET, YELLOW
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -213,8 +211,6 @@ def checks(figure, renderer):
             at_most=1.0 / 255.0,
         ),
         arithmetic_check(figure, renderer, 0.0125, POWER_8),
-        parts_check(figure, renderer),
-        *letters_check(figure, renderer),
     )
 
 
