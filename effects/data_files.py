@@ -27,7 +27,10 @@ from fixedpipe.effects.refusal import nearest
 
 # The data files, by name: what each of their tables has, and what it may have.
 WORDS = {
-    "figures.toml": (("title", "caption", "must_see", "source", "techniques"), ("panels", "parts", "compared")),
+    "figures.toml": (
+        ("title", "caption", "must_see", "source", "techniques"),
+        ("panels", "parts", "compared"),
+    ),
     "studies.toml": (("title", "question", "source", "techniques"), ("method",)),
 }
 # What is a tuple of texts; every other word is a text.

@@ -236,9 +236,9 @@ PACKAGES = {
             "selftest golden"
         ),
         "effects": (
-            "refusal technique bump_mapping volumes scattering acceptance figures studies arithmetic emulators "
-            "conformance user_pictures reports nv2a_frames pixel_states replays presentation sweeps tasks "
-            "viewer"
+            "refusal technique bump_mapping volumes scattering acceptance figures studies arithmetic "
+            "emulators conformance user_pictures reports nv2a_frames pixel_states replays presentation "
+            "sweeps tasks viewer"
         ),
     },
 }

@@ -93,7 +93,6 @@ def figures(
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.figures.costs import cheapest_first, longest_after_the_first
     from fixedpipe.effects.refusal import Refusal, choose, refusals
-    from fixedpipe.effects.reports.figure_record import size_in_gallery
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.technique import INDEX
     from fixedpipe.pipeline.profiles import PROFILES
@@ -127,8 +126,7 @@ def figures(
     changes = {f.id: changes_of(settings, f, {f.method(m): m for m in machines[f.id]}) for f in chosen}
     folder, named = writable_folder(out), _plates(png, supersample, gutter, inset)
     json_path = writable_file(json_file) if json_file else None
-    is_whole = not (figure_ids or size or named)  # of all figures, large ones are drawn smaller
-    sizes = {figure.id: size_in_gallery(figure) if is_whole else size for figure in chosen}
+    sizes = {figure.id: size for figure in chosen}
     for figure in chosen if named else ():
         width, height = figure.dimensions(size)
         if named.inset:

@@ -18,7 +18,7 @@ _LEAST_ALIKE = 15.0 / 16.0
 
 
 def displayed_checks(figure: "Figure", renderer: "Renderer") -> Iterator[Check]:
-    """The Checks of a figure's displayed picture, in its own size:
+    """The Checks of a figure's displayed picture, in its own size.
 
     - pixels of the panels in ``figure.compared`` show what the figure's reference has there;
     - the picture changes where one of ``figure.parts`` is left out, on the first machine of each method: the
@@ -33,7 +33,7 @@ def displayed_checks(figure: "Figure", renderer: "Renderer") -> Iterator[Check]:
                 share,
                 at_least=_LEAST_ALIKE,
                 on=on,
-                reason="corners are snapped to 1/16 pixel: with an edge in two pixels, one in sixteen differs",
+                reason="corners are snapped to 1/16 pixel: an edge in two pixels changes one in sixteen",
             )
     if figure.parts and renderer.profile is PROFILES[renderer.method.machines[0]]:
         yield parts_check(figure, renderer)

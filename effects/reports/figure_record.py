@@ -97,21 +97,6 @@ def picture_name(name, machine, view):
     return f"{name}-{machine}{'' if view == 'machine' else f'-{view}'.replace('_', '-')}.png"
 
 
-# Pixels of a figure among all figures, at most: the gallery of all stays small, and 1:1 on most screens.
-MOST_PIXELS = 1 << 18
-_SIZE_STEP = 16  # panels stay whole multiples of this, as textures and blocks of pixels like it
-
-
-def size_in_gallery(figure):
-    """The height of a figure's panels in the gallery of all figures: the largest with no more than
-    MOST_PIXELS; None: its own, which has no more.
-    """
-    size = figure.size
-    while np.prod(figure.dimensions(size)) > MOST_PIXELS and size > _SIZE_STEP:
-        size = (size - 1) // _SIZE_STEP * _SIZE_STEP
-    return None if size == figure.size else size
-
-
 def steps(figure, machines, with_checks=False, with_references=True):
     """How many steps ``render`` takes for these machines, and one for writing what it gives."""
     methods = {figure.method(machine) for machine in machines}

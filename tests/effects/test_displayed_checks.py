@@ -17,9 +17,7 @@ FIGURE = FIGURES["H11"]
 
 def checks_of(figure, machine):
     return list(
-        displayed_checks(
-            figure, Renderer(PROFILES[machine], figure.method(machine), execute, execute_ideal)
-        )
+        displayed_checks(figure, Renderer(PROFILES[machine], figure.method(machine), execute, execute_ideal))
     )
 
 

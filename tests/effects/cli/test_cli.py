@@ -429,7 +429,7 @@ def test_the_gallery_keeps_figures_of_earlier_runs(tmp_path):
 def test_a_damaged_record_is_refused_by_name(tmp_path):
     (tmp_path / "K02.json").write_text('{"id": "K02"}')
     with pytest.raises(Refusal, match=r"K02\.json is not what fixedpipe wrote"):
-        write_page(tmp_path, FIGURES)
+        pages(tmp_path, FIGURES)
 
 
 @pytest.mark.parametrize(
