@@ -19,7 +19,8 @@ from numba.core.runtime import rtsys
 from numba.extending import intrinsic
 
 from fixedpipe.raster.kernel_files import KernelCache
-from fixedpipe.raster.kernel_folder import kernel_folder, shared_folder
+from fixedpipe.raster.kernel_folder import kernel_folder, mirror_folder, other_folders
+from fixedpipe.raster.kernel_packs import packs_in
 
 try:
     import fcntl
@@ -27,8 +28,12 @@ except ImportError:  # where files are locked in another way
     fcntl = None
 
 _SOURCES = Path(__file__).parent
-# Pure NumPy code and the tracing hooks. No kernel calls them, so an edit of these makes no kernel stale.
-_WITHOUT_KERNELS = {"columns", "pixels", "observer.py"}
+# Pure NumPy code, the tracing hooks, and the places of kernels' files. No kernel is made of them, so an edit
+# of these makes none stale.
+_WITHOUT_KERNELS = {
+    *("columns", "pixels", "observer.py"),
+    *("kernel_files.py", "kernel_folder.py", "kernel_levels.py", "kernel_packs.py"),
+}
 
 
 def kernel_sources(folder):
@@ -51,8 +56,12 @@ def source_digest(folder):
 
 STATE = source_digest(_SOURCES)
 CACHE_FOLDER = kernel_folder(STATE)
-numba.config.CACHE_DIR = str(CACHE_FOLDER)
+_OTHERS = tuple(folder for folder in other_folders(STATE) if folder != CACHE_FOLDER)
+_MIRROR = mirror_folder(STATE, CACHE_FOLDER)
+# Where packs lie: beside kernels, and in an installed package that was shipped with them.
+_PACKS = (CACHE_FOLDER, *_OTHERS, *((_SOURCES / "packs",) if _OTHERS else ()))
 _of_one_signature = []  # kernels of the modules that are imported
+_caches = []  # of all kernels of the modules that are imported
 
 
 def kernel(signature=None, *, allocates=False, inlined=False, in_loops=False):
@@ -87,7 +96,8 @@ def _compiled_by_one_process(dispatcher):
     and no kernel calls itself, directly or through others. A process that ends releases its locks.
     """
     compile_it, function = dispatcher.compile, dispatcher.py_func
-    dispatcher._cache = KernelCache(function, CACHE_FOLDER, shared_folder(STATE))
+    dispatcher._cache = KernelCache(function, CACHE_FOLDER, _OTHERS, _MIRROR, packs)
+    _caches.append(dispatcher._cache)
     lock = CACHE_FOLDER / f"{function.__module__}.{function.__qualname__}.lock"
 
     def compile_alone(signature):
@@ -177,9 +187,28 @@ def _was_read(dispatcher, signature):
     return True
 
 
+def packs():
+    """The packs of kernels that fit here."""
+    return packs_in(_PACKS, STATE)[0]
+
+
+def refused_packs():
+    """A sentence for each pack that lies where packs are looked for, and is of no use here."""
+    return packs_in(_PACKS, STATE)[1]
+
+
+def compiled_for(level):
+    """(name, key, pickled bytes) of each kernel of the imported modules that is kept for a Level."""
+    return [
+        (cache.name, key, data)
+        for cache in _caches
+        for key, data in cache.kept_for(level.processor, level.features)
+    ]
+
+
 def is_cold():
-    """Whether the kernels of these sources have never been compiled on this machine."""
-    return not any(any(folder.rglob("*.nbc")) for folder in (CACHE_FOLDER, shared_folder(STATE)))
+    """Whether the kernels of these sources have never been compiled on this machine, nor shipped to it."""
+    return not packs() and not any(any(folder.rglob("*.nbc")) for folder in (CACHE_FOLDER, *_OTHERS))
 
 
 @intrinsic

@@ -8,15 +8,17 @@ digest of each data file; what does not fit is not there, and is compiled and wr
 """
 
 import hashlib
+import os
 import pickle
 import warnings
-from functools import cache
+from contextlib import suppress
+from functools import cache, partial
 from pathlib import Path
 
-import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
 _DIGEST = 32  # bytes of sha256
+_FORMAT = 2  # of index and data files
 
 
 class KernelsNotKept(UserWarning):
@@ -26,23 +28,25 @@ class KernelsNotKept(UserWarning):
 class CheckedFiles(IndexDataCacheFile):
     """An index and its data files. Where Numba has a data file's name for a key, this has its digest too.
 
-    Nothing that is wrong with a file raises: it is then as if it were not there. What is not there is looked
-    for in ``shared``: the same kernel's files in another folder, or None.
+    Nothing that is wrong with a file raises: it is then as if it were not there.
     """
-
-    shared = None
 
     def load(self, key):
         """What was saved for a key; None where that is not there, whole and its own."""
-        found = self._load_own(key)
-        return self.shared.load(key) if found is None and self.shared else found
+        data = self.bytes_of(key)
+        return None if data is None else pickle.loads(data)
 
-    def _load_own(self, key):
+    def bytes_of(self, key):
+        """The same, pickled."""
         name, digest = self._load_index().get(key, (None, None))
         if name is None:
             return None
         data = self._read(name)
-        return pickle.loads(data) if hashlib.sha256(data).digest() == digest else None
+        return data if hashlib.sha256(data).digest() == digest else None
+
+    def saved(self):
+        """The keys for which something was saved."""
+        return list(self._load_index())
 
     def save(self, key, data):
         """Save for a key: first the data, then the index, which until then names none, or what is no longer
@@ -70,7 +74,7 @@ class CheckedFiles(IndexDataCacheFile):
 
     def _digest(self, data):
         """Of an index: of this kernel, this source and this version of Numba alone."""
-        whose = repr((self._index_name, self._source_stamp, self._version)).encode()
+        whose = repr((_FORMAT, self._index_name, self._source_stamp, self._version)).encode()
         return hashlib.sha256(whose + data).digest()
 
     def _read(self, name):
@@ -82,46 +86,102 @@ class CheckedFiles(IndexDataCacheFile):
             return b""
 
 
-class _Folder(CompileResultCacheImpl._locator_classes[0]):
-    """Numba's own for NUMBA_CACHE_DIR, the first that it tries, and here the only one.
+@cache
+def _digest_of_file(path):
+    """Of a source file as it was when this process first asked."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
-    Where that cannot be written Numba takes the sources' __pycache__, which is not named after all sources
-    that a kernel is made of: a stale kernel would be read from it. It also tries to write for every kernel.
+
+class _Place(CompileResultCacheImpl._locator_classes[0]):
+    """Where a kernel's files lie in a folder of kernels, and what they are of.
+
+    Numba's own names folders after the sources' absolute paths, and some versions of it compare times of
+    change. Here a folder has the module's name, and files carry a digest of the source. So another checkout
+    of the same sources has the same kernels.
     """
 
+    def __init__(self, function, path):
+        self._py_file, self._lineno = path, function.__code__.co_firstlineno
+        self._cache_path = os.path.join(*function.__module__.split("."))
+
     @classmethod
-    def from_function(cls, function, path):
-        """The folder of a function's kernels, whether or not it can be written."""
-        return cls(function, path)
+    def from_function(cls, function, path, folder):
+        """The place of a function's kernels, whether or not it can be written."""
+        found = cls(function, path)
+        found._cache_path = os.path.join(folder, found._cache_path)
+        return found
+
+    def get_source_stamp(self):
+        """A digest of the file in which the function is written."""
+        return _digest_of_file(self._py_file)
 
 
 class _Compiled(CompileResultCacheImpl):
-    _locator_classes = [_Folder]
+    def __init__(self, function, folder):
+        self._locator_classes = [_In(folder)]
+        super().__init__(function)
+
+
+class _In:
+    """Numba asks a class for a place; this one knows the folder."""
+
+    def __init__(self, folder):
+        self.from_function = partial(_Place.from_function, folder=folder)
 
 
 class KernelCache(FunctionCache):
-    """A kernel's cache in a folder; where that cannot be written, the kernel is compiled and not kept, and a
-    warning says so, once. What the folder lacks is read from ``shared``, which is not written.
+    """A kernel's files in a folder; where that cannot be written, the kernel is compiled and not kept, and a
+    warning says so, once.
+
+    What the folder lacks is read from ``others``, which are folders too, and then from ``packs()``. What is
+    compiled is kept in ``mirror`` as well, one of the others, where that can be written.
+
+    name  that it has in packs: its place, and a digest of its source
     """
 
-    _impl_class = _Compiled
-
-    def __init__(self, function, folder, shared):
+    def __init__(self, function, folder, others=(), mirror=None, packs=tuple):
+        self._impl_class = partial(_Compiled, folder=folder)
         super().__init__(function)
+        self._folder, self._packs = folder, packs
         inside = Path(self._cache_path).relative_to(folder)
-        stamp = self._cache_file._source_stamp
-        self._cache_file, elsewhere = (
-            CheckedFiles(str(base / inside), self._impl.filename_base, stamp) for base in (folder, shared)
-        )
-        if folder != shared:
-            self._cache_file.shared = elsewhere
+        stamp, base = self._cache_file._source_stamp, self._impl.filename_base
+        self.name = f"{(inside / base).as_posix()} {stamp}"
+        self._cache_file = CheckedFiles(str(folder / inside), base, stamp)
+        self._others = [CheckedFiles(str(other / inside), base, stamp) for other in others]
+        self._mirror = CheckedFiles(str(mirror / inside), base, stamp) if mirror else None
+
+    def _load_overload(self, signature, target_context):
+        key = self._index_key(signature, target_context.codegen())
+        found = None
+        for files in (self._cache_file, *self._others):
+            found = files.load(key) if found is None else found
+        for pack in self._packs() if found is None else ():
+            found = pack.load(self.name, key) if found is None else found
+        return None if found is None else self._impl.rebuild(target_context, found)
 
     def save_overload(self, signature, compiled):
         """Keep what was compiled, where that can be."""
         try:
             super().save_overload(signature, compiled)
         except OSError as error:
-            _say_that_none_is_kept(numba.config.CACHE_DIR, error.strerror)
+            _say_that_none_is_kept(self._folder, error.strerror)
+
+    def _save_overload(self, signature, compiled):
+        super()._save_overload(signature, compiled)
+        if self._mirror:
+            key = self._index_key(signature, compiled.codegen)
+            with suppress(OSError):  # the user's folder is full, or another user's
+                Path(self._mirror._cache_path).mkdir(parents=True, exist_ok=True)
+                self._mirror.save(key, self._impl.reduce(compiled))
+
+    def kept_for(self, processor, features):
+        """(key, pickled bytes) of what the folders have for a processor that Numba compiles for."""
+        found = {}
+        for files in (self._cache_file, *self._others):
+            for key in files.saved():
+                if key[1][1:] == (processor, features) and key not in found:
+                    found[key] = files.bytes_of(key)
+        return [(key, data) for key, data in found.items() if data is not None]
 
 
 @cache  # once, though Numba resets what Python knows of warnings that were shown

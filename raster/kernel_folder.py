@@ -17,6 +17,7 @@ from pathlib import Path
 
 CHOSEN = "NUMBA_CACHE_DIR"
 _PACKAGE = Path(__file__).parent.parent
+_MOST_STATES = 6  # Assumed: as many as a developer goes back and forth between; each takes 40 MB
 _STATE = re.compile("[0-9a-f]{16}")  # the digest that a folder of kernels is named after
 
 
@@ -37,9 +38,17 @@ def bases():
     if chosen := os.environ.get(CHOSEN):
         found.append(Path(chosen))
     found.append(of_installation())
-    with suppress(RuntimeError):  # a user without a home
-        found.append(Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fixedpipe")
+    if (own := _of_user()) is not None:
+        found.append(own)
     return [*found, _in_temporary()]
+
+
+def _of_user():
+    """The base in the user's own cache; None for a user without a home."""
+    try:
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fixedpipe"
+    except RuntimeError:
+        return None
 
 
 def _in_temporary():
@@ -65,13 +74,33 @@ def kernel_folder(state):
     return Path(folder)
 
 
-def shared_folder(state):
-    """The folder in which kernels of a state of the sources are looked for as well, and never written.
+def other_folders(state):
+    """The folders in which kernels of a state of the sources are looked for as well: the installation's and
+    the user's own.
 
-    It is the installation's, unless the user chose a folder: then no other is read, so an empty one is empty.
+    There is none where the user chose a folder: then no other is read, so an empty one is empty.
     """
-    base = Path(chosen) if (chosen := os.environ.get(CHOSEN)) else of_installation()
-    return base / "kernels" / state
+    if os.environ.get(CHOSEN):
+        return ()
+    return tuple(base / "kernels" / state for base in bases() if base != _in_temporary())
+
+
+def mirror_folder(state, first):
+    """The folder in which kernels are kept a second time: the user's own, from which his other checkouts and
+    environments of the same sources read. None where there is none, or it is the first.
+
+    It has the kernels of few states: of those that were made earlier, the ones that were used last.
+    """
+    if os.environ.get(CHOSEN) or (own := _of_user()) is None:
+        return None
+    folder = own / "kernels" / state
+    if first == folder or not _can_be_written(folder):
+        return None
+    with suppress(OSError):
+        os.utime(folder)
+        for older in sorted(_states(own / "kernels"), key=lambda f: f.stat().st_mtime)[:-_MOST_STATES]:
+            shutil.rmtree(older, ignore_errors=True)
+    return folder
 
 
 def _can_be_written(folder):

@@ -1,8 +1,15 @@
-"""``fixedpipe cache``: where compiled kernels are kept, and how to remove them."""
+"""``fixedpipe cache``: where compiled kernels are kept, how to remove them, how to take them elsewhere."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import click
 
 from fixedpipe.raster.kernel_folder import CHOSEN, clear, kept
+
+_LEVELS = "x86-64-v4", "x86-64-v3", "x86-64"
 
 
 @click.group(invoke_without_command=True)
@@ -27,6 +34,47 @@ def remove():
         click.echo(f"{folder} stays: {why}. Let its owner remove it.", err=True)
     if left:
         raise click.exceptions.Exit(1)
+
+
+@cache.command("pack")
+@click.argument("file", type=click.Path(dir_okay=False))
+@click.option(
+    "--level",
+    type=click.Choice(_LEVELS),
+    help="Which processors can use it: all that have this level of x86-64. By itself, the highest one here.",
+)
+def pack(file, level):
+    """Write FILE, a pack: all kernels, compiled for a level of processors instead of for this one.
+
+    A computer with the same version of fixedpipe, Python and Numba unpacks it and compiles nothing. What is
+    missing is compiled first, for a minute or more. The self-test draws with the kernels before FILE is
+    written.
+    """
+    from fixedpipe.effects.cli.kernel_packing import chosen_level, compiles_for, write_tested
+
+    chosen = chosen_level(level)
+    if compiles_for(chosen):
+        write_tested(Path(file), chosen)
+        return
+    # Numba reads for which processor it compiles when it is imported.
+    command = [sys.executable, "-m", "fixedpipe.effects.cli", "cache", "pack", file, "--level", chosen.name]
+    status = subprocess.run(command, env=os.environ | chosen.environment(), check=False).returncode
+    if status:
+        raise click.exceptions.Exit(status)
+
+
+@cache.command("unpack")
+@click.argument("file", type=click.Path(dir_okay=False))
+def unpack(file):
+    """Take the kernels of FILE, a pack, for those of this installation; nothing is compiled then.
+
+    A pack of other sources, another Python, another version of Numba or another system is refused, and so is
+    one whose kernels do not draw the accepted bits of the self-test. A pack is code: unpack only what you
+    would install.
+    """
+    from fixedpipe.effects.cli.kernel_packing import keep_tested
+
+    keep_tested(Path(file))
 
 
 def _say():

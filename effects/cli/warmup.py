@@ -22,26 +22,13 @@ def warmup(ids):
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import choose
     from fixedpipe.effects.studies import STUDIES
-    from fixedpipe.pipeline.native.background_compiling import compile_beside, make_ready
-    from fixedpipe.raster.kernel import CACHE_FOLDER, make_all_ready
+    from fixedpipe.raster.kernel import CACHE_FOLDER
     from fixedpipe.raster.kernel_folder import kept
 
     for name in ids:
         choose("figure", name, FIGURES) if name not in STUDIES else STUDIES[name]  # which imports it
     began = time.monotonic()
-    announce_compiling(None)
-    beside = None
-    if CACHE_FOLDER in dict(kept()):  # else this process could not read what another compiles
-        # For the engine that is missing. The process lives as long as its name here.
-        beside = compile_beside("vector") or compile_beside("portable")
-    for engine in ("vector", "portable") if ids else ():
-        make_ready(engine)
-    for name in () if ids else ("fixedpipe.raster", "fixedpipe.effects"):
-        for module in pkgutil.walk_packages(importlib.import_module(name).__path__, f"{name}."):
-            if not module.name.endswith(".__main__"):  # which runs a command
-                importlib.import_module(module.name)
-    make_all_ready()
-    del beside
+    compile_all(of_imported=bool(ids))
     what = f"The kernels of {', '.join(ids)}" if ids else "All kernels"
     click.echo(f"{what} are compiled ({time.monotonic() - began:.0f} s).")
     size = dict(kept()).get(CACHE_FOLDER)
@@ -51,3 +38,35 @@ def warmup(ids):
         )
         raise click.exceptions.Exit(1)
     click.echo(f"They are kept in {CACHE_FOLDER} ({size / 1e6:.0f} MB).")
+
+
+def compile_all(*, of_imported=False):
+    """Compile each kernel of one signature that is not there: of every module, or of both engines and the
+    modules that are imported.
+    """
+    from fixedpipe.pipeline.native.background_compiling import compile_beside, make_ready
+    from fixedpipe.raster.kernel import CACHE_FOLDER, make_all_ready
+    from fixedpipe.raster.kernel_folder import kept
+
+    announce_compiling(None)
+    beside = None
+    if CACHE_FOLDER in dict(kept()):  # else this process could not read what another compiles
+        # For the engine that is missing. The process lives as long as its name here.
+        beside = compile_beside("vector") or compile_beside("portable")
+    for engine in ("vector", "portable") if of_imported else ():
+        make_ready(engine)
+    for name in () if of_imported else ("fixedpipe.raster", "fixedpipe.effects"):
+        for module in pkgutil.walk_packages(importlib.import_module(name).__path__, f"{name}."):
+            if not module.name.endswith(".__main__"):  # which runs a command
+                _import(module.name)
+    make_all_ready()
+    del beside
+
+
+def _import(name):
+    """Import a module; one whose package of an extra is not installed has no kernel that is needed here."""
+    try:
+        importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] == "fixedpipe":
+            raise

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 import llvmlite.binding as llvm
 from numpy._core import _multiarray_umath as numpy_core
 
+from fixedpipe.raster.kernel_levels import HASWELL, NEHALEM, SKYLAKE_X
+
 # The variables that NumPy and Numba read when they are imported.
 NUMPY_LEAVES_OUT = "NPY_DISABLE_CPU_FEATURES"
 NUMBA_COMPILES_FOR, NUMBA_FEATURES = "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"
 _X86 = ("x86_64", "AMD64")
 
-_NEHALEM = ("cx16", "popcnt", "sse4.2", "ssse3")
-_HASWELL = (*_NEHALEM, "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
-_SKYLAKE = (*_HASWELL, "adx", "avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl", "clflushopt")
 _ZEN_4 = (
-    *_SKYLAKE,
+    *SKYLAKE_X,
     *("avx512bf16", "avx512bitalg", "avx512ifma", "avx512vbmi", "avx512vbmi2", "avx512vnni"),
     *("avx512vpopcntdq", "gfni", "sha", "sse4a", "vaes", "vpclmulqdq"),
 )
@@ -43,9 +42,9 @@ class Processor:
 # generator chooses by itself.
 PROCESSORS = (
     Processor("generic", ()),
-    Processor("nehalem", _NEHALEM),
-    Processor("haswell", _HASWELL),
-    Processor("skylake-avx512", _SKYLAKE),
+    Processor("nehalem", NEHALEM),
+    Processor("haswell", HASWELL),
+    Processor("skylake-avx512", SKYLAKE_X),
     Processor("znver4", _ZEN_4),
 )
 

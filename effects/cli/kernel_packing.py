@@ -1,0 +1,99 @@
+"""Packs of compiled kernels are written and taken here. The self-test draws with each before it counts."""
+
+import os
+import shutil
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+import numba
+
+from fixedpipe.effects.cli.warmup import compile_all
+from fixedpipe.effects.refusal import Refusal, choose, refusals
+from fixedpipe.effects.reports.files import writable_file
+from fixedpipe.pipeline.selftest.processes import checks_elsewhere
+from fixedpipe.raster.kernel import CACHE_FOLDER, STATE, compiled_for
+from fixedpipe.raster.kernel_folder import CHOSEN
+from fixedpipe.raster.kernel_levels import LEVELS
+from fixedpipe.raster.kernel_packs import SUFFIX, Pack, write_pack
+
+# With these set, a process would compile for the processor that they name instead of reading a pack.
+_NAMED = "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"
+
+
+def chosen_level(name):
+    """The Level of a name, or the highest that this processor has. Raises Refusal where it lacks it."""
+    levels = {level.name: level for level in LEVELS}
+    level = choose("level", name, levels) if name else next(level for level in LEVELS if not level.lacking())
+    if lacking := level.lacking():
+        raise Refusal(
+            f"Kernels for {level.name} cannot be tested here, as this processor has no {', '.join(lacking)}; "
+            "pack them on one that has."
+        )
+    return level
+
+
+def compiles_for(level):
+    """Whether this process compiles for a Level."""
+    return (level.processor, level.features) == (numba.config.CPU_NAME, numba.config.CPU_FEATURES)
+
+
+def write_tested(path, level):
+    """Compile what is missing, and write a pack for a Level, for which this process compiles."""
+    path = writable_file(path)
+    compile_all()
+    kernels = compiled_for(level)
+    if not kernels:
+        raise Refusal("No kernels can be packed, as none can be kept; name a folder in NUMBA_CACHE_DIR.")
+    with _alone() as folder:
+        unfinished = folder / f"{level.name}{SUFFIX}"
+        write_pack(unfinished, STATE, level.name, kernels)
+        _test(f"with the kernels of {path}")
+        shutil.copyfile(unfinished, path)
+    size = path.stat().st_size
+    click.echo(f"{path} has {len(kernels)} kernels for {level.name} ({size / 1e6:.1f} MB).")
+
+
+def keep_tested(path):
+    """Check a pack, draw with it, and keep it beside this installation's kernels."""
+    with refusals():
+        pack = Pack(path)
+        pack.check_fits(STATE)
+        pack.check_runs()
+        pack.check_whole()
+    with _alone() as folder:
+        shutil.copyfile(path, folder / f"{pack.level.name}{SUFFIX}")
+        _test(f"with the kernels of {path}")
+    kept = CACHE_FOLDER / f"{pack.level.name}{SUFFIX}"
+    unfinished = kept.with_suffix(f".{os.getpid()}.tmp")
+    try:
+        shutil.copyfile(path, unfinished)
+        unfinished.replace(kept)
+    except OSError as error:
+        raise Refusal(f"The pack cannot be kept in {CACHE_FOLDER}: {error.strerror}.") from error
+    finally:
+        unfinished.unlink(missing_ok=True)
+    click.echo(f"{len(pack)} kernels for {pack.level.name} are ready; they are in {kept}.")
+
+
+@contextmanager
+def _alone():
+    """A folder of kernels that is empty, in which alone other processes look for them inside."""
+    before = {name: os.environ.pop(name) for name in (CHOSEN, *_NAMED) if name in os.environ}
+    try:
+        with tempfile.TemporaryDirectory(prefix="fixedpipe-pack-") as base:
+            os.environ[CHOSEN] = base
+            folder = Path(base) / "kernels" / STATE
+            folder.mkdir(parents=True)
+            yield folder
+    finally:
+        os.environ.pop(CHOSEN, None)
+        os.environ.update(before)
+
+
+def _test(where):
+    """Raise Refusal where the self-test does not draw the accepted bits in a process of its own."""
+    checks = checks_elsewhere(where, (1, 2), {})
+    if failures := [sentence for check in checks for sentence in check.failures]:
+        raise Refusal(f"{len(failures)} drawings of the self-test differ {where}: {failures[0]}")
