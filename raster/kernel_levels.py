@@ -11,6 +11,7 @@ from functools import cache
 import llvmlite.binding as llvm
 import numba
 
+ON_X86 = platform.machine() in ("x86_64", "AMD64")
 # Source: LLVM's X86.td, the features of haswell and skylake-avx512 that its code generator chooses by itself.
 NEHALEM = ("cx16", "popcnt", "sse4.2", "ssse3")
 HASWELL = (*NEHALEM, "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")
@@ -29,6 +30,10 @@ class Level:
     def environment(self):
         """The variables by which a process compiles for it."""
         return {"NUMBA_CPU_NAME": self.processor, "NUMBA_CPU_FEATURES": self.features}
+
+    def is_compiled_for(self):
+        """Whether this process compiles for it."""
+        return (self.processor, self.features) == (numba.config.CPU_NAME, numba.config.CPU_FEATURES)
 
     def lacking(self):
         """The needed features that this processor has not."""
@@ -56,6 +61,6 @@ def levels_here():
 
     There is none either where somebody named the processor to compile for. Then its kernels are wanted.
     """
-    if platform.machine() not in ("x86_64", "AMD64") or numba.config.CPU_NAME or numba.config.CPU_FEATURES:
+    if not ON_X86 or numba.config.CPU_NAME or numba.config.CPU_FEATURES:
         return ()
     return tuple(level for level in LEVELS if not level.lacking())

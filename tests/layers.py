@@ -19,7 +19,9 @@ PACKAGES = {
     "raster/rows": {"raster": "codes"},
     "raster/kernel_files": {},
     "raster/kernel_folder": {},
-    "raster/kernel": {"raster": "kernel_files kernel_folder"},
+    "raster/kernel_levels": {},
+    "raster/kernel_packs": {"raster": "kernel_levels"},
+    "raster/kernel": {"raster": "kernel_files kernel_folder kernel_packs"},
     "raster/observer": {},
     "raster/arrays": {},
     "raster/fixed": {"raster": "codes floats float_depths kernel"},
@@ -90,7 +92,7 @@ PACKAGES = {
     },
     "pipeline/traces": {},
     "pipeline/selftest": {
-        "raster": "kernel",
+        "raster": "kernel kernel_levels",
         "pipeline": ("enums state pixel_transfer textures commands profiles framebuffers native execution"),
     },
     "pipeline/golden": {
@@ -230,7 +232,7 @@ PACKAGES = {
         "effects": "refusal geometry reflectance user_pictures figures reports",
     },
     "effects/cli": {
-        "raster": "kernel kernel_folder",
+        "raster": "kernel kernel_folder kernel_levels kernel_packs",
         "pipeline": (
             "enums messages profiles notations description framebuffers validation native inspection "
             "selftest golden"
@@ -245,6 +247,8 @@ PACKAGES = {
 # Libraries beside NumPy, which every package may import.
 LIBRARIES = {
     "raster/kernel_files": ("numba",),
+    "raster/kernel_levels": ("llvmlite", "numba"),
+    "raster/kernel_packs": ("llvmlite", "numba"),
     "raster/kernel": ("llvmlite", "numba"),
     "raster/arrays": ("numba",),
     "raster/fixed": ("numba",),

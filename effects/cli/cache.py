@@ -9,8 +9,6 @@ import click
 
 from fixedpipe.raster.kernel_folder import CHOSEN, clear, kept
 
-_LEVELS = "x86-64-v4", "x86-64-v3", "x86-64"
-
 
 @click.group(invoke_without_command=True)
 @click.pass_context
@@ -40,8 +38,9 @@ def remove():
 @click.argument("file", type=click.Path(dir_okay=False))
 @click.option(
     "--level",
-    type=click.Choice(_LEVELS),
-    help="Which processors can use it: all that have this level of x86-64. By itself, the highest one here.",
+    metavar="NAME",
+    help="x86-64-v4 (AVX-512), x86-64-v3 (AVX2) or x86-64: what a processor must have to use it; else the "
+    "highest level that this one has.",
 )
 def pack(file, level):
     """Write FILE, a pack: all kernels, compiled for a level of processors instead of for this one.
@@ -50,10 +49,10 @@ def pack(file, level):
     missing is compiled first, for a minute or more. The self-test draws with the kernels before FILE is
     written.
     """
-    from fixedpipe.effects.cli.kernel_packing import chosen_level, compiles_for, write_tested
+    from fixedpipe.effects.cli.kernel_packing import chosen_level, write_tested
 
     chosen = chosen_level(level)
-    if compiles_for(chosen):
+    if chosen.is_compiled_for():
         write_tested(Path(file), chosen)
         return
     # Numba reads for which processor it compiles when it is imported.

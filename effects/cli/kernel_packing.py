@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import click
-import numba
 
 from fixedpipe.effects.cli.warmup import compile_all
 from fixedpipe.effects.refusal import Refusal, choose, refusals
@@ -15,7 +14,7 @@ from fixedpipe.effects.reports.files import writable_file
 from fixedpipe.pipeline.selftest.processes import checks_elsewhere
 from fixedpipe.raster.kernel import CACHE_FOLDER, STATE, compiled_for
 from fixedpipe.raster.kernel_folder import CHOSEN
-from fixedpipe.raster.kernel_levels import LEVELS
+from fixedpipe.raster.kernel_levels import LEVELS, ON_X86
 from fixedpipe.raster.kernel_packs import SUFFIX, Pack, write_pack
 
 # With these set, a process would compile for the processor that they name instead of reading a pack.
@@ -25,6 +24,8 @@ _NAMED = "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"
 def chosen_level(name):
     """The Level of a name, or the highest that this processor has. Raises Refusal where it lacks it."""
     levels = {level.name: level for level in LEVELS}
+    if not ON_X86:
+        raise Refusal("Packs are for levels of x86-64, which this processor is not; it compiles for itself.")
     level = choose("level", name, levels) if name else next(level for level in LEVELS if not level.lacking())
     if lacking := level.lacking():
         raise Refusal(
@@ -32,11 +33,6 @@ def chosen_level(name):
             "pack them on one that has."
         )
     return level
-
-
-def compiles_for(level):
-    """Whether this process compiles for a Level."""
-    return (level.processor, level.features) == (numba.config.CPU_NAME, numba.config.CPU_FEATURES)
 
 
 def write_tested(path, level):

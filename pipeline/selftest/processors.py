@@ -1,18 +1,16 @@
 """Processors that this one can imitate: Numba compiles for them, and NumPy omits newer extensions."""
 
-import platform
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import llvmlite.binding as llvm
 from numpy._core import _multiarray_umath as numpy_core
 
-from fixedpipe.raster.kernel_levels import HASWELL, NEHALEM, SKYLAKE_X
+from fixedpipe.raster.kernel_levels import HASWELL, NEHALEM, ON_X86, SKYLAKE_X
 
 # The variables that NumPy and Numba read when they are imported.
 NUMPY_LEAVES_OUT = "NPY_DISABLE_CPU_FEATURES"
 NUMBA_COMPILES_FOR, NUMBA_FEATURES = "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"
-_X86 = ("x86_64", "AMD64")
 
 _ZEN_4 = (
     *SKYLAKE_X,
@@ -51,7 +49,7 @@ PROCESSORS = (
 
 def processors() -> tuple[Processor, ...]:
     """The processors that can be imitated here; beside x86 only the first, for LLVM has other names there."""
-    return PROCESSORS if platform.machine() in _X86 else PROCESSORS[:1]
+    return PROCESSORS if ON_X86 else PROCESSORS[:1]
 
 
 def processor_features() -> dict[str, bool]:

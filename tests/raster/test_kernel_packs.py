@@ -9,7 +9,7 @@ import sys
 import numba
 import pytest
 
-from fixedpipe.raster import kernel_packs
+from fixedpipe.raster import kernel, kernel_packs
 from fixedpipe.raster.kernel_levels import LEVELS, levels_here
 from fixedpipe.raster.kernel_packs import Pack, PackError, packs_in, write_pack
 
@@ -159,11 +159,9 @@ def test_a_process_with_a_pack_compiles_nothing(tmp_path):
     """Kernels of any processor's level, of another folder, without the sources' times and paths; a change of
     the source is compiled all the same.
     """
-    from fixedpipe.raster.kernel import STATE as state
-
     (tmp_path / "made").mkdir()
     (tmp_path / "made" / "kernels.py").write_text(KERNELS.format(more="1.0"))
-    pack = tmp_path / "cache" / "kernels" / state / "x86-64.pack"
+    pack = tmp_path / "cache" / "kernels" / kernel.STATE / "x86-64.pack"
     called(tmp_path / "made", PACKS, tmp_path / "x86-64.pack", **LEVEL.environment())
     (tmp_path / "kernels.py").write_text(KERNELS.format(more="1.0"))
     pack.parent.mkdir(parents=True)
@@ -178,8 +176,6 @@ def test_a_process_with_a_pack_compiles_nothing(tmp_path):
 
 
 def test_a_process_that_names_its_processor_reads_no_pack():
-    from fixedpipe.raster.kernel_levels import LEVELS
-
     program = "from fixedpipe.raster.kernel_levels import levels_here; print(levels_here())"
     run = subprocess.run(
         [sys.executable, "-c", program],
