@@ -16,6 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 
 CHOSEN = "NUMBA_CACHE_DIR"
+_RESULTS = "results"
 _PACKAGE = Path(__file__).parent.parent
 _MOST_STATES = 6  # Assumed: as many as a developer goes back and forth between; each takes 40 MB
 _STATE = re.compile("[0-9a-f]{16}")  # the digest that a folder of kernels is named after
@@ -103,6 +104,14 @@ def mirror_folder(state, first):
     return folder
 
 
+def results_folder():
+    """The folder of what commands compute once and find again (``fixedpipe.effects.computed_once``): below
+    the user's choice, else his own, else the installation's. None where it cannot be written.
+    """
+    base = Path(chosen) if (chosen := os.environ.get(CHOSEN)) else _of_user() or of_installation()
+    return base / _RESULTS if _can_be_written(base / _RESULTS) else None
+
+
 def _can_be_written(folder):
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -125,8 +134,13 @@ def _is_own(base):
 
 
 def kept():
-    """[(folder, its size in bytes)] of all kernels that are kept: in each base, of each state of sources."""
-    folders = [f for base in dict.fromkeys(bases()) for f in _states(base / "kernels")]
+    """[(folder, its size in bytes)] of all that is kept: in each base the kernels of each state of sources,
+    and results.
+    """
+    folders = []
+    for base in dict.fromkeys(bases()):
+        folders += _states(base / "kernels")
+        folders += [base / _RESULTS] * (base / _RESULTS).is_dir()
     return [
         (folder, sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()))
         for folder in folders
@@ -143,7 +157,7 @@ def _states(folder):
 
 
 def clear():
-    """Remove all kernels that are kept, and our own folders that are empty then.
+    """Remove all that is kept, and our own folders that are empty then.
 
     Returns [(folder, what the system says)] of those that could not be removed.
     """

@@ -13,7 +13,7 @@ from fixedpipe.raster.kernel_folder import CHOSEN, clear, kept
 @click.group(invoke_without_command=True)
 @click.pass_context
 def cache(context):
-    """Say where compiled kernels are kept, and how large they are.
+    """Say where compiled kernels are kept, and results that take long to compute, and how large they are.
 
     NUMBA_CACHE_DIR names another place. Remove them before you uninstall: pip leaves them where they are.
     """
@@ -23,7 +23,7 @@ def cache(context):
 
 @cache.command("clear")
 def remove():
-    """Remove all kernels that are kept, of every version. They are compiled again when they are needed."""
+    """Remove all kernels and results that are kept, of every version. They are made again when needed."""
     before = kept()
     left = clear()
     gone = sum(size for _, size in before) - sum(size for _, size in kept())

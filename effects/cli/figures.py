@@ -92,6 +92,7 @@ def figures(
     from fixedpipe.effects.cli.refusal import check_size
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.figures.costs import cheapest_first, longest_after_the_first
+    from fixedpipe.effects.figures.own_times import OwnTimes, read_times
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.technique import INDEX
@@ -150,7 +151,9 @@ def figures(
     from fixedpipe.effects.reports.figure_record import steps
     from fixedpipe.effects.reports.figure_tasks import draw_by
     from fixedpipe.pipeline.native.threads import default_threads
+    from fixedpipe.raster.kernel_folder import results_folder
 
+    results = results_folder()
     if former := set_aside(folder, FIGURES):
         click.echo(f"{count(former, 'record')} of an earlier version now end in .former.", err=True)
     ids = tuple(dict.fromkeys((*FIGURES, *files_of_users, *own_ids(folder))))  # of the gallery
@@ -176,7 +179,7 @@ def figures(
                 made_from,
                 file,
             )
-            orders[figure.id] = Order(*order)
+            orders[figure.id] = Order(*order, results=results)
     if kept := len(chosen) - len(orders):
         click.echo(f"{count(kept, 'figure')} did not change and stay; --again draws all.", err=True)
     # Of all figures there is a picture each before the rest is drawn.
@@ -193,12 +196,13 @@ def figures(
         # Several processes share the compiling, and a check is drawn by both engines.
         if not executor:
             announce_compiling("vector" if jobs == 1 and not check else None)
-        click.echo(_plan(left, early, machines, check, own_sizes, jobs, executor), err=True)
+        known = read_times(results if own_sizes else None)
+        click.echo(_plan(left, early, machines, check, own_sizes, jobs, executor, known), err=True)
     in_order = longest_after_the_first if jobs > 1 else cheapest_first
     inside = [of[figure.id] for of, some in ((firsts, early), (orders, left)) for figure in in_order(some)]
     number = sum(steps(figure, machines[figure.id], check) for figure in left)
     number += sum(steps(figure, firsts[figure.id].machines, with_references=False) for figure in early)
-    awaited, seconds = set(firsts), 0.0
+    awaited, times = set(firsts), OwnTimes()
     number = len(inside) if executor else number
     with workers_of(executor if inside else None, threads) as workers, _progress(number) as shown:
         step, compiling, say = shown
@@ -213,11 +217,18 @@ def figures(
             _write_page(folder, ids)
             if not order.is_first:
                 del orders[order.id]
+                if check and order.machines == order.figure.machines and not failures_of(record):
+                    times.whole[order.id] = taken
+                    if len(left) >= _MANY and len(orders) in _quarters(len(left)):
+                        say(_on_the_way(left, orders, machines, own_sizes and times, jobs))
             elif order.id in awaited:
                 awaited.remove(order.id)
-                seconds += taken
+                times.first[order.id] = taken
                 if not awaited:
-                    say(_after_the_first_round(folder, left, early, machines, own_sizes and seconds, jobs))
+                    own = own_sizes and OwnTimes(times.first, known.whole)
+                    say(_after_the_first_round(folder, left, early, machines, own, jobs))
+    if own_sizes and results and not (figure_ids or executor):
+        times.write(results)
     failed_early = {i for i in orders if records.get(i) and failures_of(records[i])}
     missing = [figure.id for figure in chosen if figure.id in orders.keys() - failed_early]
     records = [records[figure.id] for figure in chosen if records.get(figure.id)]
@@ -293,9 +304,9 @@ def _write_page(folder, figures):
     return []
 
 
-def _plan(chosen, early, machines, check, own_sizes, jobs, executor):
-    """What is coming: how many figures, on how many machines, and how long it takes."""
-    from fixedpipe.effects.figures.costs import PROCESSOR, SECONDS, seconds_of
+def _plan(chosen, early, machines, check, own_sizes, jobs, executor, known):
+    """What is coming: how many figures, on how many machines, and how long it takes. ``known``: OwnTimes."""
+    from fixedpipe.effects.figures.costs import PROCESSOR, SECONDS
 
     drawings = sum(len(names) for names in machines.values())
     different = len({name for names in machines.values() for name in names})
@@ -310,29 +321,57 @@ def _plan(chosen, early, machines, check, own_sizes, jobs, executor):
         what += ", the cheapest first" * (len(chosen) > 1)
     if not own_sizes or not SECONDS.keys() >= machines.keys():
         return f"{what}."
-    cores = PROCESSOR.replace("one core", f"{jobs} cores") if jobs > 1 else PROCESSOR
-    whole = seconds_of(chosen, machines) / jobs
+    where = f"on {PROCESSOR.replace('one core', f'{jobs} cores') if jobs > 1 else PROCESSOR}"
+    if known.knows(chosen):
+        where = "here, as before"
+    whole = known.of_whole(chosen, machines) / jobs
     if not early:
-        return f"{what}: {'about' if check else 'less than'} {_time(whole)} on {cores}."
-    first = seconds_of(early) / jobs
+        return f"{what}: {'about' if check else 'less than'} {_time(whole)} {where}."
+    first = known.of_first(early) / jobs
     return (
-        f"{what}. The first picture of every figure takes about {_time(first)} on {cores}, and the rest "
+        f"{what}. The first picture of every figure takes about {_time(first)} {where}, and the rest "
         f"{'about' if check else 'less than'} {_time(whole)} more."
     )
 
 
-def _after_the_first_round(folder, chosen, early, machines, seconds, jobs):
+def _after_the_first_round(folder, chosen, early, machines, times, jobs):
     """What is there now and what is to come, in two sentences.
 
-    ``seconds``: of a processor, that the first round took; false: it tells nothing about the second.
+    ``times``: OwnTimes, of the first round now and of the second in runs before; false: of no use here.
     """
     from fixedpipe.effects.figures.costs import SECONDS, seconds_of
 
     said = f"{folder / 'index.html'} has a picture of every figure. What else was asked for goes on"
-    if seconds and SECONDS.keys() >= machines.keys():
-        speed = seconds / seconds_of(early)
-        said += f", about {_time(speed * seconds_of(chosen, machines) / jobs)} at the speed of these pictures"
+    if times and SECONDS.keys() >= machines.keys():
+        speed = sum(times.first[figure.id] for figure in early) / seconds_of(early)
+        said += (
+            f", about {_time(times.of_whole(chosen, machines, speed) / jobs)} at the speed of these pictures"
+        )
     return f"{said}; Ctrl-C keeps what is there."
+
+
+# From so many figures on a run says a few times how long it still takes.
+_MANY = 12
+
+
+def _quarters(number):
+    """How many of ``number`` are left when a quarter, a half and three quarters are done."""
+    return {number - number * k // 4 for k in (1, 2, 3)}
+
+
+def _on_the_way(chosen, orders, machines, times, jobs):
+    """How many figures are whole, and how long the others take at the speed of these."""
+    from fixedpipe.effects.figures.costs import SECONDS
+
+    left = [figure for figure in chosen if figure.id in orders]
+    said = f"{len(chosen) - len(left)} of {count(len(chosen), 'figure')} are whole"
+    done = [figure for figure in chosen if times and figure.id in times.whole]
+    if done and SECONDS.keys() >= machines.keys():
+        speed = sum(times.whole[f.id] for f in done) / sum(SECONDS[f.id] for f in done)
+        said += (
+            f"; the others take about {_time(times.of_whole(left, machines, speed) / jobs)} at their speed"
+        )
+    return f"{said}."
 
 
 def _time(seconds):

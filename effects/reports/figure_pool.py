@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import fixedpipe.effects.figures as figures
+from fixedpipe.effects.computed_once import kept_in
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_record
 from fixedpipe.effects.reports.figure_failures import failure, failures_of
@@ -49,6 +50,7 @@ class Order:
     inputs        the digest of its inputs
     file          the user's file with the figure; None: the package's
     is_first      whether it is of the first round: a picture on one machine, without references and checks
+    results       the folder of what is computed once for several runs, or None
     """
 
     id: str
@@ -61,6 +63,7 @@ class Order:
     inputs: str | None
     file: str | None = None
     is_first: bool = False
+    results: Path | None = None
 
     def first(self):
         """The Order of the first round: the picture on the first machine alone.
@@ -84,7 +87,8 @@ class Order:
         how = self.machines, self.size, self.threads, self.with_checks, step, changes, self.file
         try:
             asked = {"with_references": not self.is_first, "with_names": self.named is not None}
-            rendered = figure_record.render(self.figure, *how, **asked)
+            with kept_in(self.results):
+                rendered = figure_record.render(self.figure, *how, **asked)
             step(f"{rendered.record['id']}: writing")
             return write_figure(self.folder, rendered, self.inputs, self.named, self.threads)
         except Exception as error:

@@ -11,10 +11,12 @@ import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.bibliography import citation
+from fixedpipe.effects.computed_once import kept_array
 from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer
 from fixedpipe.effects.presentation.animations import ANIMATIONS
 from fixedpipe.effects.refusal import Refusal, refusals
 from fixedpipe.effects.reports.figure_failures import failure
+from fixedpipe.effects.reports.figure_inputs import said_of
 from fixedpipe.effects.reports.figure_passes import Passes
 from fixedpipe.effects.reports.letters import labels_of, without_letters
 from fixedpipe.effects.reports.motion import in_motion
@@ -149,10 +151,10 @@ def render(
     changes = changes or {}
     how = size, threads, changes, step, with_references, with_names
     drawing = _Drawing(figure, variant_name(figure, changes), *how)
-    drawn, failures, kept, before = [], [], {}, None
+    drawn, failures, windows, before = [], [], {}, None
     for machine in machines:
         if (method := figure.method(machine)) is not before:
-            kept, before = {}, method  # the ideal's windows, which machines that draw so share
+            windows, before = {}, method  # the ideal's, which machines that draw so share
         try:
             record = drawing.on(machine)
         except Exception as error:
@@ -162,7 +164,8 @@ def render(
             step(f"{figure.id}: acceptance checks on the {PROFILES[machine].name}")
             checked = {m["method"] for m in drawn}
             try:
-                checks = figure.checks(Renderer(PROFILES[machine], method, execute, execute_ideal, kept))
+                renderer = Renderer(PROFILES[machine], method, execute, execute_ideal, windows)
+                checks = figure.checks(renderer)
             except Exception as error:
                 failures.append(failure(error, machine, "checked", file))
                 checks = ()
@@ -361,9 +364,16 @@ class _Drawing:
             if self.with_references and self.figure.reference is not None:
                 self.step(f"{self.name}: the reference")
                 with refusals():
-                    found = self.figure.reference_picture(self.size, method, **self.changes)
-                self.reference = method, found
+                    self.reference = method, self._computed_reference(method)
         return self.reference[1]
+
+    def _computed_reference(self, method):
+        """The reference; where it follows from the package's sources alone, it is kept for other runs."""
+        if self.changes or self.figure.id not in FIGURES or FIGURES[self.figure.id] is not self.figure:
+            return self.figure.reference_picture(self.size, method, **self.changes)
+        module = FIGURES.module_of(self.figure.id)
+        key = "reference", self.figure.id, method.name, self.size, said_of(module)
+        return kept_array(key, (module,), self.figure.reference_picture, self.size, method)
 
     def _told(self, view, image, codes, bits, files, shown, machine):
         """What the record says of an ideal of more than 8 bits: how far its codes are from the ``machine``'s,
