@@ -1,6 +1,7 @@
 """Settings of the whole suite: reproducible Hypothesis runs, and tests that need the folder of captures."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -95,3 +96,10 @@ def pytest_configure(config):
         config.pluginmanager.register(Times(path), "times")
     if os.environ.get("FIXEDPIPE_REQUIRE_SHARED") == "1":
         config.pluginmanager.register(SkipsOfShared(), "skips-of-shared")
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_read_that_another_run_computed(monkeypatch):
+    """Tests compute what they prove: no command in this process reads the user's results."""
+    if folder := sys.modules.get("fixedpipe.raster.kernel_folder"):
+        monkeypatch.setattr(folder, "results_folder", lambda: None)

@@ -205,8 +205,8 @@ PACKAGES = {
     "effects/reports": {
         "pipeline": "enums commands profiles framebuffers native execution ideal inspection golden",
         "effects": (
-            "refusal tasks technique bibliography acceptance data_files figures arithmetic emulators "
-            "conformance presentation"
+            "refusal tasks source_digests computed_once technique bibliography acceptance data_files figures "
+            "arithmetic emulators conformance presentation"
         ),
     },
     "effects/nv2a_frames": {

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from fixedpipe.effects import data_files, source_digests
+from fixedpipe.effects import computed_once, data_files, source_digests
 from fixedpipe.effects.cli import main
-from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.figures import FIGURES, Figure
 from fixedpipe.effects.figures.costs import SECONDS, longest_after_the_first
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_inputs, figure_pool
@@ -135,6 +135,28 @@ def test_an_edit_changes_the_inputs_of_what_may_depend_on_it(monkeypatch, edited
     monkeypatch.setattr(Path, "read_bytes", changed_file)
     assert {figure for figure in before if inputs(figure, 8) != before[figure]} == changed
     assert inputs("K02", 9) != inputs("K02", 8)
+
+
+def test_a_reference_that_another_run_computed_is_not_computed_again(tmp_path, monkeypatch):
+    """Until a source that it follows from is edited; the files are the same to the byte."""
+    monkeypatch.setattr("fixedpipe.raster.kernel_folder.results_folder", lambda: tmp_path / "results")
+    asked = []
+    computed = Figure.reference_picture
+
+    def counted(figure, *given, **changes):
+        asked.append(figure.id)
+        return computed(figure, *given, **changes)
+
+    monkeypatch.setattr(Figure, "reference_picture", counted)
+    order = "figures", "F003-21", *SMALL, "--jobs", 1, "--out"
+    run(*order, tmp_path / "one")
+    assert asked == ["F003-21"]
+    run(*order, tmp_path / "two")
+    assert asked == ["F003-21"]
+    assert contents(tmp_path / "one") == contents(tmp_path / "two")
+    monkeypatch.setattr(computed_once, "digest_of", lambda modules: "edited")
+    run(*order, tmp_path / "three")
+    assert asked == ["F003-21"] * 2
 
 
 def test_what_a_data_file_says_of_a_figure_is_among_the_inputs_of_that_figure_alone(monkeypatch):
