@@ -6,6 +6,9 @@ BIN := .venv/bin
 READY := .venv/.ready
 OUT ?= out
 CHECKS ?= yes
+# A pack of compiled kernels (`fixedpipe cache pack`), which `make setup` takes where it lies here.
+KERNELS ?= kernels.pack
+LEVELS := x86-64-v4 x86-64-v3 x86-64
 MACHINES ?=
 # Tests run in a process per processor (eight at most: each has every kernel in memory). A process that has none left
 # takes half of those that another has before it, so most of a file's tests stay together, with what they share.
@@ -21,7 +24,7 @@ endif
 
 .PHONY: help setup figures conformance machines instructions arithmetic techniques layers docs docs-check notebooks site test \
 	test-all check bench accept \
-	accept-conformance accept-selftest matrix clean
+	accept-conformance accept-selftest matrix wheel clean
 
 help:
 	@echo "make figures            render and check every figure into $(OUT)/; $(OUT)/index.html is a gallery"
@@ -46,6 +49,7 @@ help:
 	@echo "                        (MATRIX='--python 3.12 --packages oldest --cpus'): 5 minutes each"
 	@echo "make site               build the pages as a site, out/site/index.html, which a browser opens without a server"
 	@echo "make setup              make the virtual environment, .venv, as all of these do on first use"
+	@echo "make wheel              a wheel in dist/ with compiled kernels in it (LEVELS=x86-64-v3: for these processors)"
 	@echo "make clean              remove what is made here, but .venv"
 
 setup: $(READY)
@@ -57,7 +61,14 @@ $(READY): pyproject.toml constraints.txt
 	@echo "installing the pinned packages of constraints.txt"
 	@said=$$($(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt \
 	--editable '.[dev,bench]' 2>&1) || { status=$$?; printf '%s\n' "$$said" >&2; exit $$status; }
+	@[ ! -f "$(KERNELS)" ] || $(BIN)/fixedpipe cache unpack "$(KERNELS)" || echo "Kernels are compiled when they are needed."
 	@touch $@
+
+# A wheel with compiled kernels for this Python and each level of processors that this one has.
+wheel: $(READY)
+	@mkdir -p raster/packs
+	for level in $(LEVELS); do $(BIN)/fixedpipe cache pack raster/packs/$$level.pack --level $$level || exit; done
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 
 # With CHECKS=no nothing is checked; MACHINES names those that draw, of which `paper` is the one of a figure's paper.
 figures: $(READY)
@@ -127,4 +138,4 @@ matrix: $(READY)
 	$(BIN)/python -m tests.matrix $(MATRIX)
 
 clean:
-	rm -rf .cache .hypothesis .pytest_cache .ruff_cache build dist $(OUT) *.egg-info
+	rm -rf .cache raster/packs .hypothesis .pytest_cache .ruff_cache build dist $(OUT) *.egg-info

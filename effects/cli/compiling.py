@@ -78,9 +78,12 @@ def announce_compiling(engine="vector"):
     from fixedpipe.pipeline.golden.provenance import kernels_are_cold
     from fixedpipe.pipeline.native.background_compiling import compile_beside
     from fixedpipe.pipeline.native.compiling import watch_compiling
+    from fixedpipe.raster.kernel import refused_packs
 
     cold = kernels_are_cold()
     compiling = compile_beside(engine) if engine else None
+    for sentence in refused_packs() if cold or compiling else ():
+        click.echo(sentence, err=True)
     if cold or compiling:
         click.echo(f"{_COLD} {_BESIDE}" if compiling else _COLD, err=True)
     shown = _Shown(said=cold or compiling is not None)

@@ -11,6 +11,7 @@ import click
 from fixedpipe.effects.cli.warmup import compile_all
 from fixedpipe.effects.refusal import Refusal, choose, refusals
 from fixedpipe.effects.reports.files import writable_file
+from fixedpipe.pipeline.messages import count
 from fixedpipe.pipeline.selftest.processes import checks_elsewhere
 from fixedpipe.raster.kernel import CACHE_FOLDER, STATE, compiled_for
 from fixedpipe.raster.kernel_folder import CHOSEN
@@ -48,7 +49,7 @@ def write_tested(path, level):
         _test(f"with the kernels of {path}")
         shutil.copyfile(unfinished, path)
     size = path.stat().st_size
-    click.echo(f"{path} has {len(kernels)} kernels for {level.name} ({size / 1e6:.1f} MB).")
+    click.echo(f"{path} has {count(len(kernels), 'kernel')} for {level.name} ({size / 1e6:.1f} MB).")
 
 
 def keep_tested(path):
@@ -70,7 +71,7 @@ def keep_tested(path):
         raise Refusal(f"The pack cannot be kept in {CACHE_FOLDER}: {error.strerror}.") from error
     finally:
         unfinished.unlink(missing_ok=True)
-    click.echo(f"{len(pack)} kernels for {pack.level.name} are ready; they are in {kept}.")
+    click.echo(f"{count(len(pack), 'kernel')} for {pack.level.name} kept in {kept}.")
 
 
 @contextmanager
@@ -92,4 +93,6 @@ def _test(where):
     """Raise Refusal where the self-test does not draw the accepted bits in a process of its own."""
     checks = checks_elsewhere(where, (1, 2), {})
     if failures := [sentence for check in checks for sentence in check.failures]:
-        raise Refusal(f"{len(failures)} drawings of the self-test differ {where}: {failures[0]}")
+        raise Refusal(
+            f"{count(len(failures), 'drawing')} of the self-test, drawn {where}, not right: {failures[0]}"
+        )

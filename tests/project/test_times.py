@@ -1,29 +1,40 @@
-"""The table of how long tests take."""
+"""What tests take: a history of runs, in which a package that became slower is named."""
 
 import json
-from types import SimpleNamespace
 
-from tests.support.times import Times
+import pytest
+
+from tests.support import times
 
 
-def test_times_are_added_up_by_package_and_written(tmp_path):
-    times = Times(tmp_path / "out" / "times.json")
-    for name, seconds in (
-        ("tests/raster/vector/test_a.py::test_x[1]", 1.0),
-        ("tests/raster/vector/test_a.py::test_x[1]", 0.5),
-        ("tests/raster/test_b.py::test_y", 2.0),
-        ("tests/pipeline/ideal/test_c.py::test_z", 4.0),
-        ("tests/pipeline/test_d.py::test_z", 0.25),
-    ):
-        times.pytest_runtest_logreport(SimpleNamespace(nodeid=name, duration=seconds))
-    lines = []
-    times.pytest_terminal_summary(SimpleNamespace(section=lines.append, write_line=lines.append))
-    written = json.loads((tmp_path / "out" / "times.json").read_text())
-    assert written["packages"] == {"tests/pipeline/ideal": 4.0, "tests/raster": 3.5, "tests/pipeline": 0.2}
-    assert list(written["tests"]) == [
-        "tests/pipeline/ideal/test_c.py::test_z",
-        "tests/raster/test_b.py::test_y",
-        "tests/raster/vector/test_a.py::test_x[1]",
-        "tests/pipeline/test_d.py::test_z",
-    ]
-    assert lines[:3] == ["times", "seconds by package:", "      4.0  tests/pipeline/ideal"]
+@pytest.fixture
+def history(tmp_path, monkeypatch):
+    """The file of a history with three runs."""
+    monkeypatch.setattr(times, "_processor", lambda: "this one")
+    path = tmp_path / "kept" / "times.jsonl"
+    for seconds in (20.0, 30.0, 22.0):
+        assert times.remember(path, {"tests/raster": seconds, "tests/foreign": 5.0}) == []
+    return path
+
+
+def test_each_run_is_a_line(history):
+    runs = [json.loads(line) for line in history.read_text().splitlines()]
+    assert [run["packages"]["tests/raster"] for run in runs] == [20.0, 30.0, 22.0]
+    assert {run["processor"] for run in runs} == {"this one"}
+
+
+def test_a_package_that_became_slower_is_named(history):
+    said = times.remember(history, {"tests/raster": 34.0, "tests/foreign": 20.0, "tests/new": 99.0})
+    assert said == ["tests/raster took 34 s; 22 s is usual of 3 runs before."]
+    assert times.remember(history, {"tests/raster": 32.0}) == []
+
+
+def test_runs_on_another_processor_are_not_compared(history, monkeypatch):
+    monkeypatch.setattr(times, "_processor", lambda: "another")
+    assert times.remember(history, {"tests/raster": 99.0}) == []
+
+
+def test_what_is_no_line_of_a_history_is_left_alone(history):
+    history.write_text("no line\n[]\n{}\n" + history.read_text())
+    assert times.remember(history, {"tests/raster": 99.0}) != []
+    assert history.read_text().startswith("no line\n[]\n{}\n")

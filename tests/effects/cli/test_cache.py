@@ -2,18 +2,23 @@
 
 import importlib
 import os
+import pickle
 import subprocess
 import sys
 import weakref
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numba
 import pytest
 from click.testing import CliRunner
 
-from fixedpipe.effects.cli import main
+from fixedpipe.effects.cli import kernel_packing, main
 from fixedpipe.effects.cli import warmup as command
 from fixedpipe.pipeline.native import background_compiling
+from fixedpipe.pipeline.selftest.checks import Check
 from fixedpipe.raster import kernel, kernel_folder
+from fixedpipe.raster.kernel_levels import LEVELS, levels_here
 
 STATE = "0123456789abcdef"
 
@@ -127,3 +132,83 @@ def test_warmup_lets_another_process_compile_the_engine_that_is_missing(base, mo
     monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE)
     assert run("warmup").exit_code == 0
     assert asked == ["vector", "portable"]
+
+
+@pytest.mark.parametrize(("missing", "status"), [("uvicorn", 0), ("fixedpipe.raster.gone", 1)])
+def test_warmup_leaves_out_modules_of_an_extra_that_is_not_installed(base, monkeypatch, missing, status):
+    def import_module(name):
+        if name.count(".") == 1:
+            return importlib.import_module(name)
+        raise ModuleNotFoundError(f"No module named {missing!r}", name=missing)
+
+    monkeypatch.setattr(background_compiling, "compile_beside", lambda engine: None)
+    monkeypatch.setattr(kernel, "_of_one_signature", [])
+    monkeypatch.setattr(command, "importlib", SimpleNamespace(import_module=import_module))
+    monkeypatch.setattr(kernel, "CACHE_FOLDER", base / "kernels" / STATE)
+    assert run("warmup").exit_code == status
+
+
+# ------------------------------------------------------------------------------------------------- packs
+
+
+@pytest.fixture
+def level(monkeypatch):
+    """A level that this process compiles for, as it were; nothing is compiled."""
+    found = replace(LEVELS[-1], features=numba.config.CPU_FEATURES, processor=numba.config.CPU_NAME)
+    monkeypatch.setattr(kernel_packing, "LEVELS", (found,))
+    monkeypatch.setattr(kernel_packing, "compile_all", lambda: None)
+    monkeypatch.setattr(kernel_packing, "compiled_for", lambda level: [("a", KEY, pickle.dumps(3))])
+    monkeypatch.setattr(kernel_packing, "checks_elsewhere", lambda *given: ())
+    return found
+
+
+KEY = (numba.int64,), ("system", "processor", "features"), ("code", "closure")
+ON_X86 = pytest.mark.skipif(not levels_here(), reason="packs are for x86-64")
+
+
+@ON_X86
+def test_a_pack_is_written_and_kept(base, level, monkeypatch, tmp_path):
+    monkeypatch.setattr(kernel_packing, "CACHE_FOLDER", base / "kernels" / STATE)
+    file = tmp_path / "new" / "kernels.pack"
+    said = run("cache", "pack", str(file), "--level", "x86-64")
+    assert said.exit_code == 0 and f"{file} has 1 kernel for x86-64 (0.0 MB)." in said.stdout
+    said = run("cache", "unpack", str(file))
+    assert said.exit_code == 0, said.output
+    kept = base / "kernels" / STATE / "x86-64.pack"
+    assert said.stdout == f"1 kernel for x86-64 kept in {kept}.\n"
+    assert kept.read_bytes() == file.read_bytes()
+
+
+@ON_X86
+@pytest.mark.parametrize("way", ["pack", "unpack"])
+def test_a_pack_that_draws_other_bits_is_refused(base, level, monkeypatch, tmp_path, way):
+    monkeypatch.setattr(kernel_packing, "CACHE_FOLDER", base / "kernels" / STATE)
+    file = tmp_path / "kernels.pack"
+    if way == "unpack":
+        assert run("cache", "pack", str(file), "--level", "x86-64").exit_code == 0
+    failed = Check("with it", "on one thread", 2, ("Frame 'a' differs.",))
+    monkeypatch.setattr(kernel_packing, "checks_elsewhere", lambda *given: (failed,))
+    said = run("cache", way, str(file), *(["--level", "x86-64"] if way == "pack" else []))
+    assert said.exit_code == 2
+    assert (
+        f"1 drawing of the self-test, drawn with the kernels of {file}, not right: Frame 'a' differs."
+        in said.stderr
+    )
+    assert file.exists() is (way == "unpack")
+    assert not list((base / "kernels" / STATE).glob("*.pack"))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("unpack", "none.pack"), "none.pack cannot be read: No such file or directory."),
+        (
+            ("unpack", __file__),
+            "test_cache.py is no pack of kernels; `fixedpipe cache pack FILE` writes one.",
+        ),
+        (("pack", "a.pack", "--level", "x86-64-v9"), "There is no level 'x86-64-v9'."),
+    ],
+)
+def test_what_is_no_pack_or_level_is_refused_by_name(arguments, sentence):
+    said = run("cache", *arguments)
+    assert said.exit_code == 2 and sentence in said.stderr, said.output
