@@ -62,10 +62,16 @@ def file_of(name: str) -> Path | None:
 def _read(name):
     """The digest of a module's source, and the names of all that it may import."""
     source = file_of(name).read_bytes()
-    imported = []
+    return hashlib.sha256(source).hexdigest(), _imported(source)
+
+
+@cache
+def _imported(source):
+    """The names of all that a source may import."""
+    found = []
     for statement in _statements(ast.parse(source)):
-        imported += _IMPORTED.get(type(statement), lambda statement: ())(statement)
-    return hashlib.sha256(source).hexdigest(), imported
+        found += _IMPORTED.get(type(statement), lambda statement: ())(statement)
+    return found
 
 
 def _statements(tree):
