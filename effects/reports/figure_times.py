@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from fixedpipe.effects.figures.costs import SECONDS, seconds_of
+from fixedpipe.effects.figures import costs
 
 _FILE = "figure-seconds.json"
 _ROUNDS = "first", "whole"
@@ -27,8 +27,8 @@ class OwnTimes:
     def of_first(self, figures: Iterable[Any]) -> float:
         """Seconds of figures' first pictures; what was not measured here is taken from elsewhere."""
         figures = list(figures)
-        speed = self._speed(self.first, lambda figure: seconds_of([figure]), figures)
-        return sum(self.first.get(f.id) or speed * seconds_of([f]) for f in figures)
+        speed = self._speed(self.first, lambda figure: costs.seconds_of([figure]), figures)
+        return sum(self.first.get(f.id) or speed * costs.seconds_of([f]) for f in figures)
 
     def of_whole(
         self, figures: Iterable[Any], machines: Mapping[str, tuple[str, ...]], speed: float = 1.0
@@ -38,9 +38,9 @@ class OwnTimes:
         ``speed``: this computer's seconds for one of another's, where nothing was measured here yet.
         """
         figures = list(figures)
-        speed = self._speed(self.whole, lambda figure: SECONDS[figure.id], figures, speed)
+        speed = self._speed(self.whole, lambda figure: costs.SECONDS[figure.id], figures, speed)
         return sum(
-            (self.whole.get(f.id) or speed * SECONDS[f.id]) * len(machines[f.id]) / len(f.machines)
+            (self.whole.get(f.id) or speed * costs.SECONDS[f.id]) * len(machines[f.id]) / len(f.machines)
             for f in figures
         )
 
