@@ -93,11 +93,7 @@ def figures(
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.figures.costs import cheapest_first, longest_after_the_first
     from fixedpipe.effects.refusal import Refusal, choose, refusals
-<<<<<<< HEAD
-=======
-    from fixedpipe.effects.reports.figure_record import size_in_gallery
     from fixedpipe.effects.reports.figure_times import OwnTimes, read_times
->>>>>>> 861a87cb (Figures: their times here; tests: AVX2's kernels are compiled once)
     from fixedpipe.effects.reports.files import writable_file, writable_folder, write_whole
     from fixedpipe.effects.technique import INDEX
     from fixedpipe.pipeline.profiles import PROFILES
