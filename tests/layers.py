@@ -273,7 +273,7 @@ LIBRARIES = {
     "effects/tasks": ("dask", "distributed", "loky", "mpi4py"),
     "effects/sweeps": ("matplotlib", "pyarrow", "xarray"),
     "effects/viewer": ("anywidget", "starlette", "traitlets", "uvicorn"),
-    "effects/cli": ("click", "rich"),
+    "effects/cli": ("PIL", "click", "rich"),
 }
 
 

@@ -119,7 +119,7 @@ def test_every_file_that_is_named_exists(page):
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_every_command_that_is_named_is_there(page):
     text = page.read_text()
-    for name in re.findall(r"(?:^ {4}|^\$ |`)(?:\.venv/bin/)?fixedpipe\s([a-z]+)", text, re.MULTILINE):
+    for name in re.findall(r"(?:^ {4}|^\$ |`)(?:\.venv/bin/)?fixedpipe\s([a-z0-9]+)", text, re.MULTILINE):
         assert name in COMMANDS, name
 
 

@@ -112,7 +112,7 @@ def small(tmp_path_factory):
     (catalogue / "004.md").write_text('# Catalogue\n\n<a id="k07"></a>K07 is this.\n')
     (source / INDEX).write_text(
         "# Home\n\nK07 and [K10](docs/papers/catalogue/004.md#k07), `K07`, `effects/technique.py`, "
-        "[the code](code:effects/technique.py), K99.\n\n```{toctree}\ndocs/papers/catalogue/004\n```\n"
+        "[the code](code:effects/technique.py), P99.\n\n```{toctree}\ndocs/papers/catalogue/004\n```\n"
     )
     out = source.parent / "site"
     status = build(source, out)
@@ -130,7 +130,7 @@ def test_an_id_in_prose_is_a_link_with_its_name_and_code_is_none(small):
     name = sphinx_extension.names()["K07"]
     (link,) = re.findall(r"<a [^>]*>K07</a>", text)
     assert 'href="docs/papers/catalogue/004.html#k07"' in link and f'title="{name}"' in link
-    assert ">K07</span></code>" in text and re.search(r"K99\.</p>", text)
+    assert ">K07</span></code>" in text and re.search(r"P99\.</p>", text)
     (given,) = re.findall(r"<a [^>]*>(?:<span[^>]*>)?K10(?:</span>)?</a>", text)
     assert 'title="' + sphinx_extension.names()["K10"][:20] in given
 

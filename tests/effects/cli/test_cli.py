@@ -365,7 +365,7 @@ def test_a_figure_that_fails_is_said_and_all_others_are_drawn(tmp_path, monkeypa
                 "full_disc": False,
             }
         ]
-        page = (tmp_path / "index.html").read_text()
+        page = (tmp_path / "plain.html").read_text()
         assert 'id="K12"' in page and 'id="K02"' in page and "Not drawn on the GeForce 3: no more" in page
 
 
@@ -422,7 +422,7 @@ def test_costs_are_of_figures_that_there_are():
 def test_the_gallery_keeps_figures_of_earlier_runs(tmp_path):
     for figure in ("K12", "K02"):
         assert run("figures", figure, "--size", 8, "--out", tmp_path).exit_code == 0
-    page = (tmp_path / "index.html").read_text()
+    page = (tmp_path / "plain.html").read_text()
     assert page.index('id="K02"') < page.index('id="K12"')
 
 
