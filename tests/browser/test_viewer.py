@@ -8,7 +8,6 @@ import re
 import subprocess
 import sys
 import threading
-import time
 import zipfile
 from contextlib import ExitStack, closing, contextmanager
 from urllib.parse import urlsplit
@@ -29,6 +28,8 @@ from fixedpipe.effects.viewer.widget import view_figure
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.golden.pixels import pixels_of_png
 from tests.browser.conftest import HANGS
+from tests.support import waiting
+from tests.support.waiting import until
 
 SIZE = 48
 TOKEN = "a-token-of-the-tests-0123"
@@ -414,7 +415,7 @@ def test_random_gestures_raise_no_error_and_keep_no_memory(visit, count, capfd):
 
 
 def answered(server, path, **headers):
-    with closing(http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)) as connection:
+    with closing(http.client.HTTPConnection("127.0.0.1", server.port, timeout=waiting.HANGS)) as connection:
         connection.request("GET", path, headers=headers)
         answer = connection.getresponse()
         return answer, answer.read()
@@ -458,24 +459,21 @@ def test_a_forged_origin_or_a_wrong_token_gets_no_connection(server):
         (live.replace(TOKEN, "x" * len(TOKEN)), own),
     ):
         with pytest.raises(InvalidStatus) as refused:
-            connect(address, origin=origin, open_timeout=60).__enter__()
+            connect(address, origin=origin, open_timeout=waiting.HANGS).__enter__()
         assert refused.value.response.status_code in (403, 404)
-    with connect(live, origin=own, open_timeout=60, ping_interval=None) as good:
+    with connect(live, origin=own, open_timeout=waiting.HANGS, ping_interval=None) as good:
         assert json.loads(good.recv())["say"] == "hello"
         good.send("no JSON {")
         assert json.loads(good.recv())["say"] == "refused"
         good.send('"' + "x" * (1 << 17) + '"')  # more than a message may be: the connection ends
         with pytest.raises(Exception, match=r"1009|too big"):
             for _ in range(3):
-                good.recv(timeout=60)
+                good.recv(timeout=waiting.HANGS)
 
 
 def emptied(server):
     """Waits until windows that were closed are forgotten."""
-    end = time.monotonic() + HANGS / 1000
-    while server.windows and time.monotonic() < end:
-        time.sleep(0.01)
-    assert not server.windows
+    until(lambda: not server.windows, "the end of all windows")
 
 
 def test_there_are_no_more_windows_than_may_be(server):
@@ -486,11 +484,13 @@ def test_there_are_no_more_windows_than_may_be(server):
     emptied(server)
     with ExitStack() as opened:
         for _ in range(MOST_WINDOWS):
-            window = opened.enter_context(connect(live, origin=own, open_timeout=60, ping_interval=None))
+            window = opened.enter_context(
+                connect(live, origin=own, open_timeout=waiting.HANGS, ping_interval=None)
+            )
             assert json.loads(window.recv())["say"] == "hello"
-        late = opened.enter_context(connect(live, origin=own, open_timeout=60, ping_interval=None))
+        late = opened.enter_context(connect(live, origin=own, open_timeout=waiting.HANGS, ping_interval=None))
         with pytest.raises(ConnectionClosed, match="windows already"):
-            late.recv(timeout=60)
+            late.recv(timeout=waiting.HANGS)
     emptied(server)
 
 
@@ -550,8 +550,8 @@ def test_a_notebooks_widget_is_the_same_page_and_its_state_goes_both_ways(visit,
 
     def pumped(ready):
         """Carries messages to and fro until the page says that it is so."""
-        end = time.monotonic() + HANGS / 1000
-        while time.monotonic() < end:
+
+        def is_so():
             while heard:
                 message = heard.pop(0)
                 if "state" in message:
@@ -564,10 +564,9 @@ def test_a_notebooks_widget_is_the_same_page_and_its_state_goes_both_ways(visit,
                     "([message, data]) => deliver(message, data)",
                     [message, base64.b64encode(buffers[0]).decode() if buffers else None],
                 )
-            if page.evaluate(f"() => {{ const at = {inside}; return Boolean(at && ({ready})); }}"):
-                return
-            time.sleep(0.01)
-        raise AssertionError("the widget does not answer")
+            return page.evaluate(f"() => {{ const at = {inside}; return Boolean(at && ({ready})); }}")
+
+        until(is_so, "the widget's answer")
 
     done = "at.dataset.serial === at.dataset.asked && at.dataset.ideal === 'true'"
     pumped(done)

@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.viewer.server import Server
+from tests.support.waiting import HANGS
 
 SCRIPT = """
 from fixedpipe.effects.figures import FIGURES
@@ -133,9 +134,9 @@ def test_ctrl_c_ends_it_and_the_address_is_gone():
         assert running.stdout is not None and running.stderr is not None
         lines = [running.stdout.readline() for _ in range(2)]
         address = lines[1].strip()
-        assert urllib.request.urlopen(address, timeout=300).status == 200
+        assert urllib.request.urlopen(address, timeout=HANGS).status == 200
         running.send_signal(signal.SIGINT)
-        _, said = running.communicate(timeout=300)
+        _, said = running.communicate(timeout=HANGS)
     assert running.returncode == 0 and "The viewer has ended." in said and "Traceback" not in said
     with pytest.raises(OSError, match="refused"):
-        urllib.request.urlopen(address, timeout=60)
+        urllib.request.urlopen(address, timeout=HANGS)

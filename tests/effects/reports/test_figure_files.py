@@ -13,6 +13,7 @@ from fixedpipe.effects.bibliography import citation
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.figures.figure import Method
+from fixedpipe.effects.presentation.animations import ANIMATIONS
 from fixedpipe.effects.reports.figure_files import digests_in, tidy
 from fixedpipe.effects.reports.figure_record import plain_values, render, steps
 from fixedpipe.effects.reports.pictures import canonical, digest_of
@@ -74,7 +75,8 @@ def test_a_record_says_what_a_gallery_shows(drawn):
         found = figure.render(machine["profile"], SIZE)
         assert (machine["name"], machine["bits"]) == (found.profile.name, found.bits)
         difference = found.difference
-        assert machine["difference"] == {
+        # FLIP is of each method's first machine, where its library is there.
+        assert {name: value for name, value in machine["difference"].items() if name != "flip"} == {
             "identical": False,
             "gain": difference.gain,
             "rms": difference.rms,
@@ -93,7 +95,7 @@ def test_every_picture_comes_back_bit_for_bit(drawn):
         for view, wanted in (("machine", found.codes()), ("ideal", found.ideal.codes(found.bits))):
             picture = pictures[view]
             assert (picture["width"], picture["height"], picture["bits"]) == (2 * SIZE, SIZE, found.bits)
-            assert (picture["finer"] is not None) == (found.bits > 8)
+            assert ("delta" in picture or picture["finer"] is not None) == (found.bits > 8)
             np.testing.assert_array_equal(kept.codes(drawn / "out", picture), wanted[..., :3])
         shown = kept.pixels(drawn / "out", pictures["machine"]["digest"])
         np.testing.assert_array_equal(shown, canonical(found.image()[..., :3]))
@@ -134,9 +136,8 @@ def test_nothing_is_written_that_no_record_names(drawn):
     named = digests_in((drawn / "out" / "F004-2.json").read_text())
     assert {Path(name).name[:16] for name in files(drawn / "out") if name.startswith("pictures/")} == named
     assert files(drawn / "out") - {name for name in files(drawn / "out") if name.startswith("pictures/")} == {
-        "index.html",
-        "F004-2.json",
-        "records/F004-2.js",
+        *("index.html", "plain.html", "F004-2.json", "records/F004-2.js"),
+        *(f"catalogue/{name}.html" for name in ("000", "001", "002", "003", "004", "artefacts", "README")),
     }
 
 
@@ -269,9 +270,10 @@ def reference(size):
 
 
 @pytest.fixture
-def plain():
+def plain(monkeypatch):
     """A figure that is one colour, right to the last bit, with a reference that is not, of the left panel."""
     methods = Method("a clear", cleared, ("GEFORCE_256", "NV2A", TWELVE)), Method("too", cleared, ("OCTANE",))
+    monkeypatch.delitem(ANIMATIONS, "K12")  # what moves there is a parameter that this one lacks
     return replace(
         FIGURES["K12"],
         panels=("left", "right"),

@@ -196,7 +196,7 @@ def test_a_script_is_drawn_over_what_its_commands_take(tmp_path):
     ("arguments", "said"),
     [
         (("K12", "--vary", "red=0:1:3"), "commands takes no|has no parameter 'red'"),
-        (("K99",), "There is no figure, study or script 'K99'"),
+        (("P99",), "There is no figure, study or script 'P99'"),
         (("nowhere.py",), "nowhere.py cannot be read: No such file"),
         (("K12", "--vary", "depth=0:1:3", "--vary", "depth=1"), "--vary names depth twice; give it once"),
         (("K12", "--vary", "depth=0:1:3", "--set", "depth=1"), "--set depth would be ignored"),

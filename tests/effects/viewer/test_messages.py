@@ -2,7 +2,6 @@
 
 import json
 import threading
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -19,19 +18,9 @@ from fixedpipe.effects.viewer.studio import Picture, Studio, Superseded
 from fixedpipe.effects.viewer.subjects import FigureSubject, Subjects
 from fixedpipe.effects.viewer.views import LONGEST_TEXT, View, to_object, view_of
 from fixedpipe.effects.viewer.worker import Request, Worker
+from tests.support.waiting import until
 
 SPHERES = View("F004-4", "GEFORCE_256", 32)
-SOON = 60.0  # seconds: what takes longer is taken to hang
-EACH = 0.01  # between two looks
-
-
-def wait_for(found, what="what was waited for"):
-    end = time.monotonic() + SOON
-    while time.monotonic() < end:
-        if value := found():
-            return value
-        time.sleep(EACH)
-    raise AssertionError(f"{what} did not come")
 
 
 # ------------------------------------------------------------------------------------------------ pictures
@@ -134,7 +123,7 @@ class Drawing:
 
     def machine(self, view, stop=lambda: False):
         self.begun.append(view)
-        while not self.go.acquire(timeout=EACH):
+        while not self.go.acquire(blocking=False):
             if stop():
                 raise Superseded
         self.drawn.append(view)
@@ -162,14 +151,14 @@ def test_the_newest_request_wins_and_none_between_is_drawn(drawing):
     studio, lasting, told = drawing
     asked = views(50)
     lasting.ask(Request(0, asked[0]))
-    wait_for(lambda: studio.begun)
+    until(lambda: studio.begun)
     for serial, view in enumerate(asked[1:], 1):
         lasting.ask(Request(serial, view))
     studio.go.release()
     studio.go.release()
-    wait_for(lambda: len(studio.drawn) == 2)
+    until(lambda: len(studio.drawn) == 2)
     assert studio.drawn == [asked[0], asked[-1]]
-    wait_for(lambda: len(told) == 2)
+    until(lambda: len(told) == 2)
     assert [(what, serial) for what, serial, _ in told] == [("picture", 0), ("picture", 49)]
 
 
@@ -178,11 +167,11 @@ def test_a_long_picture_is_given_up_for_a_newer_one(drawing, monkeypatch):
     studio, lasting, _ = drawing
     first, second = views(2)
     lasting.ask(Request(0, first))
-    wait_for(lambda: studio.begun)
+    until(lambda: studio.begun)
     lasting.ask(Request(1, second))
-    wait_for(lambda: len(studio.begun) == 2)
+    until(lambda: len(studio.begun) == 2)
     studio.go.release()
-    wait_for(lambda: studio.drawn)
+    until(lambda: studio.drawn)
     assert studio.drawn == [second]
 
 
@@ -190,11 +179,11 @@ def test_the_ideal_follows_at_rest_and_an_answer_goes_before_it(drawing):
     studio, lasting, told = drawing
     lasting.ask(Request(0, SPHERES, wants=frozenset({"ideal"})))
     studio.go.release()
-    wait_for(lambda: len(studio.begun) == 2, "the ideal")  # its thread waits in it
+    until(lambda: len(studio.begun) == 2, "the ideal")  # its thread waits in it
     lasting.aside("history", 7, lambda: "all of it")
-    wait_for(lambda: ("answer", 7, "all of it") in told)
+    until(lambda: ("answer", 7, "all of it") in told)
     studio.go.release()
-    wait_for(lambda: ("picture", 0, ("ideal", "ideal")) in told, "the ideal, begun again")
+    until(lambda: ("picture", 0, ("ideal", "ideal")) in told, "the ideal, begun again")
 
 
 def test_what_fails_is_said_and_the_next_request_is_drawn(drawing, capsys):
@@ -211,12 +200,12 @@ def test_what_fails_is_said_and_the_next_request_is_drawn(drawing, capsys):
     studio.machine = failing
     for serial in (1, 2):
         lasting.ask(Request(serial, replace(SPHERES, upto=serial)))
-        wait_for(lambda serial=serial: any(number == serial for _, number, _ in told))
+        until(lambda serial=serial: any(number == serial for _, number, _ in told))
     assert told[0] == ("failed", 1, "Not this one.")
     assert told[1][2].startswith("fixedpipe failed: KeyError.") and "a fault" in capsys.readouterr().err
     studio.go.release()
     lasting.ask(Request(3, SPHERES))
-    wait_for(lambda: told[-1][:2] == ("picture", 3))
+    until(lambda: told[-1][:2] == ("picture", 3))
 
 
 # -------------------------------------------------------------------------------------------- conversation
@@ -255,7 +244,7 @@ class Window:
             ours = (p for h, p in tuple(self.pictures) if h["serial"] == serial and h["name"] == name)
             return next(ours, None)
 
-        return wait_for(found, f"picture {serial} of the {name}")
+        return until(found, f"picture {serial} of the {name}")
 
 
 @pytest.fixture(scope="module")
@@ -285,7 +274,7 @@ def test_a_window_is_greeted_and_gets_what_it_asks_for(window, studio):
     assert one.drawn(1).sha256 == studio.machine(SPHERES).sha256
     assert one.drawn(1, "other").sha256 == studio.machine(SPHERES.on("NV2A")).sha256
     assert one.drawn(1, "ideal").sha256 == studio.guided(SPHERES)[1].sha256
-    numbers = wait_for(lambda: [m for m in one.said if m["say"] == "numbers"])[0]["value"]
+    numbers = until(lambda: [m for m in one.said if m["say"] == "numbers"])[0]["value"]
     assert numbers["shown"] == one.drawn(1).sha256
 
 
@@ -293,7 +282,7 @@ def test_a_window_that_does_not_keep_up_gets_the_newest_picture_next(window, stu
     slow = window(shows=False)
     for serial in range(1, 9):
         slow.draw(serial, replace(SPHERES, upto=serial))
-        wait_for(
+        until(
             lambda serial=serial: slow.talk._worker._drawn.serial == serial if slow.talk._worker._drawn else 0
         )
     assert [h["serial"] for h, _ in slow.pictures] == [1, 2][:IN_FLIGHT]
@@ -357,7 +346,7 @@ def test_hostile_messages_are_answered_by_a_sentence_and_do_no_harm(window, mess
     def refused():
         return next((m for m in tuple(one.said) if m["say"] in ("refused", "failed")), None)
 
-    assert wait_for(refused)["words"].endswith((".", "?"))
+    assert until(refused)["words"].endswith((".", "?"))
     one.draw(50)
     one.drawn(50)
     assert capfd.readouterr().err == ""
