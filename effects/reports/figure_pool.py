@@ -22,6 +22,7 @@ from fixedpipe.effects.reports.figure_failures import failure, failures_of
 from fixedpipe.effects.reports.figure_files import write_figure, write_record
 from fixedpipe.effects.reports.figure_inputs import inputs_of
 from fixedpipe.effects.reports.own_figures import own_figure
+from fixedpipe.effects.reports.plates import Plates
 from fixedpipe.pipeline.native import background_compiling
 from fixedpipe.pipeline.native.compiling import watch_compiling
 from fixedpipe.pipeline.native.threads import limit_threads
@@ -46,7 +47,7 @@ class Order:
     threads       None: one for each processor that no other process has
     with_checks   whether it is checked
     folder        the folder of its files
-    named         a folder for its pictures under readable names, or None
+    named         Plates for its pictures under readable names, or None
     inputs        the digest of its inputs
     file          the user's file with the figure; None: the package's
     is_first      whether it is of the first round: a picture on one machine, without references and checks
@@ -59,7 +60,7 @@ class Order:
     threads: int | None
     with_checks: bool
     folder: Path
-    named: Path | None
+    named: Plates | None
     inputs: str | None
     file: str | None = None
     is_first: bool = False

@@ -5,6 +5,7 @@ So a worker needs no folder in common with the client. The files are those that 
 
 import tempfile
 import time
+from dataclasses import astuple
 from pathlib import Path
 
 from fixedpipe.effects.refusal import Refusal
@@ -12,6 +13,7 @@ from fixedpipe.effects.reports.figure_failures import failures_of
 from fixedpipe.effects.reports.figure_files import write_record
 from fixedpipe.effects.reports.figure_pool import Order
 from fixedpipe.effects.reports.files import writable_folder, write_whole
+from fixedpipe.effects.reports.plates import Inset, Plates
 from fixedpipe.effects.tasks.executors import Workers
 from fixedpipe.effects.tasks.run import run
 from fixedpipe.effects.tasks.task import Task
@@ -19,11 +21,16 @@ from fixedpipe.effects.tasks.task import Task
 _NAMED = "named"  # the folder of readable pictures, among the files
 
 
-def drawn_files(id, machines, size, with_checks, inputs, file, has_names):
-    """In a worker: a figure's record and seconds of a processor, and its files. Arguments as of an Order."""
+def drawn_files(id, machines, size, with_checks, inputs, file, plates):
+    """In a worker: a figure's record and seconds of a processor, and its files. Arguments as of an Order;
+    ``plates`` has the Plates' numbers, None without them.
+    """
     with tempfile.TemporaryDirectory(prefix="fixedpipe-") as name:
         folder = Path(name)
-        named = writable_folder(folder / _NAMED) if has_names else None
+        named = None
+        if plates is not None:
+            supersample, gutter, inset = plates
+            named = Plates(writable_folder(folder / _NAMED), supersample, gutter, inset and Inset(*inset))
         how = id, tuple(machines), size, None, with_checks, folder, named, inputs, file
         begun = time.process_time()
         record = Order(*how).draw(lambda text: None)
@@ -54,7 +61,7 @@ def draw_by(workers: Workers, orders, step):
             "with_checks": order.with_checks,
             "inputs": order.inputs,
             "file": order.file,
-            "has_names": order.named is not None,
+            "plates": order.named and [order.named.supersample, order.named.gutter, _numbers(order.named)],
         }
         task = Task(drawn_files, parameters, f"{order.id} on {', '.join(order.machines)}", order.inputs or "")
         by_digest[task.digest] = task, order
@@ -71,13 +78,18 @@ def draw_by(workers: Workers, orders, step):
             return
 
 
+def _numbers(plates):
+    """The Inset's fields, None without one."""
+    return list(astuple(plates.inset)) if plates.inset else None
+
+
 def _written(order, outcome):
     """The record of a figure whose files are written now."""
     record = outcome.value["record"]
     try:
         for name, data in outcome.files.items():
             folder, _, rest = name.partition("/")
-            place = order.named if folder == _NAMED else writable_folder(order.folder / folder)
+            place = order.named.folder if folder == _NAMED else writable_folder(order.folder / folder)
             write_whole(place / rest, data)
         write_record(order.folder, record)
     except Refusal as error:

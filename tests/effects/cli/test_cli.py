@@ -191,7 +191,7 @@ def test_a_figure_is_written_with_a_record_pictures_and_a_gallery(tmp_path):
     assert {"caption", "source", "parameters"} <= record.keys() and "provenance" in drawn
     np.testing.assert_array_equal(kept.codes(out, drawn["pictures"]["machine"]), color[..., :3])
 
-    page = (out / "index.html").read_text()
+    page = (out / "index.html").read_text() + (out / "plain.html").read_text()
     assert "F004-4.json" in page and drawn["pictures"]["machine"]["digest"] in page
     assert 'src="http' not in page
     assert str(tmp_path) not in page + (out / "F004-4.json").read_text()
