@@ -251,6 +251,7 @@ def with_check(monkeypatch, value):
     figure = replace(
         FIGURES["K12"],
         methods=(Method("register combiners", FIGURES["K12"].methods[0].scene, ("GEFORCE_256",)),),
+        parts=(),
         acceptance=lambda figure, renderer: (check,),
     )
     monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", Few({**FIGURES, "K12": figure}))
@@ -268,7 +269,7 @@ def test_a_failed_check_is_printed_with_its_bound_and_sets_exit_status_1(
     line = next(line for line in result.stdout.splitlines() if "a measured thing" in line)
     assert line.split()[1] == verdict
     assert f"{value:.4g} <= 0.5" in line and "half is enough" in line
-    assert "a measured thing" in (tmp_path / "index.html").read_text()
+    assert "a measured thing" in (tmp_path / "plain.html").read_text()
 
 
 def test_checks_that_raise_are_said_and_the_other_figures_are_drawn(tmp_path, monkeypatch):
@@ -298,10 +299,10 @@ def test_a_check_that_failed_is_shown_though_another_machine_drew_the_same_bits(
         return (Check("not on the NV2A", value, at_most=0.5, on=Answer.MACHINE, reason="it is another"),)
 
     methods = (Method("twice the same", FIGURES["K12"].methods[0].scene, ("GEFORCE_3", "NV2A")),)
-    figure = replace(FIGURES["K12"], methods=methods, acceptance=acceptance)
+    figure = replace(FIGURES["K12"], methods=methods, parts=(), acceptance=acceptance)
     monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", Few(K12=figure))
     assert run("figures", "--check", "--size", 16, "--out", tmp_path).exit_code == 1
-    page = (tmp_path / "index.html").read_text()
+    page = (tmp_path / "plain.html").read_text()
     assert "NV2A (NV2A): the same bits as GeForce 3." in page
     assert "1 of 2 acceptance checks failed" in page and "<td>NV2A</td>" in page
 
@@ -455,7 +456,7 @@ def test_the_ideal_draws_every_figure_once_and_is_compared_with_nothing(tmp_path
     assert (drawn["profile"], drawn["sha256"], drawn["difference"]) == ("IDEAL", digest(ideal), None)
     assert drawn["pictures"].keys() == {"machine"} and drawn["passes"] == []
     np.testing.assert_array_equal(kept.codes(tmp_path, drawn["pictures"]["machine"]), ideal[..., :3])
-    assert all(f"{name}.json" in (tmp_path / "index.html").read_text() for name in few)
+    assert all(f"{name}.json" in (tmp_path / "plain.html").read_text() for name in few)
     sentence = refusal_of("figures", "K12", "--check", "--profile", "IDEAL", "--out", tmp_path)
     assert "compares machines with IDEAL" in sentence
 
