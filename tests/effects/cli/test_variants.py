@@ -29,10 +29,8 @@ def test_a_variant_is_what_render_draws_and_says_what_was_changed(tmp_path):
     assert done.exit_code == 0, done.output
     name = "F004-4+slices=6+stacks=4+light=0,1,0.2"
     assert {path.name for path in tmp_path.iterdir()} == {
-        "index.html",
+        *("index.html", "plain.html", "catalogue", "pictures", "records"),
         f"{name}.json",
-        "pictures",
-        "records",
     }
     drawn = FIGURES["F004-4"].render("GEFORCE_3", 16, slices=6, stacks=4, light=(0, 1, 0.2))
     record = kept.record(tmp_path, name)
@@ -68,7 +66,7 @@ def test_a_gallery_has_a_card_for_the_figure_and_one_for_each_variant(tmp_path):
     own = (tmp_path / "K14.json").read_bytes()
     assert run("figures", "K14", "--set", "cells=8", *small).exit_code == 0
     assert (tmp_path / "K14.json").read_bytes() == own
-    page = (tmp_path / "index.html").read_text()
+    page = (tmp_path / "plain.html").read_text()
     assert page.index('<section id="K14">') < page.index('<section id="K14+cells=8">')
     figure, variant = page.split("<section")[1:]
     assert "Must be seen:" in figure

@@ -3,6 +3,7 @@ is computed. One rule for every command.
 """
 
 import os
+import shutil
 import stat
 import subprocess
 import sys
@@ -14,8 +15,11 @@ from click.testing import CliRunner
 from PIL import Image
 
 from fixedpipe.effects.cli import compiling, conformance, golden, main, selftest
+from fixedpipe.effects.nv2a_frames.writing import frame_bytes
 from fixedpipe.effects.reports import files
+from fixedpipe.pipeline.commands import Clear
 from fixedpipe.pipeline.traces.writer import TraceWriter
+from tests.layers import ROOT
 
 # Commands and what each needs, beside the file or folder that it is to write.
 COMMANDS = {
@@ -40,6 +44,9 @@ COMMANDS = {
     "conformance": ("captures",),
     "selftest": (),
     "replay": ("empty.trace",),
+    "pixel": ("state.json",),
+    "nv2a": ("empty.nv2a",),
+    "sweep": ("K12", "--vary", "depth=0:0.4:2"),
 }
 # What has to be given beside some of their options, and what each file is called.
 BESIDE = {
@@ -51,10 +58,12 @@ BESIDE = {
     ("roughness", "--picture"): ("--out", "good.npz"),
     ("brdf", "--picture"): ("--out", "good.npz"),
     ("brdf", "--resume"): ("--out", "good.npz"),
+    ("sweep", "--plot"): ("--out", "good.csv"),
 }
 ENDINGS = {
     ("roughness", "--out"): "npz",
     ("brdf", "--out"): "npz",
+    ("sweep", "--out"): "csv",
     "--json": "json",
     "--csv": "csv",
     "--html": "html",
@@ -96,6 +105,8 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "mesh.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     with TraceWriter("empty.trace") as trace:
         trace.call("glFlush", (), ())
+    shutil.copy(ROOT / "docs" / "examples" / "states" / "squared.json", "state.json")
+    (tmp_path / "empty.nv2a").write_bytes(frame_bytes((Clear(label="black", color=(0, 0, 0, 0)),), 8, 8, 24))
     (tmp_path / "program.rc").write_text("!!RC1.0 out.rgb = col0; out.a = col0.a;")
     (tmp_path / "captures" / "Suite").mkdir(parents=True)
     Image.new("RGBA", (640, 480)).save("captures/Suite/case.png")

@@ -1,5 +1,6 @@
 """Sweeps by the command line: rows, files, what is found again, and what cannot be done."""
 
+import csv
 import json
 import math
 import re
@@ -35,7 +36,7 @@ def refusal(*arguments):
 
 
 def table(path):
-    header, *rows = (line.split(",") for line in path.read_text().splitlines())
+    header, *rows = csv.reader(path.read_text().splitlines())
     return [dict(zip(header, row, strict=True)) for row in rows]
 
 
