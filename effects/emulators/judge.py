@@ -136,7 +136,9 @@ class _Asked:
             raise Refusal(
                 f"{command[0]!r} cannot be started: {reason}. Give the path of a program that runs here."
             ) from error
-        for target, arguments in ((self._write, (lines,)), (self._read, ()), (self._listen, ())):
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
+        for target, arguments in ((self._write, (lines,)), (self._read, ())):
             threading.Thread(target=target, args=arguments, daemon=True).start()
 
     def _write(self, lines):
@@ -186,6 +188,7 @@ class _Asked:
         ended = f"ended with status {status}"
         if status < 0:
             ended = f"crashed with signal {-status} ({signal.strsignal(-status)})"
+        self._listener.join(self.patience)  # what it started may still hold its errors open
         said = self.complaint.decode(errors="replace").strip().splitlines()
         last = "".join(c for c in said[-1] if c.isprintable())[:_COMPLAINT] if said else ""
         return f"{ended} before case {case}" + (f", and said: {last}" if last else ".")
