@@ -27,9 +27,7 @@ from fixedpipe.effects.viewer.views import View, view_of
 from fixedpipe.effects.viewer.widget import view_figure
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.golden.pixels import pixels_of_png
-from tests.browser.conftest import HANGS
-from tests.support import waiting
-from tests.support.waiting import until
+from tests.support.waiting import HANGS, until
 
 SIZE = 48
 TOKEN = "a-token-of-the-tests-0123"
@@ -68,7 +66,7 @@ def visit(browser, server):
 
     def opened(address="", width=1400, at=None, **options):
         context = browser.new_context(viewport={"width": width, "height": 900}, **options)
-        context.set_default_timeout(HANGS)
+        context.set_default_timeout(1000 * HANGS)
         contexts.append(context)
         page = context.new_page()
         home = at or server.address
@@ -415,7 +413,7 @@ def test_random_gestures_raise_no_error_and_keep_no_memory(visit, count, capfd):
 
 
 def answered(server, path, **headers):
-    with closing(http.client.HTTPConnection("127.0.0.1", server.port, timeout=waiting.HANGS)) as connection:
+    with closing(http.client.HTTPConnection("127.0.0.1", server.port, timeout=HANGS)) as connection:
         connection.request("GET", path, headers=headers)
         answer = connection.getresponse()
         return answer, answer.read()
@@ -459,16 +457,16 @@ def test_a_forged_origin_or_a_wrong_token_gets_no_connection(server):
         (live.replace(TOKEN, "x" * len(TOKEN)), own),
     ):
         with pytest.raises(InvalidStatus) as refused:
-            connect(address, origin=origin, open_timeout=waiting.HANGS).__enter__()
+            connect(address, origin=origin, open_timeout=HANGS).__enter__()
         assert refused.value.response.status_code in (403, 404)
-    with connect(live, origin=own, open_timeout=waiting.HANGS, ping_interval=None) as good:
+    with connect(live, origin=own, open_timeout=HANGS, ping_interval=None) as good:
         assert json.loads(good.recv())["say"] == "hello"
         good.send("no JSON {")
         assert json.loads(good.recv())["say"] == "refused"
         good.send('"' + "x" * (1 << 17) + '"')  # more than a message may be: the connection ends
         with pytest.raises(Exception, match=r"1009|too big"):
             for _ in range(3):
-                good.recv(timeout=waiting.HANGS)
+                good.recv(timeout=HANGS)
 
 
 def emptied(server):
@@ -484,13 +482,11 @@ def test_there_are_no_more_windows_than_may_be(server):
     emptied(server)
     with ExitStack() as opened:
         for _ in range(MOST_WINDOWS):
-            window = opened.enter_context(
-                connect(live, origin=own, open_timeout=waiting.HANGS, ping_interval=None)
-            )
+            window = opened.enter_context(connect(live, origin=own, open_timeout=HANGS, ping_interval=None))
             assert json.loads(window.recv())["say"] == "hello"
-        late = opened.enter_context(connect(live, origin=own, open_timeout=waiting.HANGS, ping_interval=None))
+        late = opened.enter_context(connect(live, origin=own, open_timeout=HANGS, ping_interval=None))
         with pytest.raises(ConnectionClosed, match="windows already"):
-            late.recv(timeout=waiting.HANGS)
+            late.recv(timeout=HANGS)
     emptied(server)
 
 
@@ -522,7 +518,7 @@ def test_a_notebooks_widget_is_the_same_page_and_its_state_goes_both_ways(visit,
     waiting = []
     widget.send = lambda message, buffers=None: waiting.append((message, buffers))
     context = browser.new_context(viewport={"width": 900, "height": 900})
-    context.set_default_timeout(HANGS)
+    context.set_default_timeout(1000 * HANGS)
     page, heard = context.new_page(), []
     page.expose_function("toPython", lambda text: heard.append(json.loads(text)))
     page.set_content("<body></body>")

@@ -40,6 +40,7 @@ def test_the_wheel_holds_fixedpipe_alone_and_all_of_it(wheel):
         path.relative_to(ROOT).as_posix()
         for path in ours
         if path.suffix in (".py", ".pyi", ".typed", ".bib", ".js", ".css", ".json", ".toml", ".h", ".glsl")
+        or path.name == "LICENSE"
     }
     assert {name for name in files if name.endswith("py.typed")} == {
         f"{folder}/py.typed" for folder in FOLDERS
