@@ -90,10 +90,10 @@ def test_a_figure_of_a_file_is_checked_and_has_a_record_and_a_card(file, tmp_pat
     assert record["command"] == f"fixedpipe figures {path} --check"
     assert [m["profile"] for m in record["machines"]] == ["GEFORCE_256", "OPENGL_1_2"]
     assert record["page"] is None and record["file"] == path
-    assert 'href="#MY-1"' in (tmp_path / "out" / "index.html").read_text()
+    assert 'href="#MY-1"' in (tmp_path / "out" / "plain.html").read_text()
     # Another run for the folder keeps the card.
     run("K12", "--size", 8, "--profile", "GEFORCE_256")
-    page = (tmp_path / "out" / "index.html").read_text()
+    page = (tmp_path / "out" / "plain.html").read_text()
     assert 'href="#MY-1"' in page and 'href="#K12"' in page
     run("my_figure.py", "--profile", "GEFORCE_256", "--set", "color=0,0,1")
     assert (tmp_path / "out" / "MY-1+color=0,0,1.json").exists()

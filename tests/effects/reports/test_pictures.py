@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fixedpipe.effects.reports.pictures import (
+from fixedpipe.effects.reports.pictures import PREVIEW, (
     LOSSLESS,
     NARROW,
     OF_GRID,
@@ -90,7 +90,7 @@ def test_of_equal_pictures_there_is_one_with_all_files_that_were_asked_for():
     assert pictures.add(one.copy(), LOSSLESS, WIDE) == pictures.add(one, NARROW, OF_GRID) == first
     second = pictures.add(other, NARROW)
     files = {name: data() for name, data in pictures.files()}
-    widths = {f"{first}.webp": 768, f"{first}-480.webp": 480, f"{second}.webp": 4}
+    widths = {f"{first}.webp": PREVIEW, f"{first}-480.webp": 480, f"{second}.webp": 4}
     assert files.keys() == {f"{first}.js", *widths}
     assert called(files[f"{first}.js"])[:3] == (first, 1000, 10)
     for name, width in widths.items():
