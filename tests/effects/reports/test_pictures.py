@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fixedpipe.effects.reports.pictures import PREVIEW, (
+from fixedpipe.effects.reports.pictures import (
     LOSSLESS,
     NARROW,
     OF_GRID,
+    PREVIEW,
     WIDE,
     Pictures,
     canonical,
