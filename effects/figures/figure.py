@@ -370,7 +370,8 @@ class Figure:
     ) -> NDArray[np.float64] | None:
         """What the algorithm approximates, by ``reference``, of the figure's parameters and the method's own:
         RGBA float64 [height, width, 4], top row first, 1.0 = full, alpha 0 where a panel has none. None where
-        the figure has no reference. It is computed once for all machines, and not to be written to.
+        the figure has no reference. It is not to be written to. With the
+        figure's own values it is computed once for all machines.
 
         size     a panel's height in pixels; None: the figure's own
         method   one of ``methods``, whose values of parameters it takes; None: the first
@@ -385,7 +386,7 @@ class Figure:
         values = self._scene_values(method, self.accepted(method, changes))
         named = (*self.parameters, *method.parameters)
         of = self.reference, height, repr([(name, values[name]) for name in named])
-        for *made_of, picture in tuple(_REFERENCES):
+        for *made_of, picture in () if changes else tuple(_REFERENCES):
             if made_of == [*of]:
                 return picture
         picture = self.reference(height, **{name: values[name] for name in named})
@@ -400,7 +401,8 @@ class Figure:
                 "colours, and alpha 0 where there is none."
             )
         picture.flags.writeable = False
-        _REFERENCES.append((*of, picture))
+        if not changes:  # a text says all of the figure's own values, and not of an array that a user gives
+            _REFERENCES.append((*of, picture))
         return picture
 
     def _scene_values(self, method: Method, changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -438,7 +440,8 @@ class Figure:
 _MADE: deque[tuple[Figure, Method, Profile, int, tuple[Command, ...]]] = deque(maxlen=3)
 
 
-# The references that were computed last: function, height, values and picture. All machines have the same.
+# References with figures' own values that were computed last: function, height, values and picture. All
+# machines of a method have the same.
 _REFERENCES: deque[tuple[Reference, int, str, NDArray[np.float64]]] = deque(maxlen=3)
 
 

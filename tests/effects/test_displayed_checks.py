@@ -58,6 +58,14 @@ def test_a_reference_is_computed_once_and_not_written_to():
         pictures[0][:] = 0.0
 
 
+def test_a_reference_with_other_values_is_computed_each_time():
+    name, *_ = (name for name, parameter in FIGURE.parameters.items() if parameter.offered)
+    value = FIGURE.values[name]
+    pictures = [FIGURE.reference_picture(16, **{name: value}) for _ in range(2)]
+    assert pictures[0] is not pictures[1]
+    np.testing.assert_array_equal(*pictures)
+
+
 @pytest.mark.parametrize("compared", [(0,), (5,), (1, 5)])
 def test_a_panel_that_is_not_there_cannot_be_compared(compared):
     with pytest.raises(ValueError, match="name panels from 1 to 4"):
