@@ -34,6 +34,7 @@ def test_a_panel_is_seen_alone_and_flipped_in_place(visit, made):
     assert is_pressed(page, "correct") and address_has(page, "panel=2")
     press(page, ".")
     np.testing.assert_array_equal(seen(page), magnified(panel_of(made, 3), 8))
+    assert address_has(page, "panel=3")
     page.reload()
     np.testing.assert_array_equal(seen(stage(page)), magnified(panel_of(made, 3), 8))
     press(page, "Shift+Digit0")
