@@ -420,5 +420,9 @@ def test_numbers_of_the_evidence_stand_on_the_pages():
             assert count in pages, f"{rule.id}: {count}"
 
 
+# It asks what a state draws. No formula differs: both words are 0, so every input of the formula is 0.
+_OF_A_STATE = {"final-words-zero"}
+
+
 def test_every_question_that_captures_leave_open_is_some_rule_s():
-    assert {rule.open for rule in RULES.values()} - {""} == questions.RULES.keys()
+    assert {rule.open for rule in RULES.values()} - {""} == questions.RULES.keys() - _OF_A_STATE
