@@ -128,22 +128,67 @@ _ACCEPTED = re.findall(
     r"^(\w+)/(.+?): \d+ / \d+$", (ROOT / "tests" / "conformance" / "accepted.txt").read_text(), re.MULTILINE
 )
 REDRAWN = {name for pair in _ACCEPTED for name in pair}
+TAGS = ("Measured", "Source", "Inferred", "Assumed")
+_TAG = re.compile(rf"\b(?:{'|'.join(TAGS)}):")
+# Every rule, whole: its lines and its table.
+WHOLE = dict(
+    re.findall(r'^- <a id="(N\d+\.\d+)"></a>(.*?)(?=^- <a id=|^## |\Z)', TEXT, re.MULTILINE | re.DOTALL)
+)
 
 
 def names_a_capture(text):
     """Whether a text has the name of a suite or case that is redrawn, or what several cases begin with."""
-    words = {word.strip(".,;:()") for word in text.split()}
+    words = set(re.findall(r"[\w-]+", text))
     long = tuple(word for word in words if "_" in word)
     return bool(words & REDRAWN) or any(name.startswith(long) for name in REDRAWN if long)
 
 
-@pytest.mark.parametrize("item", [i for i in bullets(TEXT) if "Measured" in i and i.startswith("- <a id=")])
-def test_a_measured_rule_names_a_capture_that_is_redrawn(item):
-    rule = re.search(r"N\d+\.\d+", item)[0]
-    whole = re.search(rf'<a id="{rule}">.*?(?=^- <a id=|^## )', TEXT, re.MULTILINE | re.DOTALL)[0]
-    assert names_a_capture(whole), whole
+def measurements(text):
+    """What each ``Measured:`` of a rule says, to the next tag or the item's end."""
+    for item in re.split(r"\n  - ", text):
+        joined = re.sub(r"\s+", " ", item)
+        for found in re.finditer(r"\bMeasured\b", joined):
+            rest = joined[found.end() :]
+            after = _TAG.search(rest, 1)
+            yield rest[: after.start() if after else None]
+
+
+def is_shown(measured, whole):
+    """Whether a measurement names what is redrawn, or a rule, another one, that does."""
+    return names_a_capture(measured) or any(
+        "Measured:" in whole[rule] and any(map(names_a_capture, measurements(whole[rule])))
+        for rule in re.findall(r"N\d+\.\d+", measured)
+    )
+
+
+@pytest.mark.parametrize("rule", WHOLE)
+def test_a_rule_says_how_it_is_known(rule):
+    assert _TAG.search(WHOLE[rule]), "Measured:, Source:, Inferred:, or Assumed: and what would settle it"
+
+
+def test_every_format_of_the_table_says_how_it_is_known():
+    table = TEXT.split("## 1. Formats")[1].split("## 2.")[0]
+    rows = [row.strip("|").rsplit("|", 1)[1] for row in re.findall(r"^\|.*\|$", table, re.MULTILINE)][2:]
+    assert len(rows) > 10
+    for row in rows:
+        assert _TAG.match(row.strip()), row
+        assert all(names_a_capture(measured) for measured in measurements(row)), row
+
+
+@pytest.mark.parametrize("rule", [rule for rule, text in WHOLE.items() if "Measured" in text])
+def test_each_measurement_names_a_capture_that_is_redrawn(rule):
+    found = list(measurements(WHOLE[rule]))
+    assert found
+    assert [measured for measured in found if not is_shown(measured, WHOLE)] == []
 
 
 def test_what_names_no_capture_is_seen():
-    assert names_a_capture("all pixels (Texture_cubemap)") and names_a_capture("DepthFmt_z16 captures")
+    assert names_a_capture("all pixels (Texture_cubemap)") and names_a_capture("DepthFmt_z16's captures")
     assert not names_a_capture("Measured: all pixels of 3 captures. OpenGL 1.2.1")
+    rules = {"N1.1": "A. Measured: 3 of 3 (Fog). Source: Clear.", "N1.2": "B. Measured: N1.1.", "N1.3": "C."}
+    rules["N1.4"] = "D.\n  - Measured: 1 of 1.\n  - Fog. Measured: 2 of\n    2 (Clear; N1.3)."
+    assert list(measurements(rules["N1.1"])) == [": 3 of 3 (Fog). "]
+    assert list(measurements(rules["N1.4"])) == [": 1 of 1.", ": 2 of 2 (Clear; N1.3)."]
+    assert [is_shown(m, rules) for m in measurements(rules["N1.4"])] == [False, True]
+    assert [is_shown(m, rules) for m in measurements(rules["N1.2"])] == [True]
+    assert not is_shown(": 1 of 1 (N1.3)", rules)
