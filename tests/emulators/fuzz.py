@@ -20,7 +20,6 @@ from tests.emulators.kernels import FUZZED, Drawn
 
 INPUTS = 10_000_000  # of each rule
 LEAST = 256  # inputs of a batch: a row of blocks
-SLOWER = 1000  # a rule whose kernel computes one at a time has so many fewer
 
 
 def _words(base, column, count, id_="", name=""):
@@ -68,11 +67,6 @@ def fuzz(library, id_, inputs, seed):
     return seen, wrong, first
 
 
-def inputs_of(id_, inputs):
-    """How many of so many inputs a rule is given."""
-    return max(1, inputs // SLOWER) if FUZZED[id_].slow else inputs
-
-
 def main():
     """Fuzz the rules that the command line names, or all."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -85,7 +79,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         library = Library([call_of(id_) for id_ in ids], Path(folder))
         for id_ in ids:
-            seen, wrong, first = fuzz(library, id_, inputs_of(id_, arguments.inputs), arguments.seed)
+            seen, wrong, first = fuzz(library, id_, arguments.inputs, arguments.seed)
             print(f"{id_}: {wrong} of {seen} differ" + (f"; first {first}" if first else ""), flush=True)
             bad += wrong > 0
     print(f"{len(ids) - bad} of {len(ids)} rules agree")

@@ -31,7 +31,7 @@ from fixedpipe.pipeline.vertices.vertex_programs import vertex_program
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import combine, interpolate, per_fragment, sample, texture_shader
 from fixedpipe.raster.columns.numbers import lerp, quotient, with_fog
-from fixedpipe.raster.columns.w_slope import w_slope
+from tests.emulators.slopes import slopes_of_w
 
 CHIP = arithmetic_of(NV2A, 8)
 INSIDE = (0, 1, 2, 126, 127, 128, 129, 254, 255)
@@ -105,13 +105,10 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Fuzzed:
-    """How a rule is fuzzed: ``draw`` makes columns, ``compute`` their result; ``slow``: it computes one at
-    a time, so a thousandth of the inputs are drawn.
-    """
+    """How a rule is fuzzed: ``draw`` makes columns, so many in a batch, and ``compute`` their result."""
 
     draw: Any
     compute: Any
-    slow: bool = False
     batch: int = 1 << 17
 
 
@@ -275,11 +272,7 @@ _add(
         d.ordinary(3, 3, signed=False),
         np.concatenate([d.ints(0, 7, 2), d.ints(9, 39, 2)], axis=1),
     ),
-    lambda x, y, w, box: np.array(
-        [w_slope(*row[:3], 1.0 / row[2], row[3], 4) for row in zip(x, y, w, box, strict=True)]
-    ),
-    slow=True,
-    batch=1 << 10,
+    slopes_of_w,
 )
 
 
