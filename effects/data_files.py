@@ -29,7 +29,7 @@ from fixedpipe.effects.refusal import nearest
 WORDS = {
     "figures.toml": (
         ("title", "caption", "must_see", "source", "techniques"),
-        ("panels", "parts", "compared"),
+        ("panels", "parts", "compared", "shown_by"),
     ),
     "studies.toml": (("title", "question", "source", "techniques"), ("method",)),
 }
@@ -37,6 +37,8 @@ WORDS = {
 _SEVERAL = ("techniques", "panels", "parts")
 # What is a tuple of whole numbers.
 _NUMBERS = ("compared",)
+# What is a tuple of tuples of texts.
+_LISTS = ("shown_by",)
 _OF_A_CHECK = ("at_most", "at_least", "reason")
 _ANSWERS = {answer.value for answer in Answer}
 
@@ -128,11 +130,16 @@ class Data:
         except tomllib.TOMLDecodeError as error:
             self._refuse(f"{error}.", error)
 
-    def _word(self, name: str, value: object) -> str | tuple[str, ...] | tuple[int, ...]:
+    def _word(self, name: str, value: object) -> str | tuple[Any, ...]:
         if name in _NUMBERS:
             if not isinstance(value, list) or not all(type(number) is int for number in value):
                 self._refuse(f"{name} of [{self._id}] is {value!r}; give a list of whole numbers.")
             return tuple(value)
+        if name in _LISTS:
+            rows = value if isinstance(value, list) else [value]
+            if not all(isinstance(row, list) and all(isinstance(text, str) for text in row) for row in rows):
+                self._refuse(f"{name} of [{self._id}] is {value!r}; give a list of lists of texts.")
+            return tuple(tuple(map(_sentence, row)) for row in rows)
         texts = value if name in _SEVERAL else [value]
         if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
             what = "a list of texts" if name in _SEVERAL else "a text"

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.must_see import sentences
 from fixedpipe.effects.figures.displayed_checks import displayed_checks
 from fixedpipe.effects.figures.parameters import Parameter
 from fixedpipe.effects.figures.rendering import Rendering
@@ -93,6 +94,8 @@ class Figure:
                  presents the figure draws the labels, the machine does not
     parts        labels of the Draws that must be seen, which ``parts_check`` asks for
     compared     numbers, from 1, of the panels whose pixels a check compares with the reference's
+    shown_by     for each sentence of ``must_see`` the names of the checks that fail where it is untrue, in a
+                 tuple. Of a check in a data file, the name is the table's, with its fields
     size         default height of a panel, pixels
     aspect       a panel's width to its height, as whole numbers: (8, 5)
     parameters   what may be changed of it, by name; ``commands`` takes other values by these names
@@ -111,6 +114,7 @@ class Figure:
     panels: tuple[str, ...] = ("",)
     parts: tuple[str, ...] = ()
     compared: tuple[int, ...] = ()
+    shown_by: tuple[tuple[str, ...], ...] = ()
     size: int = 512
     aspect: tuple[int, int] = (1, 1)
     parameters: Mapping[str, Parameter] = field(default_factory=dict)
@@ -130,6 +134,11 @@ class Figure:
             raise ValueError(
                 f"{self.id} compares the panels {self.compared} with its reference; name panels from 1 to "
                 f"{self.columns}, and give it a reference."
+            )
+        if self.shown_by and len(self.shown_by) != len(sentences(self.must_see)):
+            raise ValueError(
+                f"{self.id} says for {len(self.shown_by)} sentences which checks show them, and its must-see "
+                f"has {len(sentences(self.must_see))}; give each sentence its checks."
             )
         for name, parameter in self.parameters.items():
             if not isinstance(parameter, Parameter):

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer
+from fixedpipe.effects.acceptance.must_see import is_named
 from fixedpipe.effects.bibliography import citation
 from fixedpipe.effects.computed_once import kept_array
 from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer
@@ -170,7 +171,9 @@ def render(
                 failures.append(failure(error, machine, "checked", file))
                 checks = ()
             record["checks"] = [
-                c.record() for c in checks if c.on is Answer.MACHINE or method.name not in checked
+                c.record() | _shows(figure, c)
+                for c in checks
+                if c.on is Answer.MACHINE or method.name not in checked
             ]
         drawn.append(record)
     record = record_of(figure, machines, size, changes, with_checks, drawn, failures, file)
@@ -218,6 +221,16 @@ def record_of(figure, machines, size, changes, with_checks, drawn, failures, fil
         del record["must_see"]
         record |= {"figure": figure.id, "set": plain_values(figure, changes)}
     return record
+
+
+def _shows(figure, check):
+    """The numbers, from 1, of the must-see's sentences that name a Check."""
+    numbers = [
+        number
+        for number, names in enumerate(figure.shown_by, 1)
+        if any(is_named(check.name, name) for name in names)
+    ]
+    return {"must_see": numbers} if numbers else {}
 
 
 def _citation(figure):

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from fixedpipe.effects.acceptance.check import Answer, Check
+from fixedpipe.effects.acceptance.must_see import is_named
 from fixedpipe.effects.figures import FIGURES, Figure, Method, Renderer
 from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -116,6 +117,9 @@ def test_every_acceptance_check_of_a_figure_passes(figure_id, machine):
         if not c.passed
     ]
     assert not failed
+    if machine == figure.machines[0]:
+        named = {name for names in figure.shown_by for name in names}
+        assert [name for name in named if not any(is_named(c.name, name) for c in checks)] == []
 
 
 def test_a_machine_that_cannot_draw_a_figure_is_refused_with_those_that_can():

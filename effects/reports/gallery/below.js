@@ -24,13 +24,25 @@ function copyable(name, text) {
 const section = (title, name, ...children) =>
   el("section", { class: name }, el("h2", {}, title), children);
 
-function mustSee(record, figure) {
+// A sentence of the must-see, and the checks that fail where it is untrue.
+function sentenceOf(sentence, number, rows) {
+  const found = rows.filter((row) => (row.machine || row.ideal).must_see?.includes(number));
+  if (!found.length) return el("li", {}, sentence);
+  const ofChecks = found.map((row) => {
+    const verdicts = [row.ideal, row.machine].filter((check) => check), passed = verdicts.every((check) => check.passed);
+    return el("li", {}, row.name, " ", el("span", { class: passed ? "ok" : "failed" }, passed ? "ok" : "failed"));
+  });
+  const title = found.length === 1 ? "1 check" : `${found.length} checks`;
+  return el("li", {}, sentence, el("details", { class: "quiet" }, el("summary", {}, title), el("ul", {}, ofChecks)));
+}
+
+function mustSee(record, drawn, figure) {
   if (record.set) {
     const changed = Object.entries(record.set).map(([name, value]) => `${name} = ${JSON.stringify(value)}`).join(", ");
     return section(`A variant of ${record.figure}`, "must-see", el("p", {}, `${changed}. What must be seen, and what is checked, is of the figure\u2019s own values.`));
   }
   return section("Must be seen", "must-see", el("ul", { class: "checklist" },
-    figure.must_see.map((sentence) => el("li", {}, sentence))));
+    figure.must_see.map((sentence, place) => sentenceOf(sentence, place + 1, drawn ? checksOf(record, drawn) : []))));
 }
 
 // The checks of a machine, and those of the ideal, which are with the first machine that draws in the same
@@ -155,13 +167,13 @@ function below(record, drawn, figure, set) {
   const again = record.command ? section("Draw it again", "command", copyable("the command", record.command)) : null;
   if (!drawn) {
     return [
-      el("p", { class: "caption" }, record.caption), mustSee(record, figure),
+      el("p", { class: "caption" }, record.caption), mustSee(record, null, figure),
       el("div", { class: "beside" }, el("div", {}, again, sources(record))),
     ];
   }
   return [
     el("p", { class: "caption" }, record.caption),
-    el("div", { class: "beside" }, mustSee(record, figure), measured(record, drawn)),
+    el("div", { class: "beside" }, mustSee(record, drawn, figure), measured(record, drawn)),
     motionOf(record),
     machineTable(record, drawn, set),
     passesOf(record, drawn),

@@ -7,6 +7,7 @@ import re
 from html import escape
 from pathlib import Path
 
+from fixedpipe.effects.acceptance.must_see import sentences
 from fixedpipe.effects.bibliography import plain
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports.figure_failures import failures_of, in_words
@@ -101,14 +102,6 @@ def json_in_html(value):
     """
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     return re.sub("[<>&\u2028\u2029]", lambda found: f"\\u{ord(found[0]):04x}", text)
-
-
-def sentences(text):
-    """A paragraph cut into its sentences, for a list: a new one begins with a capital after a full stop, and
-    not after a single letter or an abbreviation.
-    """
-    shortened = "".join(rf"(?<!\b{word}\.)" for word in ("Eq", "Fig", "cf", "vs", "[A-Za-z]"))
-    return re.split(rf"(?<=[.!?]){shortened}\s+(?=[A-Z(])", text.strip())
 
 
 def _version_of(records):
