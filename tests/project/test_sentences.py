@@ -58,6 +58,7 @@ DONE = (
     "docs/reading-guide.md",
     "docs/replay.md",
     "docs/same-bits.md",
+    "docs/sgi-boards.md",
     "docs/silicon.md",
     "docs/studies.md",
     "docs/testing.md",
