@@ -15,18 +15,17 @@ SHOWN = 3  # vectors of a rule
 _HEAD = """\
 # The NV2A's arithmetic, for authors of emulators
 
-An emulator of the Xbox's graphics chip is right where it computes what the chip computes, one function
-after the other. This page has these functions: {rules} rules, each with its formula, what proves it, and
-test vectors. It is made by `make arithmetic`, and a test fails where it is stale. [silicon.md](silicon.md)
-says what the captures of a real chip are, and how many pixels agree; [numbers.md](numbers.md) has every
-rule with its order of operations.
+After this page you can test an emulator of the Xbox's graphics chip function by function. The page has {rules}
+rules, each with its formula, its evidence and test vectors. `make arithmetic` makes the page, and a test fails
+where it is stale. [Silicon](silicon.md) says what the captures of a real chip are, and how many pixels agree.
+[Numbers](numbers.md) has every rule with its order of operations.
 
     fixedpipe golden export DIR --rules                 DIR/rules/ID.json for each rule, {count} vectors
     fixedpipe golden export DIR --rules --cases 5000    that many random ones of each behind its edge cases
     fixedpipe golden export DIR                         random states and whole frames: golden-images.md
 
-A file is a JSON object with a case on each line, so that a program without a JSON library reads it too
-([examples/read_rules.c](examples/read_rules.c) does, for seven rules):
+A file is a JSON object with a case on each line. So a program without a JSON library can read it too;
+[examples/read_rules.c](examples/read_rules.c) does, for seven rules:
 
 | field | what it is |
 |---|---|
@@ -48,23 +47,25 @@ A file is a JSON object with a case on each line, so that a program without a JS
 | `name` | OpenGL's name without GL_, or the chip's |
 | `int[4]` | a list of so many |
 
-Every vector is computed by the functions that draw, and none is typed. `tests/effects/test_arithmetic.py`
-reads all of them back from their files and asks the executable specification (`tests/reference/`, which
-shares no code with those functions) and, where the formula is an expression, the formula itself; a vector
-that is wrong in its last bit is noticed, of each rule. `index.json` has every file's SHA-256.
+The functions that draw compute every vector; none is typed. `tests/effects/test_arithmetic.py` reads all vectors
+back from their files. It compares them with the executable specification in `tests/reference/`, which shares no
+code with those functions. Where the formula is an expression, it compares them with the formula too. For each
+rule it checks that a vector with a wrong last bit is noticed. `index.json` has every file's SHA-256.
 
-**What a proof is worth.** *Measured*: the captures named were drawn through this function, and every pixel
-but those that [silicon.md](silicon.md) tells of agrees; that says nothing of inputs that no capture has.
-*Source*: a specification or envytools' model says so, and no capture contradicts. *Inferred* and *Assumed*:
-nobody has seen it; where a question is named, [silicon.md](silicon.md#questions-that-no-capture-answers)
-has the program that would answer it.
+**What a proof is worth.** The first word of the evidence says it:
+
+- *Measured*: the named captures were drawn through this function. Every pixel agrees but those that
+  [silicon.md](silicon.md) lists. This says nothing of inputs that no capture has.
+- *Source*: a specification or envytools' model says so, and no capture contradicts.
+- *Inferred* and *Assumed*: nobody has seen it. Where a question is named,
+  [silicon.md](silicon.md#questions-that-no-capture-answers) has the program that would answer it.
 
 """
 _WORDS = """\
 ## Words of the formulas
 
-Numbers are exact unless a formula cuts them; those with a point are double precision, in the order that
-stands there.
+Numbers are exact unless a formula cuts them. Those with a point are double precision, computed in the order
+that is written.
 
 """
 _LEFT_OUT = """\

@@ -23,51 +23,75 @@ SHADERS = {name: p for name, p in PROFILES.items() if p.texture_shaders.texture_
 _HEAD = """\
 # What each instruction becomes, and where it rounds
 
-This page is made by `make instructions`; a test fails where it is stale. The general combiners are what
-`fixedpipe combiners --rc` prints of the row's program, and "yes" means that the machine's validation
-accepts it. Every formula is evaluated as it stands here beside every machine that has the construct
-(`tests/pipeline/notations/test_instructions.py`: all pairs of bytes on the NV2A, 68 by 68 of them on the
-others; `tests/pipeline/notations/test_texture_operations.py`).
-[combiner-notations.md](combiner-notations.md) has the notations, and [numbers.md](numbers.md) every rule
-with its evidence.
+After this page you know which combiners an instruction becomes, what they compute on each machine, and which
+reader refuses a program. `make instructions` makes the page, and a test fails where it is stale.
+
+The column of general combiners has what `fixedpipe combiners --rc` prints for the row's program. "yes" means
+that the machine's validation accepts the program. Tests compare every formula, as it is written here, with
+every machine that has the construct. `tests/pipeline/notations/test_instructions.py` takes all pairs of bytes
+on the NV2A, and 68 by 68 of them on the others. `tests/pipeline/notations/test_texture_operations.py` tests
+texture shaders. The page [Programs as text](combiner-notations.md) explains the notations, and
+[Numbers](numbers.md) has every rule with its evidence.
 
 """
 _WORDS = """\
-In the tables below the first statement of a combiner is A and B, the second C and D, and `sum()` AB + CD; a
-register alone is times one, and discard keeps nothing. Formulas are of whole numbers in units of 1/one, of
-each component by itself. a and b are the texels of t0 and t1 (tex0, tex1), c the primary color (v0, col0),
-d the secondary one, x a register of either sign.
+In the tables below the first statement of a combiner is A and B, the second C and D, and `sum()` AB + CD. A
+register alone is multiplied by one, and discard stores nothing. Formulas compute whole numbers in units of
+1/one, each component by itself. They have these names:
 
-`dot(a, b)` is the sum of red, green and blue's three products; `alpha(a)` and `blue(a)` are one component
-for all. The other functions are in the table, `//` a quotient cut to the whole number below. rn rounds to
-nearest: one is odd, so no number is half way. halved rounds halves up, below 0 too. signed is of red, green
-and blue, what EXPAND_NORMAL makes of what is stored, and alpha is its magnitude with its sign. written is
-the byte that is written to the frame.
+| name | what it is |
+| --- | --- |
+| a, b | the texels of t0 and t1 (tex0, tex1) |
+| c, d | the primary color (v0, col0) and the secondary color |
+| x | a register of either sign |
+| `dot(a, b)` | the sum of the three products of red, green and blue |
+| `alpha(a)`, `blue(a)` | that component, for all components |
+| `//` | a quotient, cut to the whole number below |
+| rn | rounds to nearest; one is odd, so no number is half way |
+| halved | rounds halves up, below 0 too |
+| signed | what EXPAND_NORMAL makes of the stored red, green or blue; alpha is its magnitude with its sign |
+| written | the byte that is written to the frame |
+
+The functions, on machines and in the ideal:
 
 """
 _TEXTURES = """\
-What is bound chooses the operation; where nothing is said (`--target`), it is the first of an instruction's
-rows, and a cube map for texm3x3tex and its kin. What the operations compute is said
-[below](#operations-of-ts10). Machines without combiners run no pixel shader.
+The bound texture's target chooses the operation. Without `--target`, an instruction is the first of its rows;
+texm3x3tex and its kin take a cube map. A table [below](#operations-of-ts10) has what the operations compute.
+Machines without combiners run no pixel shader.
 
 """
 _SHADERS = """\
-s, t, r, q are the last stage's coordinates, R, G, B, A the bytes of the texel that it reads, `signed(v)` a
-byte as two's complement; dots are the dot products of the group's stages in order, qs their q. A dot
-product is `{dot}`, with x, y, z the texel's red, green and blue, mapped as the table says. a1 to a4, scale,
-bias and eye are the program's numbers. Lookups and their filters round as section 7 of
-[numbers.md](numbers.md) says, and texture shaders before them nothing but `byte`, `sum`, which on machines
-cuts each term to the last of 24 bits of the largest, `dot`, which cuts products and their sum as N12.7 there
-says, and `quotient`, which multiplies with a reciprocal (N12.9). A depth is cut to a whole number on
-machines, and ends the fragment below 0, above the greatest depth and where the divisor is 0; units is the
-greatest depth, 1 on the NV2A, whose coordinates are in depth units, and 1 in the ideal, whose depths are 0
-to 1. Of a group that gives two texels the second stage looks up at dots.
+Formulas of texture shaders have these names:
+
+| name | what it is |
+| --- | --- |
+| s, t, r, q | the last stage's coordinates |
+| R, G, B, A | the bytes of the texel that it reads |
+| `signed(v)` | a byte as two's complement |
+| dots, qs | the dot products of the group's stages, in order, and their q |
+| `{dot}` | a dot product; x, y, z are the texel's red, green and blue, mapped as the table below says |
+| a1 to a4, scale, bias, eye | the program's numbers |
+| units | the greatest depth; 1 on the NV2A, whose coordinates are in depth units, and in the ideal, whose depths are 0 to 1 |
+
+Lookups and their filters round as section 7 of [numbers.md](numbers.md) says. Before a lookup, a texture shader
+rounds in these four functions alone:
+
+| function | how it rounds on machines |
+| --- | --- |
+| `byte` | as the table below says |
+| `sum` | cuts each term to the last of 24 bits of the largest |
+| `dot` | cuts products and their sum, as N12.7 says |
+| `quotient` | multiplies by a reciprocal (N12.9) |
+
+On machines a depth is cut to a whole number. It ends the fragment below 0, above the greatest depth, and where
+the divisor is 0. If a group gives two texels, its second stage looks up at dots.
 
 """
 _WHO = """\
-Direct3D's validator is told by its public documentation, nvparse by its source as distributed with OGRE 3D.
-Every program was read by the readers here when this page was made; those without a header begin with
-`ps.1.1`.
+What Direct3D's validator does is from its public documentation. What nvparse does is from its source, as
+distributed with OGRE 3D. The project's readers read every program when this page was made. Programs without a
+header begin with `ps.1.1`.
 
 """
 _ROUNDING = {True: "once, of the sum of the products", False: "of every product"}

@@ -8,62 +8,6 @@ import pytest
 ROOT = Path(__file__).parents[2]
 # The changelog is a record: what was written in it stays.
 PAGES = sorted({*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")} - {ROOT / "CHANGELOG.md"})
-# The pages that are done. A page that is rewritten joins them.
-DONE = (
-    "CONTRIBUTING.md",
-    "README.md",
-    "docs/adding-things.md",
-    "docs/architecture.md",
-    "docs/code-for-emulators.md",
-    "docs/combiner-notations.md",
-    "docs/coming-from.md",
-    "docs/decisions/0010-pixel-shaders.md",
-    "docs/decisions/0017-variants-and-windows.md",
-    "docs/decisions/0025-what-if-by-the-machine-itself.md",
-    "docs/decisions/0027-what-a-program-means.md",
-    "docs/decisions/0028-files-that-people-bring.md",
-    "docs/decisions/0029-mesh-files.md",
-    "docs/decisions/0030-ideal-over-reals.md",
-    "docs/decisions/0031-words-in-data.md",
-    "docs/decisions/0032-records-of-states.md",
-    "docs/decisions/0033-float32-that-cuts.md",
-    "docs/from-python.md",
-    "docs/gallery.md",
-    "docs/glossary.md",
-    "docs/golden-images.md",
-    "docs/inspecting.md",
-    "docs/install.md",
-    "docs/machine-beside-ideal.md",
-    "docs/machines.md",
-    "docs/mesa.md",
-    "docs/numbers.md",
-    "docs/nv2a-frames.md",
-    "docs/open-questions.md",
-    "docs/own-data.md",
-    "docs/pages-and-slides.md",
-    "docs/papers/000.md",
-    "docs/papers/001.md",
-    "docs/papers/002.md",
-    "docs/papers/003.md",
-    "docs/papers/004.md",
-    "docs/papers/catalogue/001.md",
-    "docs/papers/catalogue/003.md",
-    "docs/papers/catalogue/004.md",
-    "docs/papers/catalogue/README.md",
-    "docs/papers/catalogue/artefacts.md",
-    "docs/papers/index.md",
-    "docs/performance.md",
-    "docs/pixel-states.md",
-    "docs/precision.md",
-    "docs/reading-guide.md",
-    "docs/replay.md",
-    "docs/same-bits.md",
-    "docs/sgi-boards.md",
-    "docs/silicon.md",
-    "docs/studies.md",
-    "docs/testing.md",
-    "docs/viewer.md",
-)
 # Words of the longest sentence, and of the mean one of a page; columns of the longest line of prose.
 LONGEST, MEAN, COLUMNS = 35, 18, 130
 # None of these says what is meant in any sentence of a page.
@@ -76,6 +20,7 @@ BANNED = (
     r"\bof which there\b",
     r"\bstands? beside\b",
     r"\bwhat is (?:asked|said) of\b",
+    r"\bdoors?\b",
 )
 # What is no prose, in the order in which it goes: lines, then what is in a line.
 _NO_LINES = (
@@ -130,14 +75,9 @@ def faults(text):
     return wrong
 
 
-@pytest.mark.parametrize("page", DONE)
-def test_a_page_is_in_plain_english(page):
-    assert faults((ROOT / page).read_text()) == []
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_no_line_of_prose_is_too_long(page):
-    assert [line for line in without(page.read_text(), _NO_LINES).splitlines() if len(line) > COLUMNS] == []
+def test_a_page_is_in_plain_english(page):
+    assert faults(page.read_text()) == []
 
 
 SENTENCE = "It is " + "so " * 32 + "big."  # 35 words

@@ -339,16 +339,16 @@ class Group:
 
 _ARITHMETIC = (
     "An instruction is a general combiner, and so is a pair with `+`; cmp and dp4 are two. A GeForce "
-    "256 refuses texture instructions, and more than two constants in all, which leaves programs of one or "
-    "two instructions of colors; what its combiners compute is the formula all the same."
+    "256 refuses texture instructions, and more than two constants in all. So it runs programs of one or "
+    "two instructions of colors. Its combiners compute the same formulas."
 )
 _MODIFIED = (
-    "The sum is rounded first, then scaled, then clamped. `_sat` is no field of the combiner: who reads "
-    "the register maps it by UNSIGNED_IDENTITY ([why](decisions/0010-pixel-shaders.md))."
+    "The sum is rounded first, then scaled, then clamped. `_sat` is no field of the combiner. The combiner "
+    "that reads the register maps it by UNSIGNED_IDENTITY ([why](decisions/0010-pixel-shaders.md))."
 )
 _READ = "The source is r1, of `sub r1, t0, t1` before it: x = a - b, from -255 to 255 where one is 255."
 _CONSTANT = "`c0` and `-c0`, `c0.a` and what is mapped are read the same way; alpha has a sign of its own."
-_SUMS = "Of the color; an alpha portion is the same but for dot products, which it lacks."
+_SUMS = "The rows are color portions. An alpha portion has the same, but no dot products."
 _MAPPED = (
     "x is spare1 = tex0 - tex1, from -255 to 255 where one is 255. one is ZERO through UNSIGNED_INVERT, "
     "-one is ZERO through EXPAND_NORMAL."

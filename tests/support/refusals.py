@@ -601,12 +601,12 @@ REFUSALS = (
     ),
     (
         "!!RC1.0 and !!TS1.0: nvparse and here",
-        "What is accepted here nvparse refuses, and the other way round.",
+        "nvparse refuses what is accepted here, and accepts what is refused here.",
         NVPARSE_NOTATIONS,
     ),
     (
         "Taken otherwise than nvparse takes it",
-        "Both accept it; here it is what its own notation, or Direct3D, says.",
+        "Both accept it. Here it means what its own notation, or Direct3D, says.",
         OTHERWISE,
     ),
 )
