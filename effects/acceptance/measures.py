@@ -34,12 +34,12 @@ def root_mean_square(a: NDArray[np.float64]) -> float:
     return float(np.sqrt((a * a).mean()))
 
 
-def arithmetic_check(figure: Any, renderer: Any, bound: float, reason: str) -> Check:
+def arithmetic_check(figure: Any, renderer: Any, bound: float, reason: str, **changes: Any) -> Check:
     """A Figure's picture by a Renderer's machine against the free ideal's: RMS over the framebuffer at
-    half the figure's size.
+    half the figure's size. ``changes``: other values of its parameters.
     """
-    machine = renderer.machine_window(figure, figure.size // 2)
-    ideal = np.clip(renderer.ideal_window(figure, figure.size // 2), 0.0, 1.0)
+    machine = renderer.machine_window(figure, figure.size // 2, **changes)
+    ideal = np.clip(renderer.ideal_window(figure, figure.size // 2, **changes), 0.0, 1.0)
     return Check(
         "RMS of machine - ideal",
         root_mean_square(machine - ideal),

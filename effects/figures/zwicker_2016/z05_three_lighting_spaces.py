@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.measures import POWER_8, arithmetic_check, root_mean_square
 from fixedpipe.effects.bump_mapping import lighting_spaces, normalization_cube_map
@@ -18,7 +19,15 @@ from fixedpipe.effects.figures.zwicker_2016.shared.bumpy_sphere import (
     object_normals,
 )
 from fixedpipe.effects.geometry import surfaces
-from fixedpipe.effects.geometry.views import BACKGROUND, Light, panel_of, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Light,
+    Panel,
+    panel_of,
+    perspective_view,
+    row_of_panels,
+)
+from fixedpipe.effects.passes import differences as shown_differences
 from fixedpipe.effects.passes.encoding import dot_product_texels
 from fixedpipe.pipeline.commands import TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
@@ -26,16 +35,48 @@ from fixedpipe.pipeline.textures.images import texture_2d
 DATA = figure_data(__file__, "Z05")
 
 EYE = (0.3, 1.2, 3.5)
+SPACES = ("camera", "object", "tangent")
+# Assumed: a crease is where a filtered normal is shorter than 0.96, and what is lit has a mean above 0.3; a
+# highlight has its three colours there, which diffuse light alone does not reach.
+SHORT, LIT = 0.96, 0.3
+# Source: the slides do not say.  Assumed: 7.5 degrees each, so that chords are seen where differences are.
+MOST_SLICES = 48
+
+
+def _sphere(size):
+    n = min(slices(size), MOST_SLICES)
+    return surfaces.sphere(n, n // 2)
+
+
+def _view(panel):
+    return perspective_view(panel, EYE, field_of_view=34.0, radius=1.1)
+
+
+def _map_edge(size, maps):
+    return texels(size) if maps is None else maps
 
 
 def scene(
-    profile, size, *, relief, light, diffuse, ambient, specular, background, maps, height_field, height_scale
+    profile,
+    size,
+    *,
+    relief,
+    light,
+    diffuse,
+    ambient,
+    specular,
+    background,
+    maps,
+    height_field,
+    height_scale,
+    differences,
 ):
-    """Z05: a panel for each space; ``maps``: the height of the normal maps, None: fit for the panel."""
-    n = slices(size)
-    surface = surfaces.sphere(n, n // 2)
-    edge = texels(size) if maps is None else maps
-    normals = bump_normals(edge, relief, height_field, height_scale)
+    """Z05: a panel for each space; ``maps``: the height of the normal maps, None: fit for the panel.
+
+    ``differences``: whether the second and the third show how they differ from the first, not themselves.
+    """
+    surface = _sphere(size)
+    normals = bump_normals(_map_edge(size, maps), relief, height_field, height_scale)
     dot_products = texture_2d(dot_product_texels(normals, 1.0, profile))
     out = [
         normalization_cube_map.load(64, profile),
@@ -48,21 +89,80 @@ def scene(
         (lighting_spaces.object_space_passes, FOR_OBJECT),
         (lighting_spaces.tangent_space_passes, FOR_TANGENT),
     )
-    for panel, (lit, name) in zip(row_of_panels(3, size), passes, strict=True):
-        view = perspective_view(panel, EYE, field_of_view=34.0, radius=1.1)
+    panels = row_of_panels(3, size)
+    for panel, (lit, name) in zip(panels, passes, strict=True):
+        view = _view(panel)
         out += (
             panel.clear(background),
             *lit(
                 surface, name, view, Light(light), profile, color=diffuse, ambient=ambient, specular=specular
             ),
         )
+    if differences:
+        for panel, space in zip(panels, SPACES, strict=True):
+            out += shown_differences.keep(panel, f"{space} space")
+        for panel, space in zip(panels[1:], SPACES[1:], strict=True):
+            out.append(
+                shown_differences.show_difference(
+                    f"{SPACES[0]} space", f"{space} space", panel, surfaces.plane()
+                )
+            )
     return tuple(out)
+
+
+def _by_rays(size, p):
+    """The lit sphere by rays, in float64: which pixels show it, bool [size, size], bottom row first; their
+    colours [n, 3]; and how long the filtered normals of the map are there [n].
+    """
+    seen = seen_places.surface(_sphere(size), _view(Panel(0, 0, size, size)))
+    filtered = seen_places.looked_up(bump_normals(_map_edge(size, p["maps"]), p["relief"]), seen)
+    length = np.sqrt((filtered * filtered).sum(axis=-1))
+    normals = seen_places.unit((filtered[:, None] @ seen.frames)[:, 0])
+    # The sphere's radius is one: its normals are its points.
+    toward, to_eye = seen_places.unit(np.array(p["light"])), seen_places.unit(EYE - seen.frames[:, 2])
+    cosine = normals @ toward
+    power = np.maximum((normals * seen_places.unit(toward + to_eye)).sum(axis=-1), 0.0) ** 8
+    lit = np.maximum(cosine, 0.0)[:, None] * np.array(p["diffuse"]) + np.array(p["ambient"])
+    return seen.where, lit + (p["specular"] * np.clip(4.0 * cosine, 0.0, 1.0) * power)[:, None], length
+
+
+def _displayed_checks(figure, renderer):
+    """What the must-see says of the figure's own picture."""
+    size = figure.size
+    where, true, length = _by_rays(size, figure.values)
+    for on, share in seen_places.shares_alike(figure, renderer, {0: (where, true)}):
+        yield DATA.check("first panel: pixels that show what a ray finds there within 8/255", share, on)
+    creases, lit = length < SHORT, true.mean(axis=-1) > LIT
+    bright = (true.min(axis=-1) > LIT) & ~creases
+    for on in Answer:
+        shown, spaces = (
+            [panel_of(np.clip(renderer.window(on, figure, size, **change), 0.0, 1.0), k) for k in range(3)]
+            for change in ({}, {"differences": False})
+        )
+        expected = (np.minimum(shown_differences.TIMES * np.abs(spaces[0] - spaces[k]), 1.0) for k in (1, 2))
+        yield DATA.check(
+            "second and third panel - 16 times the difference of what they show otherwise, largest",
+            max(float(np.abs(shown[k] - e).max()) for k, e in zip((1, 2), expected, strict=True)),
+            on,
+        )
+        for k, space in ((1, "object"), (2, "tangent")):
+            level = shown[k][where].mean(axis=-1)
+            lines, elsewhere = (float(level[at].mean()) for at in (creases & lit, ~creases))
+            yield DATA.check("camera - {other} space, mean in lit creases", lines, on, other=space)
+            yield DATA.check(
+                "camera - {other} space, mean in lit creases over the mean elsewhere",
+                lines / elsewhere,
+                on,
+                other=space,
+            )
+        middle, right = (float(shown[k][where].mean(axis=-1)[bright].mean()) for k in (1, 2))
+        yield DATA.check("mean in highlights, third panel over second", right / middle, on)
 
 
 def checks(figure, renderer):
     """That the three spaces show one picture, as far as what is interpolated allows."""
     size, maps = 128, 256
-    black = {"background": (0.0, 0.0, 0.0), "maps": maps}
+    black = {"background": (0.0, 0.0, 0.0), "maps": maps, "differences": False}
     images = {
         on: [panel_of(np.clip(renderer.window(on, figure, size, **black), 0.0, 1.0), k) for k in range(3)]
         for on in Answer
@@ -100,7 +200,8 @@ def checks(figure, renderer):
         root_mean_square(np.clip(smooth, 0.0, 1.0)[covered] - images[Answer.IDEAL][0][covered]),
         Answer.IDEAL,
     )
-    yield arithmetic_check(figure, renderer, 0.006, POWER_8)
+    yield arithmetic_check(figure, renderer, 0.006, POWER_8, differences=False)
+    yield from _displayed_checks(figure, renderer)
 
 
 FIGURE = Figure(
@@ -115,6 +216,10 @@ FIGURE = Figure(
         "maps": word.FITTED_TEXELS(None, "The height of the normal maps, which are twice as wide."),
         "height_field": own_maps.height_field("the bumps"),
         "height_scale": own_maps.HEIGHT_SCALE(0.06),
+        "differences": word.FLAG(
+            True,
+            "Whether the second and the third panel show how they differ from the first, 16 times as large.",
+        ),
     },
     methods=(Method("texture shaders and register combiners", scene, ("GEFORCE_3", "NV2A")),),
     acceptance=checks,
