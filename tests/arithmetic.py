@@ -15,10 +15,10 @@ SHOWN = 3  # vectors of a rule
 _HEAD = """\
 # The NV2A's arithmetic, for authors of emulators
 
-After this page you can test an emulator of the Xbox's graphics chip function by function. The page has {rules}
-rules, each with its formula, its evidence and test vectors. `make arithmetic` makes the page, and a test fails
-where it is stale. [Silicon](silicon.md) says what the captures of a real chip are, and how many pixels agree.
-[Numbers](numbers.md) has every rule with its order of operations.
+After this page you can test an emulator of the Xbox's graphics chip function by function. The page has
+{rules} rules, each with its formula, its evidence and test vectors. `make arithmetic` makes the page, and a
+test fails where it is stale. [Silicon](silicon.md) says what the captures of a real chip are, and how many
+pixels agree. [Numbers](numbers.md) has every rule with its order of operations.
 
     fixedpipe golden export DIR --rules                 DIR/rules/ID.json for each rule, {count} vectors
     fixedpipe golden export DIR --rules --cases 5000    that many random ones of each behind its edge cases
@@ -47,10 +47,11 @@ A file is a JSON object with a case on each line. So a program without a JSON li
 | `name` | OpenGL's name without GL_, or the chip's |
 | `int[4]` | a list of so many |
 
-The functions that draw compute every vector; none is typed. `tests/effects/test_arithmetic.py` reads all vectors
-back from their files. It compares them with the executable specification in `tests/reference/`, which shares no
-code with those functions. Where the formula is an expression, it compares them with the formula too. For each
-rule it checks that a vector with a wrong last bit is noticed. `index.json` has every file's SHA-256.
+The functions that draw compute every vector; none is typed. `tests/effects/test_arithmetic.py` reads all
+vectors back from their files. It compares them with the executable specification in `tests/reference/`,
+which shares no code with those functions. Where the formula is an expression, it compares them with the
+formula too. For each rule it checks that a vector with a wrong last bit is noticed. `index.json` has every
+file's SHA-256.
 
 **What a proof is worth.** The first word of the evidence says it:
 

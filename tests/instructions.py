@@ -72,10 +72,10 @@ Formulas of texture shaders have these names:
 | dots, qs | the dot products of the group's stages, in order, and their q |
 | `{dot}` | a dot product; x, y, z are the texel's red, green and blue, mapped as the table below says |
 | a1 to a4, scale, bias, eye | the program's numbers |
-| units | the greatest depth; 1 on the NV2A, whose coordinates are in depth units, and in the ideal, whose depths are 0 to 1 |
+| units | the greatest depth; 1 on the NV2A (coordinates in depth units) and in the ideal (depths of 0 to 1) |
 
-Lookups and their filters round as section 7 of [numbers.md](numbers.md) says. Before a lookup, a texture shader
-rounds in these four functions alone:
+Lookups and their filters round as section 7 of [numbers.md](numbers.md) says. Before a lookup, a texture
+shader rounds in these four functions alone:
 
 | function | how it rounds on machines |
 | --- | --- |
@@ -84,8 +84,8 @@ rounds in these four functions alone:
 | `dot` | cuts products and their sum, as N12.7 says |
 | `quotient` | multiplies by a reciprocal (N12.9) |
 
-On machines a depth is cut to a whole number. It ends the fragment below 0, above the greatest depth, and where
-the divisor is 0. If a group gives two texels, its second stage looks up at dots.
+On machines a depth is cut to a whole number. It ends the fragment below 0, above the greatest depth, and
+where the divisor is 0. If a group gives two texels, its second stage looks up at dots.
 
 """
 _WHO = """\
