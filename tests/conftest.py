@@ -1,5 +1,6 @@
 """Settings of the whole suite: reproducible Hypothesis runs, and tests that need the folder of captures."""
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -46,6 +47,20 @@ def shared():
 def captures():
     """The folder of captures, SUITE/CASE.png; a test that asks for it is marked `needs_shared`."""
     return CAPTURES
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_collection():
+    """Collect without looking for garbage: what is imported stays, and so do twenty-five thousand tests.
+
+    Measured: 35 s of processor with, 20 without. Later looks leave out what is there now.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items):

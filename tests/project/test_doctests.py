@@ -20,7 +20,8 @@ MODULES = [
 def test_a_module_is_imported_and_its_examples_hold(name):
     module = importlib.import_module(name)
     assert module.__name__ == name
-    assert doctest.testmod(module).failed == 0
+    if ">>>" in Path(module.__file__).read_text():  # looking for examples where there are none takes longest
+        assert doctest.testmod(module).failed == 0
 
 
 def test_the_door_of_the_pipeline_has_examples():

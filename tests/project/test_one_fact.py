@@ -3,6 +3,7 @@ of a format stands in one module.
 """
 
 import ast
+import gc
 import re
 
 import pytest
@@ -11,9 +12,22 @@ from fixedpipe.pipeline import enums
 from fixedpipe.raster import codes
 from tests.project.test_layers import ROOT, SOURCES
 
-TREES = {path.relative_to(ROOT).as_posix(): ast.parse(path.read_text()) for path in SOURCES}
-# Techniques decide on no codes.
-BELOW = {path: tree for path, tree in TREES.items() if not path.startswith("effects/")}
+
+@pytest.fixture(scope="module")
+def trees():
+    """Every module of the product, parsed once for these tests; a million nodes, so for them alone."""
+    gc.disable()  # or looking for garbage takes three times as long as parsing
+    try:
+        return {path.relative_to(ROOT).as_posix(): ast.parse(path.read_text()) for path in SOURCES}
+    finally:
+        gc.enable()
+
+
+@pytest.fixture(scope="module")
+def below(trees):
+    """Those of the lower layers: techniques decide on no codes."""
+    return {path: tree for path, tree in trees.items() if not path.startswith("effects/")}
+
 
 ENUMERATIONS = {name for name, value in vars(enums).items() if isinstance(value, type)} | {"Operation"}
 TYPES = {"int", "bool", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"}
@@ -100,10 +114,10 @@ NUMBERS = {
 }
 
 
-def test_no_code_is_compared_with_a_bare_number():
-    names = names_of_codes(BELOW.values())
+def test_no_code_is_compared_with_a_bare_number(below):
+    names = names_of_codes(below.values())
     assert {"kind", "mode", "equation", "face", "number_format", "buffers", "WINDOW_CLIP"} <= names
-    found = {path: set(bare(tree, names)) for path, tree in BELOW.items()}
+    found = {path: set(bare(tree, names)) for path, tree in below.items()}
     assert {path: expressions for path, expressions in found.items() if expressions} == NUMBERS
 
 
@@ -167,8 +181,8 @@ def unnamed(text):
                 yield number, lines[number - 1].strip()
 
 
-def test_a_last_branch_names_its_case_or_raises():
-    found = {path: list(unnamed((ROOT / path).read_text())) for path in BELOW}
+def test_a_last_branch_names_its_case_or_raises(below):
+    found = {path: list(unnamed((ROOT / path).read_text())) for path in below}
     assert not {path: lines for path, lines in found.items() if lines}, "raise, or say which codes are left"
 
 
@@ -202,10 +216,10 @@ CAPTURES = "effects/conformance/"  # has what the programs wrote that drew the c
 
 
 @pytest.mark.parametrize("number", HOMES)
-def test_a_number_of_a_format_has_one_home(number):
+def test_a_number_of_a_format_has_one_home(number, trees):
     written = {
         path
-        for path, tree in TREES.items()
+        for path, tree in trees.items()
         for node in ast.walk(tree)
         if isinstance(node, ast.Constant) and type(node.value) is type(number) and node.value == number
     }
@@ -234,6 +248,6 @@ def defined(tree):
 
 
 @pytest.mark.parametrize("names", ROOMS)
-def test_a_fact_has_one_room(names):
-    rooms = {path for path, tree in BELOW.items() if any(re.fullmatch(names, name) for name in defined(tree))}
+def test_a_fact_has_one_room(names, below):
+    rooms = {path for path, tree in below.items() if any(re.fullmatch(names, name) for name in defined(tree))}
     assert rooms == {ROOMS[names]}
