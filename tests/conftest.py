@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from fixedpipe.pipeline.native import background_compiling
+from tests.support.sample import say_the_change
 
 # Another project's tests, which tests/project/test_golden_outside.py runs where they belong.
 collect_ignore = ["stranger"]
@@ -103,7 +104,12 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    """Arm the check where a run must use the folder `shared`; keep times where they are asked for."""
+    """Arm the check where a run must use the folder `shared`; keep times where they are asked for.
+
+    The process of all tests says which change it tests, for those that it starts.
+    """
+    if not hasattr(config, "workerinput"):
+        say_the_change()
     path = config.getoption("--times")
     if path and not hasattr(config, "workerinput"):  # a process of several hands its reports to the first
         from tests.support.times import Times

@@ -24,17 +24,25 @@ from fixedpipe.pipeline.state import ColorTable, DepthTest
 from fixedpipe.pipeline.validation.validate import validate
 from fixedpipe.pipeline.vertices.stage import process
 from tests.accept import loads_for_each_polygon
+from tests.support.sample import sampled_figures, slow_unless
 
+# Figures keep their bits (tests/golden) after every change. Of the rest a share of them is looked at after
+# each, and all by `make test-all`.
+SAMPLE = sampled_figures()
 # Each figure on the first machine of each of its methods.
 DRAWN = [(f.id, method.machines[0]) for f in FIGURES.values() for method in f.methods]
 VALID = [
-    pytest.param(f.id, method.machines[0], marks=[pytest.mark.slow] * loads_for_each_polygon(f, method))
+    pytest.param(
+        f.id,
+        method.machines[0],
+        marks=slow_unless(f.id in SAMPLE and not loads_for_each_polygon(f, method)),
+    )
     for f in FIGURES.values()
     for method in f.methods
 ]
 # Each figure on each of its machines; all but its own take minutes together.
 EVERYWHERE = [
-    pytest.param(f.id, machine, marks=[pytest.mark.slow] * (machine != f.machines[0]))
+    pytest.param(f.id, machine, marks=slow_unless(f.id in SAMPLE and machine == f.machines[0]))
     for f in FIGURES.values()
     for machine in f.machines
 ]
@@ -53,16 +61,11 @@ COMBINERS = [figure.id for figure in FIGURES.values() if figure.methods[0].name 
 
 
 @pytest.mark.parametrize("figure_id", COMBINERS)
-def test_with_register_combiners_every_texture_is_loaded_once(figure_id):
+def test_register_combiners_take_textures_loaded_once_and_later_passes_keep_depth(figure_id):
     commands = FIGURES[figure_id].commands(GEFORCE_256, 32)
     loaded = [c.texture for c in commands if isinstance(c, TexImage)]
     assert len(loaded) == len(set(loaded))
-
-
-@pytest.mark.parametrize("figure_id", COMBINERS)
-def test_later_passes_test_for_equal_depth_and_write_none(figure_id):
-    draws = [c for c in FIGURES[figure_id].commands(GEFORCE_256, 32) if isinstance(c, Draw)]
-    for draw in draws:
+    for draw in (c for c in commands if isinstance(c, Draw)):
         if draw.state.blending is not None:
             assert draw.state.depth_test == DepthTest(draw.state.depth_test.function, write=False)
             assert draw.state.depth_test.function.name == "EQUAL"
@@ -81,7 +84,7 @@ PLACED = [
     pytest.param(
         f.id,
         tuple(m for m in f.machines if has_own_places(m) is own),
-        marks=[pytest.mark.slow] * (not own or SECONDS.get(f.id, 0.0) > _LONG),
+        marks=slow_unless(own and f.id in SAMPLE and SECONDS.get(f.id, 0.0) <= _LONG),
     )
     for own in (True, False)
     for f in FIGURES.values()
@@ -201,12 +204,14 @@ def bits_of(value):
         yield repr(value).encode()
 
 
-def digest_of_inputs():
+def digest_of_inputs(ids):
     """One digest of all that figures hand to machines, textures, tables, vertices, matrices, for each way of
     drawing them. Of a figure that is drawn polygon by polygon, some of its thousands of commands.
     """
     state = hashlib.sha256()
     for figure, machine in DRAWN:
+        if figure not in ids:
+            continue
         commands = FIGURES[figure].commands(PROFILES[machine], 32, FIGURES[figure].method(machine))
         for command in commands[:: len(commands) // 500 + 1]:
             for bits in bits_of(command):
@@ -214,13 +219,17 @@ def digest_of_inputs():
     return state.hexdigest()
 
 
-def test_figures_hand_the_same_bits_to_the_machine_without_numpys_cpu_features():
+@pytest.mark.parametrize(
+    "sample", [True, pytest.param(False, marks=pytest.mark.slow)], ids=["some", "others"]
+)
+def test_figures_hand_the_same_bits_to_the_machine_without_numpys_cpu_features(sample):
     from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
+    ids = sorted(SAMPLE if sample else FIGURES.keys() - SAMPLE)
     disabled = " ".join(name for name in __cpu_dispatch__ if __cpu_features__.get(name))
-    code = "from tests.effects.test_figures import digest_of_inputs; print(digest_of_inputs())"
+    code = f"from tests.effects.test_figures import digest_of_inputs; print(digest_of_inputs({ids}))"
     environment = {**os.environ, "NPY_DISABLE_CPU_FEATURES": disabled}
     plain = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
     )
-    assert plain.stdout.split()[-1] == digest_of_inputs()
+    assert plain.stdout.split()[-1] == digest_of_inputs(ids)

@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fixedpipe.effects.figures import FIGURES
 from fixedpipe.raster.kernel_levels import LEVELS, ON_X86
 from tests.support.processes import output_of
+from tests.support.sample import sampled_figures
 
 ROOT = Path(__file__).parents[2]
 AVX2 = LEVELS[1].environment()
@@ -27,10 +29,17 @@ def run(*options, **environment):
     return output_of("tests.support.bits", *options, **environment).split("\n")
 
 
+@pytest.fixture(scope="module", params=["some", pytest.param("others", marks=pytest.mark.slow)])
+def figures(request):
+    """The ids of a share of the figures, another with each change; of all others, where all is proved."""
+    some = sampled_figures()
+    return sorted(some if request.param == "some" else FIGURES.keys() - some)
+
+
 @pytest.fixture(scope="module")
-def found():
+def found(figures):
     """The digests of CHOICES: by one process, which makes meshes and textures once for all of them."""
-    return run(*CHOICES)[0].split()
+    return run(*CHOICES, *figures)[0].split()
 
 
 @pytest.fixture(scope="module")
@@ -49,21 +58,21 @@ def test_threads_and_batches_do_not_change_a_bit(found):
 
 
 @pytest.mark.slow
-def test_a_plain_processor_gives_the_same_bits(native):
+def test_a_plain_processor_gives_the_same_bits(figures, native):
     generic = {**LEVELS[-1].environment(), "NPY_DISABLE_CPU_FEATURES": NUMPY_EXTRAS}
-    assert run("1:1024", **generic)[0] == native
+    assert run("1:1024", *figures, **generic)[0] == native
 
 
 @pytest.mark.skipif(not ON_X86, reason="AVX2 is an x86 feature")
-def test_avx2_gives_the_same_bits(native):
-    assert run("2:256", **AVX2)[0] == native
+def test_avx2_gives_the_same_bits(figures, native):
+    assert run("2:256", *figures, **AVX2)[0] == native
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not ON_X86, reason="AVX2 is an x86 feature")
 def test_kernels_fuse_only_what_they_ask_for(tmp_path):
     # A folder of its own: machine code can be read back only where this very process made it.
-    _, counts, *_ = run("2:256", "--assembly", **AVX2, NUMBA_CACHE_DIR=str(tmp_path))
+    _, counts, *_ = run("2:256", *FIGURES, "--assembly", **AVX2, NUMBA_CACHE_DIR=str(tmp_path))
     kernels, lines, fused, asked = map(int, counts.split())
     assert kernels >= 50
     assert lines >= 10_000

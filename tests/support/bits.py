@@ -1,9 +1,9 @@
 """Print digests of frames, tables and figures: run by test_same_bits under other processors, threads and
 batches.
 
-``python -m tests.support.bits THREADS:BATCH ...`` prints a digest for each choice; with ``--assembly`` it
-also counts the fused multiply-adds in the kernels' machine code, those that a source asks for and others,
-which needs kernels that this process compiled itself.
+``python -m tests.support.bits THREADS:BATCH ... ID ...`` prints a digest for each choice, with the figures of
+these ids. With ``--assembly`` it also counts the fused multiply-adds in the kernels' machine code, those that
+a source asks for and others, which needs kernels that this process compiled itself.
 """
 
 import hashlib
@@ -32,9 +32,9 @@ FUSED = re.compile(r"\bv?fn?m(?:add|sub)", re.IGNORECASE)  # x86's vfmadd..., Ar
 FUNCTION = re.compile(r"^(_Z\S+):", re.MULTILINE)
 
 
-def digests(choices):
-    """sha256 over the framebuffers of 60 random frames and every figure, and over the tables, for each of
-    ``choices``, (threads, batch).
+def digests(choices, figures):
+    """sha256 over the framebuffers of 60 random frames and of figures, given by id, and over the tables, for
+    each of ``choices``, (threads, batch).
     """
     totals = [hashlib.sha256() for _ in choices]
 
@@ -59,7 +59,7 @@ def digests(choices):
         add(commands, GEFORCE_256, 160, 130, depth_bits)
 
     random_frames()
-    for figure in FIGURES.values():
+    for figure in map(FIGURES.__getitem__, figures):
         profile = PROFILES[figure.machines[0]]
         size = figure.dimensions(FIGURE_SIZE)
         add(figure.commands(profile, FIGURE_SIZE), profile, *size, profile.widest_depth)
@@ -105,6 +105,7 @@ def fused_operations():
 
 if __name__ == "__main__":
     asked = [argument for argument in sys.argv[1:] if argument != "--assembly"]
-    print(*digests([tuple(map(int, choice.split(":"))) for choice in asked]))
+    choices = [tuple(map(int, choice.split(":"))) for choice in asked if ":" in choice]
+    print(*digests(choices, [argument for argument in asked if ":" not in argument]))
     if "--assembly" in sys.argv:
         print(*fused_operations())
