@@ -10,6 +10,7 @@ import numpy as np
 
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, perspective, product, rotation
+from fixedpipe.effects.geometry.vectors import cross, normalize
 from fixedpipe.effects.geometry.views import View
 from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene
 
@@ -17,6 +18,9 @@ HALF_WIDTH, START, END = 13.0, 4.0, -68.0
 SKY = (0.43, 0.54, 0.66)
 # To the sun: from the right, from behind the viewer.
 SUN = (0.72, 0.50, 0.36)
+
+# Where the ball lies on its stone, and how large it is.
+BALL, BALL_RADIUS = (-1.0, 1.14, -3.4), 0.34
 
 _COLUMN = (
     *((0.0, 0.0), (0.55, 0.0), (0.55, 0.3), (0.34, 0.42)),
@@ -57,7 +61,7 @@ def avenue(detail=24):
     trees = _rows(surfaces.lathe(_TREE, segments), 7.6, np.arange(-5.0, -58.0, -step))
     stone = surfaces.joined(
         surfaces.box(0.7, 0.8, 0.7).rotated(rotation("y", 30.0)).moved(-1.0, 0.4, -3.4),
-        surfaces.sphere(segments, max(segments // 2, 3)).scaled(0.34).moved(-1.0, 1.14, -3.4),
+        surfaces.sphere(segments, max(segments // 2, 3)).scaled(BALL_RADIUS).moved(*BALL),
     )
     return Scene(
         (
@@ -79,15 +83,16 @@ def avenue_view(panel):
     return View(panel, look_at(eye, (-0.1, 0.5, -14.0)), projection, eye, False)
 
 
-# What ``near_shadow_view`` shows of ``avenue_view``: its middle, and half its width, in the picture's half
-# widths.
-_MIDDLE, _HALF_DETAIL = (-0.40, -0.38), 0.41
+# What magnified views show of ``avenue_view``: their middle, and half their width, in the picture's half
+# widths. The second is a third of the first.
+_NEAR_SHADOW = (-0.40, -0.38), 0.41
+_BALL_SHADOW = (-0.692, -0.462), 0.137
 
 
-def near_shadow_view(panel):
-    """A magnified part of ``avenue_view``: the stone, its ball and their shadow before the viewer."""
-    view, zoom = avenue_view(panel), 1.0 / _HALF_DETAIL
-    x, y = _MIDDLE
+def _magnified(panel, middle, half):
+    """A part of ``avenue_view``, which fills the panel."""
+    view, zoom = avenue_view(panel), 1.0 / half
+    x, y = middle
     magnified = (
         (zoom, 0.0, 0.0, -zoom * x),
         (0.0, zoom, 0.0, -zoom * y),
@@ -97,7 +102,45 @@ def near_shadow_view(panel):
     return replace(view, projection=product(magnified, view.projection))
 
 
+def _outline(middle, half):
+    """A closed outline of a part of ``avenue_view``, in the picture's half widths."""
+    x, y = middle
+    return tuple((x + i * half, y + j * half) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)))
+
+
+def near_shadow_view(panel):
+    """A magnified part of ``avenue_view``: the stone, its ball and their shadow before the viewer."""
+    return _magnified(panel, *_NEAR_SHADOW)
+
+
 def near_shadow_outline():
     """What ``near_shadow_view`` shows of ``avenue_view``: a closed outline, in the picture's half widths."""
-    (x, y), half = _MIDDLE, _HALF_DETAIL
-    return tuple((x + i * half, y + j * half) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)))
+    return _outline(*_NEAR_SHADOW)
+
+
+def ball_shadow_view(panel):
+    """A part of ``near_shadow_view``, three times as large: the shadow of the ball."""
+    return _magnified(panel, *_BALL_SHADOW)
+
+
+def ball_shadow_outline():
+    """What ``ball_shadow_view`` shows of ``avenue_view``: a closed outline, in the picture's half widths."""
+    return _outline(*_BALL_SHADOW)
+
+
+def ball_shadow(sun, corners=64):
+    """The outline of a round ball's shadow on the ground: points [corners + 1, 3], the last the first again;
+    or None where not all of it lies before the viewer.
+
+    ``sun``: the direction towards it, of any length.
+    """
+    toward = normalize(np.asarray(sun, np.float64))
+    if toward[1] <= 0.0:
+        return None
+    across = (
+        normalize(cross(toward, np.array((0.0, 1.0, 0.0)))) if toward[1] < 1.0 else np.array((1.0, 0.0, 0.0))
+    )
+    angles = 2.0 * np.pi * np.arange(corners + 1)[:, None] / corners
+    rim = BALL + BALL_RADIUS * (np.cos(angles) * across + np.sin(angles) * cross(toward, across))
+    points = rim - toward * (rim[:, 1:2] / toward[1])
+    return points if (points[:, 2] < START).all() else None

@@ -4,7 +4,8 @@ from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.zwicker_2016.shared.avenue_maps import (
-    NEAR_SHADOW,
+    BALL_SHADOW,
+    machine_agreements,
     nearest_rows,
     others,
     parameters_of,
@@ -18,11 +19,13 @@ from fixedpipe.effects.shadows.parted_shadow_maps import MapFit
 DATA = figure_data(__file__, "Z16")
 
 CHECKED_SIZE = 256
+NAMES = "basic", "slices", "LiSPSM", "both"
 
 
 def checks(figure, renderer):
     """How many pixels are wrong in each way."""
     shown, found = shown_and_whole(figure, renderer, CHECKED_SIZE)
+    seen = dict(zip(NAMES, map(wrong, machine_agreements(figure, renderer, figure.size)), strict=True))
     near = [max(wrong(f, nearest_rows(CHECKED_SIZE)), 1e-9) for f in found]
     ratios = (("slices", 1, 3.2, 4.8), ("LiSPSM", 2, 2.5, 3.5), ("both", 3, 4.8, 6.8))
     return (
@@ -74,6 +77,21 @@ def checks(figure, renderer):
                 ("both", 3, 3.7, 5.5),
             )
         ),
+        *(
+            DATA.check(
+                "displayed panels, wrong pixels: {more} over {less}",
+                seen[more] / seen[less],
+                Answer.MACHINE,
+                more=more,
+                less=less,
+            )
+            for more, less in (
+                ("basic", "LiSPSM"),
+                ("LiSPSM", "both"),
+                ("basic", "slices"),
+                ("slices", "both"),
+            )
+        ),
         others((*found, *shown), 8e-4, 0.0004),
     )
 
@@ -82,10 +100,10 @@ FIGURE = Figure(
     **DATA.words,
     parameters=parameters_of(
         (
-            (MapFit.BASIC, 0.67, 1, NEAR_SHADOW),
-            (MapFit.SLICES, 0.67, 3, NEAR_SHADOW),
-            (MapFit.LISPSM, 0.67, 1, NEAR_SHADOW),
-            (MapFit.SLICES_AND_LISPSM, 0.67, 3, NEAR_SHADOW),
+            (MapFit.BASIC, 0.67, 1, BALL_SHADOW),
+            (MapFit.SLICES, 0.67, 3, BALL_SHADOW),
+            (MapFit.LISPSM, 0.67, 1, BALL_SHADOW),
+            (MapFit.SLICES_AND_LISPSM, 0.67, 3, BALL_SHADOW),
         ),
     ),
     methods=(Method("depth textures and clip planes", scene, ("GEFORCE_3", "NV2A", "INFINITE_REALITY")),),

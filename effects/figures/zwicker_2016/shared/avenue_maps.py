@@ -39,8 +39,14 @@ def edge_of(size, ratio):
     return map_edge(size, ratio if size >= 64 else min(ratio, 2.0))
 
 
-# How a panel shows the avenue: all that the viewer sees, with its slices tinted, or a near shadow magnified.
-WHOLE, TINTED, NEAR_SHADOW = "whole", "tinted slices", "near shadow"
+# How a panel shows the avenue: all that the viewer sees, with its slices tinted, a near shadow magnified, or
+# the ball's part of that.
+WHOLE, TINTED, NEAR_SHADOW, BALL_SHADOW = "whole", "tinted slices", "near shadow", "ball's shadow"
+# Of what is magnified: the camera, and an outline of it for those that show the whole.
+MAGNIFIED = {
+    NEAR_SHADOW: (avenue.near_shadow_view, avenue.near_shadow_outline),
+    BALL_SHADOW: (avenue.ball_shadow_view, avenue.ball_shadow_outline),
+}
 
 
 # Of a figure's panels.
@@ -49,7 +55,7 @@ PANEL_KIND = word.Several(
         word.of_enum(*parted_shadow_maps.MapFit),
         word.Number(0.125, 8.0),
         word.Whole(1, 8),
-        word.Choice({"whole": WHOLE, "tinted": TINTED, "near": NEAR_SHADOW}),
+        word.Choice({"whole": WHOLE, "tinted": TINTED, "near": NEAR_SHADOW, "ball": BALL_SHADOW}),
     )
 )
 SUN = word.of(
@@ -80,7 +86,8 @@ def parameters_of(panels, **others):
 
 def camera_of(look, panel):
     """The viewer's camera of a panel."""
-    return avenue.near_shadow_view(panel) if look == NEAR_SHADOW else avenue.avenue_view(panel)
+    view, _ = MAGNIFIED.get(look, (avenue.avenue_view, None))
+    return view(panel)
 
 
 def parts_for(fit, ratio, slices, size, scene, sun, mixture=frustum_slices.LAMBDA):
@@ -101,7 +108,7 @@ def sliced_scene(profile, size, *, shading, panels, background, sun, mixture):
     of the map's edge to the panel's, number of slices, look). Panels of the same maps share them. A frame on
     panels that show the whole says what the others magnify.
     """
-    magnified = NEAR_SHADOW in {look for *_, look in panels} and shading is SceneShading.LIT
+    looks = [look for *_, look in panels] if shading is SceneShading.LIT else []
     things, window = avenue.avenue(detail_of(size)), (len(panels) * size, size)
     stored, drawn, names = [], [], set()
     for panel, (fit, ratio, slices, look) in zip(row_of_panels(len(panels), size), panels, strict=True):
@@ -123,15 +130,21 @@ def sliced_scene(profile, size, *, shading, panels, background, sun, mixture):
                 tints=TINTS if look == TINTED else None,
             ),
         )
-        if magnified and look != NEAR_SHADOW:
-            drawn.append(_frame(panel))
+        drawn += _lines(panel, look, looks, sun)
     return (*stored, *drawn)
 
 
-def _frame(panel):
-    """The outline of the part that other panels show magnified."""
-    outline = avenue.near_shadow_outline()
-    return drawing.stroke("the part that is magnified", drawing.sheet(panel), outline, FRAME)
+def _lines(panel, look, looks, sun):
+    """What is drawn over a panel that is one of those with these ``looks``: the outline of a round ball's
+    shadow; on panels that magnify nothing, outlines of the parts that others magnify.
+    """
+    if look == BALL_SHADOW and looks and (outline := avenue.ball_shadow(sun)) is not None:
+        return (drawing.stroke("the true shadow's outline", camera_of(look, panel), outline, FRAME),)
+    return tuple(
+        drawing.stroke("the part that is magnified", drawing.sheet(panel), outline(), FRAME)
+        for magnified, (_, outline) in MAGNIFIED.items()
+        if magnified in looks and look not in MAGNIFIED
+    )
 
 
 def reference(size, *, shading, panels, background, sun, mixture=frustum_slices.LAMBDA):
@@ -154,11 +167,9 @@ def reference(size, *, shading, panels, background, sun, mixture=frustum_slices.
             parts=tinted or (),
         )
     picture = shadow_reference.row(size, [shots[look] for *_, look in panels])
-    looks = [look for *_, look in panels]
-    if NEAR_SHADOW not in looks or shading is not SceneShading.LIT:
-        return picture
-    framed = [_frame(panel) for panel, look in zip(row, looks, strict=True) if look != NEAR_SHADOW]
-    return shadow_reference.overlaid(picture, framed)
+    looks = [look for *_, look in panels] if shading is SceneShading.LIT else []
+    lines = [line for shown in zip(row, looks, strict=False) for line in _lines(*shown, looks, sun)]
+    return shadow_reference.overlaid(picture, lines) if lines else picture
 
 
 @lru_cache(maxsize=4)
@@ -206,10 +217,10 @@ def machine_agreements(figure, renderer, size, panels=None):
 
 
 def shown_and_whole(figure, renderer, size):
-    """``agreements`` of the machine's panels that are magnified, and of the same maps over all that the
-    viewer sees.
+    """``agreements`` of the near shadow with the machine's maps of panels that are magnified, and of the same
+    maps over all that the viewer sees.
     """
-    near = tuple(panel for panel in figure.values["panels"] if panel[3] == NEAR_SHADOW)
+    near = tuple((*panel[:3], NEAR_SHADOW) for panel in figure.values["panels"] if panel[3] in MAGNIFIED)
     whole = tuple((*panel[:3], WHOLE) for panel in near)
     shown, found = (machine_agreements(figure, renderer, size, panels) for panels in (near, whole))
     return shown, found
