@@ -89,6 +89,16 @@ def test_every_rule_is_fuzzed():
     assert FUZZED.keys() == RULES.keys()
 
 
+def test_the_page_counts_every_vector_and_rule():
+    rules = (ROOT / "docs" / "arithmetic-for-emulators.md").read_text()
+    count = re.search(r"for each rule, ([\d,]+) vectors", rules)[1]
+    page = (ROOT / "docs" / "code-for-emulators.md").read_text()
+    assert f"| all vectors | {count} of {count}, {len(RULES)} rules |" in page
+    assert f"| the same, bit for bit | {count} of {count} each |" in page
+    readme = (ROOT / "README.md").read_text()
+    assert f"| {count}, for {len(RULES)} rules |" in readme
+
+
 # What is broken on purpose, and the rules of which a vector, or a random input, must see it.
 BREAKS = (
     ("combiners", "int twice = 2 * n + 255;", "int twice = 2 * n + 240;", "rn"),
