@@ -10,7 +10,7 @@ from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import bent_ridges
-from fixedpipe.effects.figures.heidrich_2000.shared.bent_ridges import flank_means
+from fixedpipe.effects.figures.heidrich_2000.shared.bent_ridges import Ridges, flank_means
 from fixedpipe.effects.scattering.curved_base import Base
 
 DATA = figure_data(__file__, "G21")
@@ -25,21 +25,17 @@ def bases_of(stretches):
 
 def make(profile, size, *, stretches, texels, directions, bounces, exposure, red, white):
     """Each panel's light is computed on the host, and is a texture on the ridges that the machine draws."""
-    bases = bases_of(stretches)
-    lights = [
-        exposure * bent_ridges.radiance(base, texels, directions, _ABOVE, bounces, red, white)
-        for base in bases
-    ]
-    return bent_ridges.commands(profile, size, bases, lights)
+    ridges, bases = Ridges(texels, red, white), bases_of(stretches)
+    lights = [exposure * bent_ridges.radiance(ridges, base, directions, _ABOVE, bounces) for base in bases]
+    return bent_ridges.commands(profile, size, ridges, bases, lights)
 
 
 def reference(size, *, stretches, texels, directions, bounces, exposure, red, white):
     """The same ridges, whose light is found by rays among the stretched triangles."""
-    bases = bases_of(stretches)
-    lights = [
-        exposure * bent_ridges.radiance_by_rays(base, texels, _ABOVE, bounces, red, white) for base in bases
-    ]
-    return bent_ridges.picture_by_rays(size, bases, texels, lights)
+    del directions
+    ridges, bases = Ridges(texels, red, white), bases_of(stretches)
+    lights = [exposure * bent_ridges.radiance_by_rays(ridges, base, _ABOVE, bounces) for base in bases]
+    return bent_ridges.picture_by_rays(size, ridges, bases, lights)
 
 
 def closed_form(stretch, own, other):
@@ -57,11 +53,11 @@ def checks(figure, renderer):
     values, size = figure.values, figure.size
     stretches, texels = values["stretches"], values["texels"]
     red, white = values["red"], values["white"]
-    bases = bases_of(stretches)
+    ridges, bases = Ridges(texels, red, white), bases_of(stretches)
     for on in Answer:
         image = renderer.window(on, figure, size, bounces=1, exposure=1.0)
         for name, own, other, left in (("red", red, white, True), ("white", white, red, False)):
-            for stretch, found in zip(stretches, flank_means(image, bases, texels, left), strict=True):
+            for stretch, found in zip(stretches, flank_means(image, ridges, bases, left), strict=True):
                 expected = closed_form(stretch, own, other)
                 step = 0.0 if on is Answer.IDEAL else 1.0 / 255.0
                 apart = max(abs(f - e) - step for f, e in zip(found.tolist(), expected, strict=True))
@@ -77,7 +73,7 @@ def checks(figure, renderer):
                 )
         if on is Answer.IDEAL:
             direct = renderer.window(on, figure, size, bounces=0, exposure=1.0)
-            lights = (flank_means(window, bases, texels, left=False) for window in (image, direct))
+            lights = (flank_means(window, ridges, bases, left=False) for window in (image, direct))
             for stretch, after, before in zip(stretches, *lights, strict=True):
                 expected = closed_form(stretch, white, red)[0] - closed_form(stretch, white, (0.0,) * 3)[0]
                 yield DATA.check(
@@ -91,7 +87,7 @@ def checks(figure, renderer):
                 )
         bled = [
             float(color[0] / color[1])
-            for color in flank_means(renderer.window(on, figure, size), bases, texels, left=False)
+            for color in flank_means(renderer.window(on, figure, size), ridges, bases, left=False)
         ]
         yield DATA.check(
             "red over green of the white flanks: the least fall from one stretch to the next",
