@@ -365,9 +365,10 @@ def _shifted(unit, texels):
     return replace(unit, matrix=(s, t, r, q))
 
 
-def _perturbed(commands, references, units, seed, texels):
+def perturbed(commands, references, units, seed, texels):
     """The same frame with alpha references moved by so many bytes, each command's, vertices' depths by units,
-    and texture coordinates s and t.
+    and texture coordinates s and t. A vertex between the near and the far plane stays between them: beyond
+    one, its primitive would be clipped, and another stencil value would stay.
     """
     moved = []
     for number, (command, reference) in enumerate(zip(commands, references, strict=True)):
@@ -384,7 +385,9 @@ def _perturbed(commands, references, units, seed, texels):
                 if seed is not None:
                     random = np.random.default_rng((seed, number if seed % 2 else 0))
                     signs = random.choice([-1.0, 1.0], len(positions))
-                positions[:, 2] += 2.0 * units / (2**24 - 1) * signs * positions[:, 3]
+                z, w = positions[:, 2], positions[:, 3]
+                to = z + 2.0 * units / (2**24 - 1) * signs * w
+                positions[:, 2] = np.where(np.abs(z) <= w, np.clip(to, -np.abs(w), np.abs(w)), to)
                 mesh = replace(mesh, positions=positions)
             if any(texels):
                 shifted = tuple(_shifted(unit, texels) for unit in state.texture_units)
@@ -463,7 +466,7 @@ def compare(commands, picture, profile, width, height, ignored=None):
     for moved, (units, seed, texels) in product(references, _moves(commands, depth.max())):
         if agree.all():
             break
-        other = _perturbed(commands, moved, units, seed, texels)
+        other = perturbed(commands, moved, units, seed, texels)
         result = execute(other, profile, width, height, threads=1).framebuffer
         agree |= _agree(result, picture, color, depth + abs(units))[0]
     return Comparison(framebuffer, ~agree, agree & ~plain, difference, color)

@@ -12,7 +12,7 @@ from fixedpipe.pipeline.commands import Clear, Draw, Mesh
 from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, PrimitiveType, StencilOperation
 from fixedpipe.pipeline.profiles import OPENGL_1_2
 from fixedpipe.pipeline.state import AlphaTest, Blending, DepthTest, PassState, StencilTest
-from tests.opengl.compare import compare, diamond_ties, edge_pixels, example, fold_pixels
+from tests.opengl.compare import compare, diamond_ties, edge_pixels, example, fold_pixels, perturbed
 from tests.opengl.mesa import Mesa
 from tests.opengl.passes import EXTENDED, HEIGHT, PROFILES, WIDTH, anywhere, frames, strokes
 
@@ -116,6 +116,20 @@ def test_lines_and_points_are_llvmpipe_s(llvmpipe, commands):
 @given(strokes())
 def test_thousands_of_lines_and_points_are_llvmpipe_s(llvmpipe, commands):
     assert_alike(llvmpipe, commands, OPENGL_1_2, diamond_ties(commands, OPENGL_1_2, WIDTH, HEIGHT))
+
+
+@pytest.mark.parametrize("end", [-1.0, 1.0])
+def test_a_primitive_in_the_far_or_the_near_plane_is_not_clipped_where_depths_are_moved(end):
+    """A comparison that is a tie is tried the other way by moved depths; the other Draws must stay whole."""
+    positions = np.array([[-1, -1, end, 1], [1, -1, end, 1], [0, 2, 2 * end, 2]])
+    state = PassState(
+        stencil_test=StencilTest(function=ComparisonFunction.NEVER, fail=StencilOperation.ZERO),
+        depth_test=DepthTest(function=ComparisonFunction.NEVER, write=False),
+    )
+    (moved,) = perturbed(
+        (Draw(label="in the plane", mesh=Mesh(positions), state=state),), (0,), end, None, (0.0, 0.0)
+    )
+    np.testing.assert_array_equal(moved.mesh.positions, positions)
 
 
 @pytest.mark.slow
