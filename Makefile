@@ -78,7 +78,7 @@ conformance: $(READY)
 	$(BIN)/fixedpipe conformance --html $(OUT)/conformance.html --json $(OUT)/conformance.json
 
 test: $(READY)
-	$(BIN)/python -m pytest $(WORKERS) -m "not slow" -rs --times $(OUT)/test-times.json
+	$(BIN)/python -m pytest $(WORKERS) -m "not slow" --examples 3 -rs --times $(OUT)/test-times.json
 
 test-all: $(READY)
 	$(BIN)/python -m pytest $(WORKERS) -rs --times $(OUT)/test-all-times.json

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from fixedpipe.pipeline.native import background_compiling
-from tests.support.sample import say_the_change
+from tests.support.sample import fewer_examples, say_the_change, take_turns
 
 # Another project's tests, which tests/project/test_golden_outside.py runs where they belong.
 collect_ignore = ["stranger"]
@@ -64,8 +64,11 @@ def pytest_collection():
         gc.enable()
 
 
-def pytest_collection_modifyitems(items):
-    """Skip what needs captures, or the folder `shared`, where there are none."""
+@pytest.hookimpl(tryfirst=True)  # before `-m "not slow"` leaves items out
+def pytest_collection_modifyitems(config, items):
+    """Skip what needs captures, or `shared`, where there are none; try as many examples as asked."""
+    take_turns(items)
+    fewer_examples(items, config.getoption("--examples"))
     for item in items:
         if item.get_closest_marker("needs_shared"):
             if "captures" in item.fixturenames:
@@ -99,8 +102,11 @@ class SkipsOfShared:
 
 
 def pytest_addoption(parser):
-    """``--times FILE``: say how long tests take, by package."""
+    """``--times FILE``: say how long tests take, by package. ``--examples N``: one in N of Hypothesis's."""
     parser.addoption("--times", metavar="FILE", help="Print how long tests take, and write it to FILE.")
+    parser.addoption(
+        "--examples", metavar="N", type=int, default=1, help="Try one in N of Hypothesis's examples."
+    )
 
 
 def pytest_configure(config):

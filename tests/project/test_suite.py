@@ -30,7 +30,7 @@ def test_a_skipped_capture_fails_only_a_run_that_requires_captures(tmp_path, req
     environment = {name: value for name, value in os.environ.items() if name != "PYTEST_ADDOPTS"}
     run = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(tmp_path), *workers.split()],
-        env=environment | {"FIXEDPIPE_REQUIRE_SHARED": required},
+        env=environment | {"FIXEDPIPE_REQUIRE_SHARED": required, "PYTHONPATH": str(CONFTEST.parents[1])},
         cwd=tmp_path,
         capture_output=True,
         text=True,

@@ -11,11 +11,30 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 _ROOT = Path(__file__).parents[2]
 # What the process of all tests hands to those that it starts, so that all of them take the same tests.
 DATE, CHANGED = "FIXEDPIPE_SAMPLE_DATE", "FIXEDPIPE_SAMPLE_CHANGED"
 FIGURES_SHARE = 6  # of the figures, one in so many
+# Tests of commands, processes, pages and whole pictures: what they are made of is proved below them. After a
+# change one in TURNS of them is run, and all of a row whose own folder, or one of these, has changed.
+TURNS = 4
+IN_TURN = {
+    "tests/browser": ("effects/viewer/", "effects/reports/gallery/", "effects/reports/viewing/"),
+    "tests/effects/cli": ("effects/cli/",),
+    "tests/effects/reports": ("effects/reports/",),
+    "tests/effects/scattering": ("effects/scattering/",),
+    "tests/effects/sweeps": ("effects/sweeps/",),
+    "tests/effects/tasks": ("effects/tasks/",),
+    "tests/effects/viewer": ("effects/viewer/",),
+    "tests/emulators": ("effects/emulators/",),
+    "tests/pipeline/golden": ("pipeline/golden/",),
+    "tests/pipeline/inspection": ("pipeline/inspection/",),
+    "tests/pipeline/notations": ("pipeline/notations/",),
+}
+LEAST_EXAMPLES = 30  # of each test that Hypothesis gives its values
+_SETTINGS = "_hypothesis_internal_use_settings"  # where Hypothesis keeps those of a test
 
 
 def _git(*arguments):
@@ -32,9 +51,13 @@ def say_the_change():
     os.environ[CHANGED] = _git("diff", "--name-only", "HEAD~1")
 
 
+def _number(text, share):
+    return int(hashlib.sha256(text.encode()).hexdigest(), 16) % share
+
+
 def turn(share):
     """The number, below ``share``, of the sample that is taken after this change."""
-    return int(hashlib.sha256(os.environ.get(DATE, "").encode()).hexdigest(), 16) % share
+    return _number(os.environ.get(DATE, ""), share)
 
 
 def sampled(keys, share, *, order=None):
@@ -45,6 +68,30 @@ def sampled(keys, share, *, order=None):
 def changed():
     """The files that the last commit or the user has changed, by their places in the checkout."""
     return set(os.environ.get(CHANGED, "").split())
+
+
+def take_turns(items):
+    """Mark as slow what waits for its turn, by its name alone: so it is the same for any choice of tests."""
+    touched, now = changed(), turn(TURNS)
+    for item in items:
+        folder = item.nodeid.partition("::")[0].rpartition("/")[0]
+        own = (f"{folder}/", *IN_TURN.get(folder, ()))
+        waits = folder in IN_TURN and not any(path.startswith(own) for path in touched)
+        if waits and _number(item.nodeid, TURNS) != now:
+            item.add_marker(pytest.mark.slow)
+
+
+def fewer_examples(items, share):
+    """Let Hypothesis try one in ``share`` of a test's examples, and no fewer than LEAST_EXAMPLES of them.
+
+    They are the first of those that are tried where all are.
+    """
+    functions = {getattr(item, "obj", None) for item in items} if share > 1 else ()
+    for test in functions:
+        test = getattr(test, "__func__", test)
+        said = getattr(test, _SETTINGS, None)
+        if said and (count := max(said.max_examples // share, LEAST_EXAMPLES)) < said.max_examples:
+            setattr(test, _SETTINGS, settings(said, max_examples=count))
 
 
 def slow_unless(is_tested):
