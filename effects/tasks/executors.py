@@ -128,7 +128,9 @@ def _mpi(held, text, threads, say):
     except (ImportError, RuntimeError) as error:  # without an MPI library
         raise _missing("mpi4py and an MPI library", "mpi") from error
     if text:
-        raise Refusal(f"mpi:{text} is none; give --executor mpi, and mpiexec the number of processes.")
+        raise Refusal(
+            f"mpi:{text} is no executor; give --executor mpi, and the number of processes to mpiexec."
+        )
     ranks = MPI.COMM_WORLD.Get_size()
     if ranks < 2:
         raise Refusal(
@@ -155,14 +157,21 @@ def _dask(held, text, threads, say):
         count = _count("dask:local", rest) or default_threads()
         address = held.enter_context(
             distributed.LocalCluster(
-                n_workers=count, threads_per_worker=1, processes=True, dashboard_address=None
+                n_workers=count,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=None,
+                # Its web server takes any free port: at the usual one another cluster may be.
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
             )
         )
         threads = _share(count, threads)
     elif Path(text).suffix == ".json" and not Path(text).is_file():
         raise Refusal(f"There is no scheduler file {text}; dask scheduler --scheduler-file {text} writes it.")
     elif Path(text).suffix != ".json" and not _ADDRESS.fullmatch(text):
-        raise Refusal(f"dask:{text} is none; give dask:local, dask:tcp://HOST:PORT or dask:FILE.json.")
+        raise Refusal(
+            f"dask:{text} is no scheduler; give dask:local, dask:tcp://HOST:PORT or dask:FILE.json."
+        )
     else:
         address = text
     asked = {"scheduler_file": text} if Path(text).suffix == ".json" else {"address": address}
