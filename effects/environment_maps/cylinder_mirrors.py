@@ -21,7 +21,7 @@ from fixedpipe.effects.computed_once import computed_once
 from fixedpipe.effects.geometry.height_fields import hashed
 from fixedpipe.effects.geometry.samples import rays, sample_places
 from fixedpipe.effects.geometry.vectors import TRIGONOMETRY_STEP, cosine, sine
-from fixedpipe.effects.passes.draws import FIRST_PASS, REPLACE, draw, unit
+from fixedpipe.effects.passes.draws import FIRST_PASS, MODULATE, REPLACE, draw, unit
 from fixedpipe.effects.technique import Technique
 from fixedpipe.pipeline.commands import Mesh, TexImage
 from fixedpipe.pipeline.enums import TextureFilter, WrapMode
@@ -37,17 +37,20 @@ PANORAMA = "panorama"
 
 @dataclass(frozen=True)
 class Pipe:
-    """An upright mirror: the x and z of its axis, its radius, and how far it reaches up and down."""
+    """An upright mirror: the x and z of its axis, its radius, and where it ends above and below."""
 
     x: float
     z: float
     radius: float
-    half_height: float = 1.0
+    top: float = 1.0
+    bottom: float = -1.0
 
 
-# Four pipes, the eye before them and its field of view, degrees: what figure and study draw.
+# Four pipes, the eye before them and its field of view, degrees: what the study draws.
 PIPES = (Pipe(-0.58, 0.0, 0.20), Pipe(-0.13, 0.0, 0.16), Pipe(0.25, 0.0, 0.12), Pipe(0.56, 0.0, 0.10))
 EYE, FIELD = (0.0, 0.0, 2.4), 42.0
+# Of an open end: the colours of the rim and of the dark inside, and the rim's width, of the radius.
+RIM, INSIDE, RIM_WIDTH = (0.80, 0.78, 0.74), (0.07, 0.07, 0.08), 0.16
 
 
 def _turns(y, x):
@@ -90,12 +93,15 @@ def sampler(lod=None, **settings):
     return Sampler(*filters, WrapMode.REPEAT, WrapMode.CLAMP_TO_EDGE, **fixed, **settings)
 
 
-def mesh(pipe, eye, slices, stacks):
-    """The half of a pipe that is turned to the eye, with the panorama's coordinates at its vertices."""
+def mesh(pipe, eye, slices, stacks, shade=0.0):
+    """The half of a pipe that is turned to the eye, with the panorama's coordinates at its vertices.
+
+    ``shade``: how much darker it is where it is seen edge-on, of full; its vertices have the colours.
+    """
     toward = np.array(eye, np.float64)
     front = float(_turns(toward[0] - pipe.x, toward[2] - pipe.z))
     turn = front + (np.arange(slices + 1) / slices - 0.5) * 0.5
-    height = (2.0 * np.arange(stacks + 1) / stacks - 1.0) * pipe.half_height
+    height = pipe.bottom + (pipe.top - pipe.bottom) * np.arange(stacks + 1) / stacks
     turn, y = (a.ravel() for a in np.meshgrid(turn, height))
     positions = np.stack(
         [
@@ -105,6 +111,9 @@ def mesh(pipe, eye, slices, stacks):
         ],
         axis=-1,
     )
+    facing = (toward - positions) * ((positions - (pipe.x, 0.0, pipe.z)) * (1.0, 0.0, 1.0) / pipe.radius)
+    facing = facing.sum(axis=-1) / np.sqrt(((toward - positions) ** 2).sum(axis=-1))
+    light = 1.0 - shade * (1.0 - np.clip(facing, 0.0, 1.0))
     column, row = np.meshgrid(np.arange(slices), np.arange(stacks))
     corner = (row * (slices + 1) + column).ravel()
     quads = np.stack(
@@ -114,6 +123,7 @@ def mesh(pipe, eye, slices, stacks):
         positions=positions,
         indices=quads.T.ravel(),
         texture_coordinates=(coordinates(positions - toward, turn),),
+        colors=None if shade == 0.0 else np.repeat(light[:, None], 3, axis=1),
     )
 
 
@@ -128,21 +138,50 @@ def coordinates(ray, turn):
     return np.stack([0.5 - mirrored, 0.5 + 2.0 * _turns(ray[..., 1], level)], axis=-1)
 
 
-def pipe_passes(pipes, view, read, slices=96, stacks=16):
-    """A Draw for each pipe, which mirrors the loaded panorama as a sampler (``sampler``) reads it."""
-    units = (unit(PANORAMA, read, environment=REPLACE),)
-    meshes = (mesh(pipe, view.eye, slices, stacks) for pipe in pipes)
+def pipe_passes(pipes, view, read, slices=96, stacks=16, shade=0.0):
+    """A Draw for each pipe, which mirrors the loaded panorama as a sampler (``sampler``) reads it.
+
+    ``shade``: as for ``mesh``.
+    """
+    units = (unit(PANORAMA, read, environment=REPLACE if shade == 0.0 else MODULATE),)
+    meshes = (mesh(pipe, view.eye, slices, stacks, shade) for pipe in pipes)
     return tuple(
         draw(f"pipe {number}", bent, view, None, units, depth_test=FIRST_PASS)
         for number, bent in enumerate(meshes, 1)
     )
 
 
+def _end(pipe, slices):
+    """A pipe's upper end: a ring of the rim's colour round a disc of the inside's."""
+    turn = np.arange(slices) / slices
+    around = np.stack([sine(2.0 * np.pi * turn), 0.0 * turn, cosine(2.0 * np.pi * turn)], axis=-1)
+    middle, inner = np.array((pipe.x, pipe.top, pipe.z)), (1.0 - RIM_WIDTH) * pipe.radius
+    rings = (middle + pipe.radius * around, middle + inner * around)
+    positions = np.concatenate([*rings, rings[1], middle[None]])
+    here, after, n = np.arange(slices), (np.arange(slices) + 1) % slices, slices
+    ring = (here, after, n + after, here, n + after, n + here)
+    disc = (2 * n + here, 2 * n + after, np.full(n, 3 * n))
+    colors = np.repeat((RIM, INSIDE), (2 * n, n + 1), axis=0)
+    return Mesh(
+        positions=positions,
+        indices=np.concatenate([np.stack(ring).T.ravel(), np.stack(disc).T.ravel()]),
+        colors=colors,
+    )
+
+
+def end_passes(pipes, view, slices=96):
+    """A Draw for each pipe's open upper end, which mirrors nothing."""
+    return tuple(
+        draw(f"end of pipe {number}", _end(pipe, slices), view, None, depth_test=FIRST_PASS)
+        for number, pipe in enumerate(pipes, 1)
+    )
+
+
 # ------------------------------------------------------------------------------------------------- the truth
 
 
-@kernel("void(f8[:,::1],f8[::1],f8[:,::1],f8[:,:,::1],f8[:,:,::1],i8,i8,i8,f8[:,:,::1])")
-def _sampled(ray, eye, pipes, image, jitter, side, first, last, out):
+@kernel("void(f8[:,::1],f8[::1],f8[:,::1],f8[:,::1],f8,f8[:,:,::1],f8[:,:,::1],i8,i8,i8,f8[:,:,::1])")
+def _sampled(ray, eye, pipes, end, shade, image, jitter, side, first, last, out):
     """Rows ``first`` to ``last``: the mean colour of the samples that meet a pipe, and how many do."""
     rows, columns = image.shape[0], image.shape[1]
     mask = jitter.shape[0] - 1
@@ -156,7 +195,7 @@ def _sampled(ray, eye, pipes, image, jitter, side, first, last, out):
                     dx = ray[0, 0] + wx * ray[1, 0] + wy * ray[2, 0]
                     dy = ray[0, 1] + wx * ray[1, 1] + wy * ray[2, 1]
                     dz = ray[0, 2] + wx * ray[1, 2] + wy * ray[2, 2]
-                    nearest, nx, nz = math.inf, 0.0, 0.0
+                    nearest, nx, nz, kind = math.inf, 0.0, 0.0, -1
                     for p in range(len(pipes)):
                         ox, oz, radius = eye[0] - pipes[p, 0], eye[2] - pipes[p, 1], pipes[p, 2]
                         a, b = dx * dx + dz * dz, ox * dx + oz * dz
@@ -164,12 +203,28 @@ def _sampled(ray, eye, pipes, image, jitter, side, first, last, out):
                         if square < 0.0:
                             continue
                         along = (-b - math.sqrt(square)) / a
-                        if 0.0 < along < nearest and abs(eye[1] + along * dy) <= pipes[p, 3]:
-                            nearest = along
+                        if 0.0 < along < nearest and pipes[p, 4] <= eye[1] + along * dy <= pipes[p, 3]:
+                            nearest, kind = along, -1
                             nx, nz = (ox + along * dx) / radius, (oz + along * dz) / radius
+                    for p in range(len(pipes)):
+                        if dy >= 0.0:
+                            continue
+                        along = (pipes[p, 3] - eye[1]) / dy
+                        ox, oz = eye[0] + along * dx - pipes[p, 0], eye[2] + along * dz - pipes[p, 1]
+                        off = math.sqrt(ox * ox + oz * oz) / pipes[p, 2]
+                        if 0.0 < along < nearest and off <= 1.0:
+                            nearest, kind = along, int(off < end[2, 0])
                     if nearest == math.inf:
                         continue
+                    if kind >= 0:
+                        for c in range(3):
+                            out[y, x, c] += end[kind, c]
+                        out[y, x, 3] += 1.0
+                        out[y, x, 4] += 1.0
+                        continue
                     turn = 2.0 * (dx * nx + dz * nz)
+                    facing = -0.5 * turn / math.sqrt(dx * dx + dy * dy + dz * dz)
+                    light = 1.0 - shade * (1.0 - facing)
                     rx, rz = dx - turn * nx, dz - turn * nz
                     # Longitude from -z by way of +x, as the panorama has it.
                     at_s = math.atan2(rx, -rz) / (2.0 * math.pi)
@@ -183,27 +238,31 @@ def _sampled(ray, eye, pipes, image, jitter, side, first, last, out):
                     for c in range(3):
                         lower = image[t0, s0, c] + u * (image[t0, s1, c] - image[t0, s0, c])
                         upper = image[t1, s0, c] + u * (image[t1, s1, c] - image[t1, s0, c])
-                        out[y, x, c] += lower + v * (upper - lower)
+                        out[y, x, c] += light * (lower + v * (upper - lower))
                     out[y, x, 3] += 1.0
             count = out[y, x, 3]
             for c in range(3):
                 out[y, x, c] = out[y, x, c] / max(count, 1.0)
             out[y, x, 3] = count / (side * side)
+            out[y, x, 4] = out[y, x, 4] / (side * side)
 
 
 @computed_once
-def supersampled(view, pipes, image, side=16, threads=None):
-    """The truth: ``side`` squared rays a pixel: float64 [height, width, 4], bottom row first, the mean colour
-    of what meets a pipe and the share of the pixel that does.
+def supersampled(view, pipes, image, side=16, threads=None, *, shade=0.0):
+    """The truth: ``side`` squared rays a pixel: float64 [height, width, 5], bottom row first, the mean colour
+    of what meets a pipe, the share of the pixel that does, and that which meets an upper end.
 
     view   a perspective View
     pipes  Pipes, solid
     image  float64 [rows, columns, 3]: a panorama, two rows or more
+    shade  as for ``mesh``
     """
     height, width = view.panel.height, view.panel.width
-    out, threads = np.zeros((height, width, 4)), threads or default_threads()
-    solid = np.array([(p.x, p.z, p.radius, p.half_height) for p in pipes], np.float64).reshape(-1, 4)
-    arguments = rays(view), np.array(view.eye, np.float64), solid, np.ascontiguousarray(image, np.float64)
+    out, threads = np.zeros((height, width, 5)), threads or default_threads()
+    solid = np.array([(p.x, p.z, p.radius, p.top, p.bottom) for p in pipes], np.float64).reshape(-1, 5)
+    end = np.array((RIM, INSIDE, (1.0 - RIM_WIDTH,) * 3), np.float64)
+    picture = np.ascontiguousarray(image, np.float64)
+    arguments = rays(view), np.array(view.eye, np.float64), solid, end, float(shade), picture
 
     def share(number):
         first, last = (height * k // threads for k in (number, number + 1))
