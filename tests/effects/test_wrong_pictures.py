@@ -14,6 +14,7 @@ import pytest
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.figures import FIGURES
 from tests import wrong_pictures
+from tests.support.sample import sampled, slow_unless
 from tests.wrong_pictures import LEAST, NAMED, Mutation, first_failed, named_failed, results_of
 
 _FILE = tomllib.loads(Path(__file__).with_name("wrong_pictures.toml").read_text())
@@ -22,7 +23,12 @@ NOT_MEASURED, SURVIVORS = set(_FILE["not_measured"]), _FILE["survivors"]
 CHEAP = ("F001-14", "F003-4")
 
 
-@pytest.mark.parametrize(("figure_id", "name"), NAMED)
+IN_TURN = sampled(NAMED, 4)
+
+
+@pytest.mark.parametrize(
+    ("figure_id", "name"), [pytest.param(*each, marks=slow_unless(each in IN_TURN)) for each in NAMED]
+)
 def test_a_wrong_picture_that_once_passed_is_refused(figure_id, name):
     failed = named_failed(figure_id, name)
     assert failed is not None and not failed.startswith("the checks stop"), failed

@@ -36,6 +36,7 @@ class Stranger:
         return self.run("fixedpipe.effects.cli", "golden", *arguments, **environment)
 
 
+@pytest.mark.slow  # tests/pipeline/golden proves each of these commands, and test_installed.py the wheel
 def test_a_strangers_pictures_are_recorded_broken_reviewed_and_accepted(installed, tmp_path):
     project = Stranger(installed[0], tmp_path / "project", "test_frames.py")
     status, said = project.run("pytest", "-n", "2")

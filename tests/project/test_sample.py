@@ -62,14 +62,16 @@ def run_now(*folders):
 
 
 def test_tests_of_commands_have_their_turns_and_all_run_where_their_own_folder_changed(at):
-    cli, other = "tests/effects/cli", "tests/raster"
+    cli, other = "tests/effects/cli", "tests/project"
     taken = []
     for date in DATES:
         at(date)
         taken.append(run_now(cli))
         assert len(run_now(other)) == 20
         at(date, "effects/cli/view.py")
-        assert len(run_now(cli)) == 20
+        assert len(run_now(cli)) == 20 > len(run_now("tests/raster"))
+        at(date, "raster/vector/band.py")
+        assert len(run_now("tests/raster", "tests/pipeline/execution")) == 40 and len(run_now(cli)) < 20
         at(date, f"{cli}/test_c.py")
         assert len(run_now(cli)) == 20
     assert len(set.union(*taken)) == 20 and len(set(map(frozenset, taken))) == sample.TURNS

@@ -17,9 +17,10 @@ _ROOT = Path(__file__).parents[2]
 # What the process of all tests hands to those that it starts, so that all of them take the same tests.
 DATE, CHANGED = "FIXEDPIPE_SAMPLE_DATE", "FIXEDPIPE_SAMPLE_CHANGED"
 FIGURES_SHARE = 6  # of the figures, one in so many
-# Tests of commands, processes, pages and whole pictures: what they are made of is proved below them. After a
-# change one in TURNS of them is run, and all of a row whose own folder, or one of these, has changed.
+# After a change one in TURNS of a folder's tests is run, and all of them where the folder itself, or one of
+# these, has changed. What commands and pages are made of is proved below; what is below knows nothing above.
 TURNS = 4
+_LOW = ("raster/", "pipeline/", "tests/reference/", "tests/support/")
 IN_TURN = {
     "tests/browser": ("effects/viewer/", "effects/reports/gallery/", "effects/reports/viewing/"),
     "tests/effects/cli": ("effects/cli/",),
@@ -29,9 +30,15 @@ IN_TURN = {
     "tests/effects/tasks": ("effects/tasks/",),
     "tests/effects/viewer": ("effects/viewer/",),
     "tests/emulators": ("effects/emulators/",),
+    "tests/pipeline/execution": _LOW,
     "tests/pipeline/golden": ("pipeline/golden/",),
     "tests/pipeline/inspection": ("pipeline/inspection/",),
     "tests/pipeline/notations": ("pipeline/notations/",),
+    "tests/pipeline/vertices": _LOW,
+    "tests/raster": _LOW,
+    "tests/raster/columns": _LOW,
+    "tests/raster/pixels": _LOW,
+    "tests/raster/vector": _LOW,
 }
 LEAST_EXAMPLES = 30  # of each test that Hypothesis gives its values
 _SETTINGS = "_hypothesis_internal_use_settings"  # where Hypothesis keeps those of a test
