@@ -1,4 +1,7 @@
-"""F000-5: mirrors by Fresnel's factor, alone, over diffuse light and as its coat, and a filtered map."""
+"""F000-5: mirrors by Fresnel's factor, alone, over diffuse light and as its coat, and a filtered map.
+
+The first column has what the others are made of: the map, the diffuse light, F, and the filtered map.
+"""
 
 from functools import lru_cache
 
@@ -20,10 +23,21 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2001.shared import glass
 from fixedpipe.effects.geometry import cube_maps
 from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.effects.geometry.vertex_vectors import reflected, refracted
-from fixedpipe.effects.geometry.views import BACKGROUND, Panel, panel_width, perspective_view
+from fixedpipe.effects.geometry.vertex_vectors import dot_products, reflected, refracted
+from fixedpipe.effects.geometry.views import (
+    BACKGROUND,
+    Panel,
+    orthographic_view,
+    panel_width,
+    perspective_view,
+)
+from fixedpipe.effects.passes.draws import EDGE, FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import colors_of, factor_texels
 from fixedpipe.effects.reflectance.fresnel import fresnel
+from fixedpipe.effects.reflectance.sampled_functions import positions
+from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.pipeline.enums import InternalFormat
+from fixedpipe.pipeline.textures.images import texture_1d
 
 DATA = figure_data(__file__, "F000-5")
 
@@ -53,13 +67,15 @@ def camera(panel):
 
 
 def cells(size):
-    """Panels for the columns, from left to right, and in each for the rows, from top to bottom."""
+    """Panels for all columns, from left to right, and in each for the rows, from top to bottom; the first
+    column is of what is used.
+    """
     width, height = panel_width(size, ASPECT), size // ROWS
     if height < 1:
         raise ValueError(f"A panel of {size} pixels has no room for {ROWS} rows; give it {ROWS} or more.")
     return [
         [Panel(column * width, size - (row + 1) * height, width, height) for row in range(ROWS)]
-        for column in range(3)
+        for column in range(4)
     ]
 
 
@@ -80,13 +96,45 @@ def maps(seen, edge, roughness):
     return np.minimum(cube, 1.0), glossy, prefilter.cosine(cube, 64)
 
 
+def exposed(factor, exposure, row, number):
+    """F as a mirror shows it: the first row's first index ``exposure`` times as bright, one at most."""
+    return np.minimum(exposure * factor, 1.0) if (row, number) == (0, 0) else factor
+
+
+def load_exposed(name, index, exposure, profile):
+    """The command that loads ``exposed`` F(n.v) as ``fresnel_passes.load_table`` loads F(n.v)."""
+    factor = fresnel(positions(fresnel_passes.TEXELS), index)
+    values = factor_texels(exposed(factor, exposure, 0, 0), profile)
+    image = texture_1d(values[..., None], InternalFormat.INTENSITY8)
+    return TexImage(label=f"load {name}", texture=name, image=image)
+
+
+def used(panels, way, surface, colors, table, background):
+    """The first column: the map, L_d, F and the filtered map."""
+    facing = surface.mesh(dot_products((surface.normals, camera(panels[0]).view_vectors(surface.positions))))
+    factor = (unit(table, EDGE, environment=REPLACE),)
+    drawn = (
+        ("the map, laid out", *way.shown(SHARP)),
+        ("diffuse light alone", surface.mesh(colors=colors), None),
+        (f"{table} as a colour", facing, factor[0]),
+        ("the filtered map, laid out", *way.shown(GLOSSY)),
+    )
+    for panel, (label, mesh, read) in zip(panels, drawn, strict=True):
+        flat = label.endswith("laid out")
+        view = orthographic_view(panel, glass.MAP_HALF_HEIGHT) if flat else camera(panel)
+        yield panel.clear(background)
+        units = () if read is None else (read,)
+        yield draw(label, mesh, view, None, units, depth_test=FIRST_PASS)
+
+
 def make_scene(way):
     """The figure's scene by a ``glass.Refraction``."""
 
     def scene(
-        profile, size, *, indices, roughness, diffuse, environment, photograph, objects, detail, background
-    ):
-        columns, edge = cells(size), size // ROWS
+        profile, size, *,
+        indices, roughness, exposure, diffuse, environment, photograph, objects, detail, background,
+    ):  # fmt: skip
+        (first, *columns), edge = cells(size), size // ROWS
         texels = glass.texels(edge)
         surface = glass.OBJECTS[objects](segments(edge) if detail is None else detail)
         seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
@@ -97,10 +145,14 @@ def make_scene(way):
         for number, (panels, index) in enumerate(zip(columns, indices, strict=True)):
             table = f"F(n.v), index {index:g}"
             out.append(fresnel_passes.load_table(table, index, profile))
+            if number == 0:
+                out += used(first, way, surface, colors, table, background)
+                out.append(load_exposed(f"exposed {table}", index, exposure, profile))
             for row, panel in enumerate(panels):
                 view = camera(panel)
                 mirror = way.mirror(SHARP if row < ROWS - 1 else GLOSSY, view)
-                out += (panel.clear(background), *way.passes(surface, view, table, mirror))
+                factor = f"exposed {table}" if (row, number) == (0, 0) else table
+                out += (panel.clear(background), *way.passes(surface, view, factor, mirror))
                 if row in (1, 2):
                     out.append(fresnel_passes.diffuse_pass(surface, view, colors, coat=row == 2))
                 if row == ROWS - 1 and number == 0:
@@ -111,9 +163,9 @@ def make_scene(way):
     return scene
 
 
-def reference(size, *, indices, roughness, diffuse, environment, photograph, objects, detail, **_):
-    """The equations at each pixel that a ray finds on the objects; no reference beside them."""
-    edge, columns = size // ROWS, cells(size)
+def reference(size, *, indices, roughness, exposure, diffuse, environment, photograph, objects, detail, **_):
+    """The equations at each pixel that a ray finds on the objects; none beside them, nor of the maps."""
+    edge, (first, *columns) = size // ROWS, cells(size)
     surface = glass.OBJECTS[objects](segments(edge) if detail is None else detail)
     seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
     sharp, glossy, cosine = maps(seen, glass.texels(edge), roughness)
@@ -121,18 +173,25 @@ def reference(size, *, indices, roughness, diffuse, environment, photograph, obj
     normals, eye = normals[there], eye[there]
     under = cube_maps.look_up(cosine, normals) * np.array(diffuse)
     mirrored = reflected(eye, normals)
-    out = np.zeros((size, 3 * columns[0][0].width, 4))
+    out = np.zeros((size, 4 * first[0].width, 4))
+
+    def fill(panel, colors):
+        cell = out[panel.y : panel.y + panel.height, panel.x : panel.x + panel.width]
+        cell[there, :3], cell[there, 3] = np.clip(colors, 0.0, 1.0), 1.0
+
+    fill(first[1], under)
+    fill(first[2], np.repeat(fresnel(dot(normals, eye), indices[0])[:, None], 3, axis=-1))
     for number, (panels, index) in enumerate(zip(columns, indices, strict=True)):
         factor = fresnel(dot(normals, eye), index)[:, None]
-        mirror = factor * cube_maps.look_up(sharp, mirrored)
+        room = cube_maps.look_up(sharp, mirrored)
+        alone, mirror = exposed(factor, exposure, 0, number) * room, factor * room
         frosted = factor * cube_maps.look_up(glossy, mirrored)
         if number == 0:
             through, _ = refracted(eye, normals, 1.0 / index)
             frosted = frosted + (1.0 - factor) * cube_maps.look_up(glossy, through)
-        rows = mirror, mirror + under, mirror + (1.0 - factor) * under, frosted
+        rows = alone, mirror + under, mirror + (1.0 - factor) * under, frosted
         for panel, colors in zip(panels, rows, strict=True):
-            cell = out[panel.y : panel.y + panel.height, panel.x : panel.x + panel.width]
-            cell[there, :3], cell[there, 3] = np.clip(colors, 0.0, 1.0), 1.0
+            fill(panel, colors)
     return out[::-1]
 
 
@@ -175,11 +234,78 @@ def _refracted(eye, normals, index):
     return (cosine / index - inside) * normals - eye / index
 
 
+def _laid_out(panel, view, sphere):
+    """Where each pixel of a map that is laid out looks: directions [height, width, 3], and where it is the
+    map, bool [height, width]; of a sphere map without its rim.
+    """
+    x, y = (
+        (2.0 * (np.arange(n) + 0.5) / n - 1.0) * glass.MAP_HALF_HEIGHT * n / panel.height
+        for n in (panel.width, panel.height)
+    )
+    x, y = np.meshgrid(x, y)
+    if sphere:
+        x, y = x / 1.5, y / 1.5
+        inside = x * x + y * y < 0.8
+        z = np.sqrt(np.maximum(1.0 - x * x - y * y, 0.0))
+        # A mirror's ball far away: +z is reflected in its normals, in the eye's axes.
+        toward = np.stack([2.0 * z * x, 2.0 * z * y, 2.0 * z * z - 1.0], axis=-1)
+        return toward @ np.array(view.modelview)[:3, :3], inside
+    # A room's walls as they stand around one who looks ahead, unfolded.
+    column, row = np.floor(x + 2.0), np.floor(y + 1.5)
+    u, v, one = 2.0 * (x + 1.5 - column), 2.0 * (y + 1.0 - row), np.ones(x.shape)
+    walls = {
+        (0, 1): (-one, v, -u), (1, 1): (u, v, -one), (2, 1): (one, v, u), (3, 1): (-u, v, one),
+        (1, 2): (u, one, v), (1, 0): (u, -one, -v),
+    }  # fmt: skip
+    toward, inside = np.stack([u, v, one], axis=-1), np.zeros(x.shape, np.bool_)
+    for (across, up), wall in walls.items():
+        here = (column == across) & (row == up) & (np.maximum(np.abs(u), np.abs(v)) < 0.97)
+        toward[here], inside[here] = np.stack(wall, axis=-1)[here], True
+    return toward, inside
+
+
+def _cell(window, panel):
+    return window[panel.y : panel.y + panel.height, panel.x : panel.x + panel.width]
+
+
+def _even(toward, room):
+    """About which directions [n, 3] the room has one colour."""
+    steps = _AROUND * np.concatenate([np.eye(3), -np.eye(3)])
+    return np.abs(environments.room(toward + steps[:, None]) - room).max(axis=(0, 2)) <= _ONE
+
+
+def _first_column(window, on, panels, asked, of, exponent, sphere):
+    """What the first column must show. ``of``: L_d and F where the objects are ``asked``."""
+    toward, inside = _laid_out(panels[0], camera(panels[0]), sphere)
+    inside[np.arange(len(inside)) % _EVERY != 0] = inside[:, np.arange(inside.shape[1]) % _EVERY != 0] = False
+    toward = normalize(toward[inside])
+    room = environments.room(toward)
+    expected = (
+        ("the map", _cell(window, panels[0])[inside] - room, _even(toward, room)),
+        *(
+            (name, _cell(window, panel)[asked] - value, slice(None))
+            for name, panel, value in zip(("diffuse light", "F"), panels[1:3], of, strict=True)
+        ),
+    )
+    for name, off, where in expected:
+        yield DATA.check(
+            "first column, {what}: pixels that show it within 6/255",
+            float((np.abs(off).max(axis=-1) <= 6.0 * _BYTE)[where].mean()),
+            on,
+            what=name,
+        )
+    yield DATA.check(
+        "first column, lowest row: RMS from Phong's lobe over the room, in the picture",
+        root_mean_square(_cell(window, panels[3])[inside] - _lobe(toward, exponent)),
+        on,
+    )
+
+
 def _displayed(figure, renderer):
     """What must be seen, in the picture that is displayed: the equations' colours in the room itself, without
     the maps that the figure makes of it.
     """
-    values, columns = figure.values, cells(figure.size)
+    values, (first, *columns) = figure.values, cells(figure.size)
     surface = glass.OBJECTS[values["objects"]](segments(figure.size // ROWS))
     normals, eye, seen = glass.surface_by_rays(surface, camera(columns[0][0]))
     grid = np.zeros(seen.shape, np.bool_)
@@ -188,20 +314,22 @@ def _displayed(figure, renderer):
     normals, eye = normals[asked], eye[asked]
     mirrored = reflected(eye, normals)
     room = environments.room(mirrored)
-    steps = _AROUND * np.concatenate([np.eye(3), -np.eye(3)])
-    around = environments.room(mirrored + steps[:, None])
-    even = np.abs(around - room).max(axis=(0, 2)) <= _ONE
+    even = _even(mirrored, room)
     under = _lobe(normals, 1.0) * np.array(values["diffuse"])
     exponent = 1.0 / values["roughness"]
     blurred = _lobe(mirrored, exponent)
     through = _lobe(_refracted(eye, normals, values["indices"][0]), exponent)
     for on in Answer:
         window = np.clip(renderer.window(on, figure, figure.size), 0.0, 1.0)
+        of = under, glass.by_polarizations(dot(normals, eye), values["indices"][0])[:, None]
+        sphere = renderer.method.name.endswith("sphere map")
+        yield from _first_column(window, on, first, asked, of, exponent, sphere)
         for number, (panels, index) in enumerate(zip(columns, values["indices"], strict=True)):
             factor = glass.by_polarizations(dot(normals, eye), index)[:, None]
-            drawn = [window[p.y : p.y + p.height, p.x : p.x + p.width][asked] for p in panels]
+            drawn = [_cell(window, panel)[asked] for panel in panels]
             mirror, frosted = factor * room, factor * blurred
-            rows = mirror, mirror + under, mirror + (1.0 - factor) * under
+            alone = exposed(factor, values["exposure"], 0, number) * room
+            rows = alone, mirror + under, mirror + (1.0 - factor) * under
             for row, of, expected in zip(_NAMES, drawn, rows, strict=False):
                 off = np.abs(of - np.minimum(expected, 1.0)).max(axis=-1)
                 yield DATA.check(
@@ -225,7 +353,7 @@ def checks(figure, renderer):
     """What must be seen; and a ball whose normals rays find, in a white room, the room, with a lamp alone."""
     yield from _displayed(figure, renderer)
     size, indices = ROWS * _ROW, figure.values["indices"]
-    columns = cells(size)
+    _, *columns = cells(size)
     normals, eye, seen = glass.ball_by_rays(camera(columns[0][0]))
     cosine = dot(normals, eye)
     asked = seen & (cosine > _EDGE)
@@ -239,11 +367,9 @@ def checks(figure, renderer):
         rounding = "" if on is Answer.IDEAL else "; a byte's step more for what bytes round"
         pictures = {}
         for name in ENVIRONMENTS:
-            image = renderer.window(on, figure, size, environment=name, objects="ball", detail=192)
-            pictures[name] = [
-                [np.clip(image[p.y : p.y + p.height, p.x : p.x + p.width][asked], 0.0, 1.0) for p in panels]
-                for panels in columns
-            ]
+            scene = {"environment": name, "objects": "ball", "detail": 192, "exposure": 1.0}
+            image = np.clip(renderer.window(on, figure, size, **scene), 0.0, 1.0)
+            pictures[name] = [[_cell(image, panel)[asked] for panel in panels] for panels in columns]
         for index, factor, of in zip(indices, factors, pictures["white"], strict=True):
             error = np.abs(of[0] - factor)
             yield DATA.check(
@@ -319,7 +445,7 @@ def checks(figure, renderer):
 
 FIGURE = Figure(
     **DATA.words,
-    size=1536,
+    size=1152,
     aspect=ASPECT,
     parameters={
         "indices": word.of(
@@ -329,6 +455,9 @@ FIGURE = Figure(
         ),
         "roughness": word.NUMBER(
             0.01, "The lowest row's: the reciprocal of Phong's exponent.", low=0.001, high=1.0
+        ),
+        "exposure": word.NUMBER(
+            6.0, "By what the first row's first index is shown brighter.", low=1.0, high=100.0
         ),
         "diffuse": word.DIFFUSE((0.95, 0.34, 0.16)),
         "environment": word.of(

@@ -1,5 +1,6 @@
 """Parts of the figures of Fresnel's mirrors: each machine's reflection and refraction, and a ball by rays."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,11 +15,24 @@ from fixedpipe.effects.environment_maps import (
 )
 from fixedpipe.effects.geometry import cube_maps, surfaces
 from fixedpipe.effects.geometry.matrices import rotation
-from fixedpipe.effects.geometry.vectors import dot, normalize
-from fixedpipe.pipeline.commands import TexImage
+from fixedpipe.effects.geometry.vectors import cosine, dot, normalize, sine
+from fixedpipe.effects.passes.draws import EDGE, REPLACE, unit
+from fixedpipe.pipeline.commands import Mesh, TexImage
+from fixedpipe.pipeline.enums import PrimitiveType
 
 # The radius of a ball by itself.
 BALL = 0.66
+# Half of what a view shows of a map that is laid out flat, three squares high, and a little around it.
+MAP_HALF_HEIGHT = 1.6
+# An unfolded cube map: column and row of each face's square; the face's middle, right and up in the world.
+CROSS = (
+    (0, 1, (-1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    (1, 1, (0, 0, -1), (1, 0, 0), (0, 1, 0)),
+    (2, 1, (1, 0, 0), (0, 0, 1), (0, 1, 0)),
+    (3, 1, (0, 0, 1), (-1, 0, 0), (0, 1, 0)),
+    (1, 2, (0, 1, 0), (1, 0, 0), (0, 0, 1)),
+    (1, 0, (0, -1, 0), (1, 0, 0), (0, 0, -1)),
+)
 
 
 def ball_in_ring(detail):
@@ -45,12 +59,14 @@ class Refraction:
     through   (texture, view, edge) -> the texture unit that reads a mesh's refracted directions; ``edge``:
               the cube map's
     passes    a mirror times F: of ``fresnel_passes``
+    shown     (texture) -> a mesh and the texture unit that lay a map out flat, within MAP_HALF_HEIGHT
     """
 
     loading: Callable
     mirror: Callable
     through: Callable
     passes: Callable
+    shown: Callable
 
 
 def _before(texture):
@@ -84,12 +100,35 @@ def _by_sphere(texture, view):
     return fresnel_passes.sphere_unit(texture)
 
 
-CUBE_MAPS = Refraction(_load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.mirror_passes)
-CUBE_MAPS_FOLDED = Refraction(
-    _load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.folded_mirror_pass
+def _cross(texture):
+    """A cube map's six faces, unfolded."""
+    places, toward = [], []
+    for column, row, middle, right, up in CROSS:
+        for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+            places.append((column - 1.5 + 0.5 * x, row - 1.0 + 0.5 * y, 0.0))
+            toward.append(np.array(middle) + x * np.array(right) + y * np.array(up))
+    mesh = Mesh(np.array(places), PrimitiveType.QUADS, texture_coordinates=(np.array(toward, np.float64),))
+    return mesh, unit(texture, EDGE, environment=REPLACE)
+
+
+def _circle(texture):
+    """A sphere map's circle."""
+    angles = 2.0 * math.pi * np.arange(96) / 96
+    rim = np.stack([cosine(angles), sine(angles)], axis=-1)
+    mesh = Mesh(1.5 * rim, PrimitiveType.POLYGON, texture_coordinates=(0.5 + 0.5 * rim,))
+    return mesh, unit(texture, EDGE, environment=REPLACE)
+
+
+CUBE_MAPS = Refraction(
+    _load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.mirror_passes, _cross
 )
-SPHERE_MAPS = Refraction(_load_spheres, _by_sphere, _through_disc, fresnel_passes.mirror_passes)
-SPHERE_MAPS_FOLDED = Refraction(_load_spheres, _by_sphere, _through_disc, fresnel_passes.folded_mirror_pass)
+CUBE_MAPS_FOLDED = Refraction(
+    _load_cubes, fresnel_passes.cube_unit, _through_cube, fresnel_passes.folded_mirror_pass, _cross
+)
+SPHERE_MAPS = Refraction(_load_spheres, _by_sphere, _through_disc, fresnel_passes.mirror_passes, _circle)
+SPHERE_MAPS_FOLDED = Refraction(
+    _load_spheres, _by_sphere, _through_disc, fresnel_passes.folded_mirror_pass, _circle
+)
 
 
 def texels(edge, most=256):
