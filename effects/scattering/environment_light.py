@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from fixedpipe.effects.geometry.vectors import cross, dot, from_frame, in_frame
 from fixedpipe.effects.scattering import directions as sphere
 from fixedpipe.effects.scattering import light_transport
-from fixedpipe.effects.scattering.visibility import BACK, FREE, check_same_texels, free_view
+from fixedpipe.effects.scattering.visibility import FREE, MOST_TILES, check_same_texels, free_view
+from fixedpipe.effects.scattering.visibility import _seen as texel_seen
 from fixedpipe.effects.technique import Technique
 from fixedpipe.raster.kernel import kernel
 
@@ -113,10 +114,12 @@ def tiles(field, visibility, bounces):
 
 @kernel
 def _lights(
-    texels, tangents, binormals, normals, light, bumps, albedo, directions, seen, corners, inverses, indirect,
-    sky, direct, scattered, above,
+    texels, tangents, binormals, normals, light, heights, highest, bumps, albedo, directions, seen, corners,
+    inverses, indirect, sky, direct, scattered, above,
 ):  # fmt: skip
     """The three lights of places that each have a texel and a frame of their own."""
+    rows, columns = heights.shape
+    most = MOST_TILES * 3 * (rows + columns)
     for place in range(len(texels)):
         texel = texels[place]
         t, b, n, bump = tangents[place], binormals[place], normals[place], bumps[texel]
@@ -135,23 +138,22 @@ def _lights(
                     least = min(least, (row[0] * x + row[1] * y) + row[2] * z)
                 if least > best:
                     best, chosen = least, triangle
-            total, free, counted = 0.0, 0.0, 0.0
+            total = 0.0
             for k in range(3):
                 row = inverses[chosen, k]
                 weight = max((row[0] * x + row[1] * y) + row[2] * z, 0.0)
                 i = corners[chosen, k]
                 total += weight
-                if seen[i, texel] != BACK:
-                    counted += weight
-                    free += weight if seen[i, texel] == FREE else 0.0
                 for c in range(3):
                     scattered[place, c] += weight * indirect[i, texel, c]
-            # A direction from which the texel is turned away says nothing of what is in the way.
-            facing = max((bump[0] * x + bump[1] * y) + bump[2] * z, 0.0)
-            share = free / counted if counted > 0.0 else 1.0
+            facing = (bump[0] * x + bump[1] * y) + bump[2] * z
+            if facing > 0.0:
+                row, column = texel // columns, texel % columns
+                if texel_seen(heights, column, row, x * columns, y * rows, z, highest, most) != FREE:
+                    facing = 0.0
             for c in range(3):
                 scattered[place, c] /= total
-                direct[place, c] = albedo[texel, c] * facing * share
+                direct[place, c] = albedo[texel, c] * max(facing, 0.0)
         for i in range(len(directions)):
             if seen[i, texel] != FREE:
                 continue
@@ -179,8 +181,8 @@ def on_turning_base(field, visibility, made, texels, frames, light, sky):
     light   towards the light, a unit vector of the world
     sky     float64 [k, 3]: the environment's radiance at heights -1 (straight down) to 1, evenly spaced
 
-    Shadows are G13's, between three directions; what the sky's light gains by being scattered on is that of
-    even light.
+    Shadows are by a ray for each place. Scattered light is between three directions, and what the sky's light
+    gains by being scattered on is that of even light.
 
     Raises ValueError for another field's Visibility or Tiles, places beyond the field, and arrays of other
     shapes.
@@ -209,7 +211,8 @@ def on_turning_base(field, visibility, made, texels, frames, light, sky):
     out = [np.empty((len(texels), 3)) for _ in range(3)]
     _lights(
         np.ascontiguousarray(texels, np.int64), *(np.ascontiguousarray(axis, np.float64) for axis in frames),
-        light, np.ascontiguousarray(field.normals.reshape(flat, 3)),
+        light, field.heights, float(field.heights.max()),
+        np.ascontiguousarray(field.normals.reshape(flat, 3)),
         np.ascontiguousarray(field.albedo.reshape(flat, 3)), visibility.directions,
         visibility.seen.reshape(visibility.count, flat), triangles, np.ascontiguousarray(inverses),
         made.indirect, np.ascontiguousarray(sky), *out,
