@@ -53,9 +53,12 @@ def _git(*arguments):
 
 
 def say_the_change():
-    """Note the last commit's date, and which files it or the user has changed, for processes started here."""
-    os.environ[DATE] = _git("show", "-s", "--format=%cI", "HEAD").strip()
-    os.environ[CHANGED] = _git("diff", "--name-only", "HEAD~1")
+    """Note the last commit's date, and which files it or the user has changed, for processes started here.
+
+    What is noted already stays: so may somebody else's share be tested again.
+    """
+    os.environ.setdefault(DATE, _git("show", "-s", "--format=%cI", "HEAD").strip())
+    os.environ.setdefault(CHANGED, _git("diff", "--name-only", "HEAD~1"))
 
 
 def _number(text, share):
