@@ -8,15 +8,18 @@ import pytest
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.studies import STUDIES
 from tests import documents
+from tests.support.sample import sampled, sampled_figures, slow_unless
 
 ROOT = Path(__file__).parents[2]
 TEXTS = {page: page.read_text() for page in documents.PAGES}
+# What figures and studies give stays while their bits do, so it is measured again in turn.
+SAMPLE = sampled_figures() | sampled(STUDIES, 6) | {"costs"}
 SOURCES = [
     pytest.param(
         page,
         source,
         id=f"{page.relative_to(ROOT)}-{source}",
-        marks=[pytest.mark.slow] * (not documents.is_quick(source)),
+        marks=slow_unless(source.partition("@")[0] in SAMPLE and documents.is_quick(source)),
     )
     for page, text in TEXTS.items()
     for source in documents.sources(text)

@@ -17,8 +17,9 @@ _ROOT = Path(__file__).parents[2]
 # What the process of all tests hands to those that it starts, so that all of them take the same tests.
 DATE, CHANGED = "FIXEDPIPE_SAMPLE_DATE", "FIXEDPIPE_SAMPLE_CHANGED"
 FIGURES_SHARE = 6  # of the figures, one in so many
-# After a change one in TURNS of a folder's tests is run, and all of them where the folder itself, or one of
-# these, has changed. What commands and pages are made of is proved below; what is below knows nothing above.
+# Of the tests below a folder, or in files whose names begin so, one in TURNS is run after a change, and all
+# where their own folder, or one of these, has changed. What commands and pages are made of is proved below;
+# what is below knows nothing above.
 TURNS = 4
 _LOW = ("raster/", "pipeline/", "tests/reference/", "tests/support/")
 IN_TURN = {
@@ -35,10 +36,9 @@ IN_TURN = {
     "tests/pipeline/inspection": ("pipeline/inspection/",),
     "tests/pipeline/notations": ("pipeline/notations/",),
     "tests/pipeline/vertices": _LOW,
+    "tests/project/test_bench": ("bench/",),
+    "tests/project/test_notebooks": ("docs/examples/",),
     "tests/raster": _LOW,
-    "tests/raster/columns": _LOW,
-    "tests/raster/pixels": _LOW,
-    "tests/raster/vector": _LOW,
 }
 LEAST_EXAMPLES = 30  # of each test that Hypothesis gives its values
 _SETTINGS = "_hypothesis_internal_use_settings"  # where Hypothesis keeps those of a test
@@ -83,11 +83,13 @@ def changed():
 def take_turns(items):
     """Mark as slow what waits for its turn, by its name alone: so it is the same for any choice of tests."""
     touched, now = changed(), turn(TURNS)
+    waiting = tuple(
+        tests
+        for tests, sources in IN_TURN.items()
+        if not any(path.startswith((tests, *sources)) for path in touched)
+    )
     for item in items:
-        folder = item.nodeid.partition("::")[0].rpartition("/")[0]
-        own = (f"{folder}/", *IN_TURN.get(folder, ()))
-        waits = folder in IN_TURN and not any(path.startswith(own) for path in touched)
-        if waits and _number(item.nodeid, TURNS) != now:
+        if item.nodeid.startswith(waiting) and _number(item.nodeid, TURNS) != now:
             item.add_marker(pytest.mark.slow)
 
 
