@@ -86,8 +86,8 @@ def animate(
             found = ANIMATIONS[figure.id]
         else:
             raise Refusal(
-                f"{figure.id} does not move by itself; say what is to, as in --vary light=1,0,1:-1,0,1 or "
-                f"--precision 4:16. Of {', '.join(ANIMATIONS)} an animation is declared."
+                f"{figure.id} has no animation of its own; say what moves, as in --vary "
+                f"light=1,0,1:-1,0,1 or --precision 4:16. These have one: {', '.join(ANIMATIONS)}."
             )
         machine = machine_of(key) if found.bits else choose("profile", key, PROFILES)
         changes = changes_of(settings, figure, (method,))

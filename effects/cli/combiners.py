@@ -71,13 +71,11 @@ def combiners(file, profile, targets, notation, constants, draw, bounds, table, 
 
     for name, given in (("--bounds are", bounds), ("--table is of", table)):
         if given and (profile is None or notation):
-            raise Refusal(f"{name} a machine's numbers; give --profile, and print it in words.")
+            raise Refusal(f"{name} a machine's numbers; give --profile, and leave the notation out.")
     if json_file and (bounds or table or notation):
-        raise Refusal(
-            "--json writes what the program sets, alone; leave --bounds, --table and notations out."
-        )
+        raise Refusal("--json writes only what the program sets; leave --bounds, --table and notations out.")
     if inputs and not table:
-        raise Refusal("--input is what --table evaluates; give both.")
+        raise Refusal("--input gives --table its values; give --table too.")
     machine = None if profile is None else choose("profile", profile, PROFILES)
     bound = _targets(targets)
     try:

@@ -49,7 +49,7 @@ def _run_pytest(*arguments, silent=False):
         if silent:
             click.echo(done.stdout.decode(errors="replace"), err=True)
         raise Refusal(
-            f"pytest ended with the status {status}, before its tests did; what it printed says why."
+            f"pytest ended with the status {status}, before its tests ended; what it printed says why."
         )
     return status
 
@@ -80,7 +80,9 @@ def check(no_run, json_file, junit, root, arguments):
     from fixedpipe.effects.reports.golden.results import results_json, results_junit
 
     if no_run and arguments:
-        raise Refusal("--no-run runs no pytest, so arguments of it are of no use; leave one of them out.")
+        raise Refusal(
+            "--no-run does not run pytest, so arguments of pytest do nothing; leave them or --no-run out."
+        )
     junit_path, json_path = (name and writable_file(name) for name in (junit, json_file))
     status = 0 if no_run else _run_pytest(*arguments)
     root = _place(root)

@@ -36,16 +36,16 @@ def chosen_candidates(candidates, names, everything, expression, root, run_pytes
     if everything:
         found = set(usual)
         if not found:
-            raise Refusal(f"No picture waits but of tests that are expected to fail. {_waiting(candidates)}")
+            raise Refusal(
+                f"All pictures that wait are of tests that are expected to fail. {_waiting(candidates)}"
+            )
     elif names:
         found = {name for given in names for name in _named(given, candidates, usual)}
     else:
         tests = _tests(expression, root, run_pytest)
         found = {n for n, c in usual.items() if any(_is_of(c, root, *test) for test in tests)}
         if not found:
-            raise Refusal(
-                f"No picture that waits is of a test that -k {expression!r} chooses. {_waiting(candidates)}"
-            )
+            raise Refusal(f"-k {expression!r} chooses no test whose picture waits. {_waiting(candidates)}")
     return [candidate for name, candidate in candidates.items() if name in found]
 
 

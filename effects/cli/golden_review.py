@@ -56,8 +56,8 @@ def _key():
         return "q"
     except OSError as error:
         raise Refusal(
-            "There is no terminal here that has keys. Write the page instead, with --html FILE, and accept "
-            "by `fixedpipe golden accept NAME`."
+            "The review needs a terminal with a keyboard, and there is none here. Write the page instead, "
+            "with --html FILE, and accept by `fixedpipe golden accept NAME`."
         ) from error
 
 

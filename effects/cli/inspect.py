@@ -106,9 +106,9 @@ def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
         refuse_ignored(context, ("plot",), "it is of a row; give --row Y")
     of_stages = what_if is not None and bool(what_if["replaced"] or what_if["unclamped"])
     if of_stages and asked:
-        raise Refusal(f"A stage that is computed otherwise is told of its error alone; leave {asked[0]} out.")
+        raise Refusal(f"A changed stage has its error alone as its result; leave {asked[0]} out.")
     if of["stages"] and not attribution:
-        raise Refusal("--stages is of --attribution; give both.")
+        raise Refusal("--stages belongs to --attribution; give that too.")
     if (attribution or row is not None or not asked) and not (of["stages"] or of_stages):
         refuse_ignored(context, ("number",), "the error is the whole picture's")
     if kind is None:

@@ -42,7 +42,10 @@ def write_tested(path, level):
     compile_all()
     kernels = compiled_for(level)
     if not kernels:
-        raise Refusal("No kernels can be packed, as none can be kept; name a folder in NUMBA_CACHE_DIR.")
+        raise Refusal(
+            "No folder for compiled kernels can be written, so none can be packed; name one in "
+            "NUMBA_CACHE_DIR."
+        )
     with _alone() as folder:
         unfinished = folder / f"{level.name}{SUFFIX}"
         write_pack(unfinished, STATE, level.name, kernels)
@@ -94,5 +97,5 @@ def _test(where):
     checks = checks_elsewhere(where, (1, 2), {})
     if failures := [sentence for check in checks for sentence in check.failures]:
         raise Refusal(
-            f"{count(len(failures), 'drawing')} of the self-test, drawn {where}, not right: {failures[0]}"
+            f"{count(len(failures), 'drawing')} of the self-test went wrong, drawn {where}: {failures[0]}"
         )

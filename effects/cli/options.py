@@ -162,4 +162,4 @@ def refuse_beside(context, option):
     """Raise Refusal where anything was given beside ``option``, with which nothing else is looked at."""
     others = [given for given in given_options(context) if given != option]
     if others:
-        raise Refusal(f"{option} names what there is and ends; leave {' and '.join(others)} out.")
+        raise Refusal(f"{option} prints a list and does nothing else; leave {' and '.join(others)} out.")

@@ -163,7 +163,7 @@ def _of_the_ideal(of):
         validate(ideal, IDEAL, *of.size)
     if [type(c) for c in ideal] != [type(c) for c in of.commands]:
         raise Refusal(
-            f"{of.name} has other commands by the ideal than on the {of.machine.name}; leave --ideal out."
+            f"For {of.name} the ideal draws other commands than the {of.machine.name}; leave --ideal out."
         )
     return ideal
 

@@ -298,8 +298,8 @@ def final(a, b=ONE, *, plus=ZERO, alpha=ONE):
     products = dict.fromkeys(value for value in (a, b, plus) if isinstance(value, RGBPortion))
     if len(products) > 1 or any(value != product(value.a, value.b) for value in products):
         raise ValueError(
-            "A final combiner has one product beside A B, E times F, which goes to no register; give a stage "
-            f"what is more than that of {' and '.join(map(in_words, products))}."
+            "A final combiner has one plain product beside A B, E times F; compute in a general combiner "
+            f"what is more of {' and '.join(map(in_words, products))}."
         )
     a, b, plus = (Register.E_TIMES_F if isinstance(value, RGBPortion) else value for value in (a, b, plus))
     e, f = next(((value.a, value.b) for value in products), (ZERO, ZERO))

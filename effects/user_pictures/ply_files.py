@@ -115,7 +115,7 @@ def _check_counts(body, elements, header, path):
         if name == "vertex" and count > MOST_VERTICES:
             raise Refusal(f"{path} has {count} vertices; up to {MOST_VERTICES} are read. Make it coarser.")
         if not properties and count:
-            raise Refusal(f"{path} has a header with {name[:40]} elements of nothing. {_AGAIN}")
+            raise Refusal(f"{path} has a header whose element {name[:40]} has no properties. {_AGAIN}")
     # The last number needs nothing behind it.
     if least > len(body) + text:
         raise Refusal(

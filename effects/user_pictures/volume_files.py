@@ -165,9 +165,7 @@ def _values(path, begin, header):
     skip = header.get("byte skip", header.get("byteskip", 0))
     lines = header.get("line skip", header.get("lineskip", 0))
     if skip < (-1 if encoding == _RAW else 0) or lines < 0:
-        raise Refusal(
-            f"{path} skips {min(skip, lines)} bytes or lines before its values; that many there are not."
-        )
+        raise Refusal(f"{path} skips {min(skip, lines)} bytes or lines before its values, and has fewer.")
     needed = f"{'x'.join(map(str, sizes))} of type {kind} are {math.prod(sizes) * dtype.itemsize}"
     with source.open("rb") as file:
         file.seek(begin if source == path else 0)

@@ -90,9 +90,7 @@ def to_object(view: View) -> dict[str, Any]:
 def view_of(given: Any) -> View:
     """The View that a page's JSON object says. Raises Refusal, a sentence, for anything else."""
     if not isinstance(given, Mapping):
-        raise Refusal(
-            "What is to be shown is no object; send id, machine, size, values, bits, without, upto."
-        )
+        raise Refusal("The view is no JSON object; send id, machine, size, values, bits, without, upto.")
     values, bits = (_mapping(given, name) for name in ("values", "bits"))
     for name, text in values.items():
         if type(text) is not str or len(text) > LONGEST_TEXT:

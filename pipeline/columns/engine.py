@@ -143,8 +143,8 @@ def column_draw(
         turned = state.spherical_primary_color or state.spherical_secondary_color
         if state.evaluate_before_filtering or turned:
             raise ValueError(
-                "A pass combines colours before it filters them, or turns them as unit vectors; stages are "
-                "computed otherwise in passes without evaluate_before_filtering, spherical_primary_color and "
+                "No stage can be changed in a pass that evaluates combiners before filters or interpolates "
+                "colours on the sphere; leave out evaluate_before_filtering, spherical_primary_color and "
                 "spherical_secondary_color."
             )
         if replaced.has_exact_colors:

@@ -184,9 +184,7 @@ class Machine:
                 "that covers a Draw."
             )
         if self.replaced_stages is not None and self.engine != "columns":
-            raise ValueError(
-                'Stages are computed otherwise by the column engine alone; give engine="columns".'
-            )
+            raise ValueError('Only the column engine can change stages; give engine="columns".')
         if self.color_bits is None:
             self.color_bits = self.profile.framebuffers.color_bits[0]
         if self.depth_bits is None:
@@ -227,12 +225,12 @@ class Machine:
         commands = frame_of(commands)
         if record and self._samples:
             raise ValueError(
-                f"Fragments are recorded of one sample, and this machine has {self.samples} in each pixel; "
-                "give samples=1."
+                f"A machine with {self.samples} samples in each pixel records no fragments; give samples=1."
             )
         if self._runner == threading.get_ident():
             raise ValueError(
-                "This machine waits for a HostStep; let the step's function return commands, not run them."
+                "A HostStep's function runs commands on its own machine, which waits for the function; let "
+                "it return the commands."
             )
         with self._running:
             self._runner = threading.get_ident()

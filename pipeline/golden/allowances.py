@@ -61,10 +61,12 @@ def allowance_of(
     """
     if at_most is None and ignore is None:
         if reason is not None:
-            raise ValueError(f"golden(…, reason={reason!r}) allows nothing. Give what it is for: {_HOW}.")
+            raise ValueError(
+                f"golden(…, reason={reason!r}) comes without an allowance. Give one too: {_HOW}."
+            )
         return None
     if not isinstance(reason, str) or not reason.strip():
-        raise ValueError(f"golden(…, reason={reason!r}): what is not compared exactly has a reason: {_HOW}.")
+        raise ValueError(f"golden(…, reason={reason!r}): an allowance needs a reason: {_HOW}.")
     limits = (0, 0) if at_most is None else tuple(at_most) if isinstance(at_most, tuple | list) else ()
     if at_most is not None and (len(limits) != 2 or not all(type(n) is int and n > 0 for n in limits)):
         raise ValueError(

@@ -102,7 +102,7 @@ class Golden:
         allowance = allowance_of(pixels, at_most, ignore, reason)
         if allowance and self.must_differ:
             raise ValueError(
-                "A test whose pictures must differ allows them nothing; leave out at_most and ignore."
+                "A test whose pictures must differ takes no allowance; leave out at_most and ignore."
             )
         return self._judge(key, pixels, golden_of(pixels), allowance)
 

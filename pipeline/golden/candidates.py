@@ -154,7 +154,7 @@ def _kept(path, sha256, cure):
     except ValueError as error:
         raise StoreError(f"{path} is damaged: it is no whole PNG file; {cure}.") from error
     if digest(pixels) != sha256:
-        raise StoreError(f"{path} does not hold the pixels whose digest is kept; {cure}.")
+        raise StoreError(f"{path} has other pixels than those of the recorded digest; {cure}.")
     return pixels
 
 
@@ -237,7 +237,9 @@ def read_run(root: Path) -> dict[str, Any]:
     except FileNotFoundError as error:
         raise StoreError(f"{path} is not there: no run of pytest ended there. Run pytest.") from error
     except (OSError, ValueError, TypeError, KeyError) as error:
-        raise StoreError(f"{path} is none of this fixedpipe's ({error}); run pytest again.") from error
+        raise StoreError(
+            f"{path} was not written by this version of fixedpipe ({error}); run pytest again."
+        ) from error
     return found
 
 

@@ -87,9 +87,8 @@ def _of_pillow(image):
         )
     if image.getexif().get(_ORIENTATION, 1) != 1:
         raise ValueError(
-            "The picture's EXIF data says that it is to be turned or mirrored, which viewers do and arrays "
-            "do "
-            "not; give PIL.ImageOps.exif_transpose(image)."
+            "The picture's EXIF data tell viewers to turn or mirror it, and its array is not turned; give "
+            "PIL.ImageOps.exif_transpose(image)."
         )
     if image.mode == "P":
         raise ValueError(

@@ -94,8 +94,8 @@ def variant_key(key: str, variant: str | None) -> str:
         return key
     if not isinstance(variant, str) or not _VARIANT.fullmatch(variant):
         raise ValueError(
-            f"The variant {variant!r} has no name of 1 to 40 letters, digits, dots, pluses, hyphens and "
-            "underscores, of ASCII. Name it so: mesa-22.3."
+            f"The variant cannot be named {variant!r}; give 1 to 40 ASCII letters, digits, dots, pluses, "
+            "hyphens and underscores, as mesa-22.3."
         )
     return f"{key}:{variant}"
 
@@ -249,7 +249,7 @@ def write_whole(path: Path, data: bytes) -> None:
                 temporary.unlink()
         if isinstance(error, OSError):
             raise StoreError(
-                f"{path} cannot be written: {error.strerror}. What was there is as it was."
+                f"{path} cannot be written: {error.strerror}. The old file is unchanged."
             ) from error
         raise
 

@@ -71,8 +71,8 @@ def combiner_bounds(
     for number, stage in enumerate(program.general):
         if stage.lookup is not None or stage.rgb.function or stage.alpha.function:
             raise ValueError(
-                f"General combiner {number} has a function or a lookup of the future board; bounds are of "
-                "sums of products alone."
+                f"Bounds exist for sums of products alone, and general combiner {number} has a function or a "
+                "lookup of the future board."
             )
         own = stage.constant_color0, stage.constant_color1
         for register, color, common in zip(_CONSTANTS, own, constants, strict=True):
@@ -117,7 +117,7 @@ def _brought(ranges, a):
         registers[register] = np.tile(np.array(codes, np.int64), (4, 1))
     if other := set(ranges) - set(_READ):
         raise ValueError(
-            f"{next(iter(other)).name} is no register that fragments bring; give ranges of "
+            f"{next(iter(other)).name} gets no value before the combiners; give ranges of "
             f"{', '.join(register.name for register in _READ)}."
         )
     registers[Register.SPARE0][3] = registers[Register.TEXTURE0][3]

@@ -163,8 +163,8 @@ def stage_errors(
     recorded = record_ideal(commands if ideal is None else ideal, frame, commands)
     if recorded is None:
         raise ValueError(
-            "The ideal has no such frame: of pbuffers, of several samples, or of other commands than the "
-            "machine's; give samples=1, or its own commands."
+            "A stage has no error in a frame with pbuffers or several samples, or where the ideal draws "
+            "other commands than the machine; give samples=1, or the machine's own commands."
         )
     seen = _Beside(recorded)
     Machine(profile, width, height, engine="columns", observer=seen, **machine).run(commands)

@@ -236,7 +236,7 @@ class _Stages:
             )
         if not self.found:
             what = "No command" if self.wanted is None else f"Command {self.wanted} is no Draw that"
-            raise ValueError(f"{what} makes fragments, which have stages.")
+            raise ValueError(f"{what} makes fragments, so there is no stage to change.")
         return [name for _, name in sorted(self.found)]
 
 

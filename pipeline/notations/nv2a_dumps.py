@@ -206,7 +206,7 @@ class _Reader:
         if sum_ := _SUM_BEFORE.search(self.text, line, term.start()):
             raise self.error(
                 sum_.end(1),
-                f"{name} stands behind {sum_[1]}; write the offset of a word behind its name.",
+                f"{name} follows {sum_[1]}; write the offset of a word after the name.",
             )
         return name, index, term.end(), False
 
@@ -315,7 +315,7 @@ class _Reader:
         if given.value < 0 or given.value % 4 or not _AFTER_OFFSET.match(self.text, given.end):
             raise self.error(
                 plus.end(),
-                f"{name} is followed by + and what is no offset of a word, which are 4 bytes each.",
+                f"{name} is followed by + and no offset of a word; give a multiple of 4 bytes.",
             )
         return index + given.value // 4, given.end
 

@@ -360,7 +360,7 @@ def _combiner_words(combiners):
     for k, stage in enumerate(combiners.general):
         if stage.lookup is not None or stage.rgb.function or stage.alpha.function:
             raise ValueError(
-                f"General combiner {k} has a function or a lookup, which are no words of the NV2A's."
+                f"General combiner {k} has a function or a lookup, which the NV2A's words cannot express."
             )
         for half, portion in (("COLOR", stage.rgb), ("ALPHA", stage.alpha)):
             words[f"SET_COMBINER_{half}_ICW", k] = _input_word(portion.a, portion.b, portion.c, portion.d)
@@ -411,7 +411,8 @@ def _stage_words(stages):
     for unit, stage in enumerate(stages):
         if stage.operation not in _MODE_OF or stage.roughness is not None:
             raise ValueError(
-                f"Texture shader stage {unit} ({stage.operation.name}) has no word of the NV2A's."
+                f"Texture shader stage {unit} ({stage.operation.name}) is none that the NV2A's words can "
+                "express."
             )
         mode = _MODE_OF[stage.operation]
         modes |= mode << 5 * unit

@@ -140,9 +140,9 @@ def share_constants(stages):
             read = ", ".join(map(_in_words, keys))
             third = keys[len(places)]
             raise found[third].token.error(
-                f"the {name} of {_in_words(third)} is the third that the program reads of constants, of "
-                f"{len(keys)} ({read}); two fit where all general combiners share two. Read fewer, or choose "
-                "a machine with per-stage constants."
+                f"the {name} of {_in_words(third)} is the third of {len(keys)} constants that the program "
+                f"reads ({read}), and the machine's general combiners share two. Read fewer, or choose a "
+                "machine with per-stage constants."
             )
         for key in sorted(keys, key=_in_order):
             _place(places, key, half)

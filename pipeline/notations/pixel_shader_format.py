@@ -245,8 +245,8 @@ def _check(program, shader: PixelShader):
         ) == plain_combiners(program.combiners, stages)
     if not same:
         raise ValueError(
-            f"{_first_difference(program, shader)} reads back as another, written as a pixel shader; ps.1.0 "
-            f"to ps.1.3 have no words for what it is. {_OTHERWISE}"
+            f"{_first_difference(program, shader)} would change if it were written as a pixel shader and "
+            f"read back; ps.1.0 to ps.1.3 cannot express it. {_OTHERWISE}"
         )
 
 

@@ -346,8 +346,8 @@ class _Translation:
         first = sources[0]
         if first.modifier or first.sign == "-":
             raise first.token.error(
-                f"lrp by {first.sign}{first.token.text}, of which the hardware has no complement; lrp "
-                "takes a register or 1- of one. Compute the factor with mov first."
+                f"lrp by {first.sign}{first.token.text}; the hardware cannot compute one minus it. lrp takes "
+                "a register or 1- of one. Compute the factor with mov first."
             )
         inputs = []
         for sign in ("", "1-"):
@@ -376,8 +376,8 @@ class _Translation:
         """The dot product of three components and the product of the fourth, then their sum."""
         if instruction.mask != ("rgb", "a"):
             raise instruction.token.error(
-                "dp4 of a part of its destination, whose other part has to hold a product meanwhile; "
-                "write the whole register."
+                "dp4 writes a part of its destination and needs the other part for a product; write the "
+                "whole register."
             )
         target = REGISTERS[instruction.destination]
         plain = instruction._replace(scale="", name="dp3")
@@ -524,8 +524,8 @@ class _Translation:
         if any(value < 0 for value in read_values):
             if mapping not in SIGNED or unsigned:
                 raise source.token.error(
-                    f"c{source.number} is {color}; a combiner's constants are in [0, 1], and what stands "
-                    "for a negative one has to be read without a modifier. Change the constant instead."
+                    f"c{source.number} is {color}; a combiner's constants are in [0, 1], so a negative one "
+                    "cannot be read with a modifier. Change the constant instead."
                 )
             if of_both_signs(read_values):
                 mapping, meaning = READINGS[reading(color)][mapping], Meaning.SIGNED_CONSTANT
@@ -535,9 +535,8 @@ class _Translation:
         place = stage.place(source.number, "a" if usage is ALPHA else "rgb")
         if place is None:
             raise source.token.error(
-                f"the {'alpha' if usage is ALPHA else 'color'} of c{source.number} is the third that one "
-                "general combiner reads of constants, of which it has two; move one to a register with mov "
-                "first."
+                f"the {'alpha' if usage is ALPHA else 'color'} of c{source.number} is the third constant "
+                "that one general combiner reads, and it has two; move one to a register with mov first."
             )
         if unsigned and mapping in SIGNED:
             mapping = Mapping.UNSIGNED_IDENTITY

@@ -158,8 +158,7 @@ def _tokens(text, start):
     for token in scan(text, _TOKEN, PixelShaderTextError, start):
         if token.kind == "directive":
             raise token.error(
-                f"{token.found}, an instruction to the preprocessor; give the text as it comes out of the "
-                "preprocessor."
+                f"{token.found}, a preprocessor directive; give the text that the preprocessor writes."
             )
         yield token
 
@@ -224,8 +223,8 @@ class PixelShaderReader(Reader):
                 instruction = self.arithmetic(token, name, version, paired)
                 if "nop" in (instruction.name, previous) and paired:
                     raise plus.error(
-                        "a '+' beside nop, which is no half of a pair; one of colors and one of alpha "
-                        "are. Remove the '+'."
+                        "a '+' beside nop; a pair is one instruction of colors and one of alpha. Remove "
+                        "the '+'."
                     )
                 previous = instruction.name
                 if instruction.name == "nop":
@@ -366,8 +365,8 @@ class PixelShaderReader(Reader):
             )
         if (match[4] or "") not in MASKS:
             raise token.error(
-                f"{token.found}; what is written is everything, .rgb or .a, as the hardware computes "
-                "colors and alpha apart. Write one of these."
+                f"{token.found}; an instruction writes the whole register, .rgb or .a, because the hardware "
+                "computes colors and alpha apart. Write one of these."
             )
         return (match[1], int(match[2])), MASKS[match[4] or ""]
 

@@ -104,8 +104,7 @@ def parse_program(
     directive = _DIRECTIVE.search(text, 0, at)
     if directive is not None:
         raise ProgramTextError(
-            f"found {directive[1]!r}, an instruction to the preprocessor; give the text as it comes out of "
-            "the preprocessor.",
+            f"found {directive[1]!r}, a preprocessor directive; give the text that the preprocessor writes.",
             *_place(text, directive.start(1)),
         )
     header = _HEADER.match(text, at)

@@ -328,8 +328,8 @@ def _group_at(number, stages):
         if group:
             return group
     raise ValueError(
-        f"Texture shader stage {number} ({stages[number].operation.name}) is no operation, and no "
-        "beginning of one, that the notation has; choose another, or keep the stages as state."
+        f"The notation has no operation that begins with texture shader stage {number} "
+        f"({stages[number].operation.name}); choose another, or keep the stages as state."
     )
 
 

@@ -130,8 +130,8 @@ def _shared(listing):
     if len(numbers) > len(CONSTANTS):
         third = next(source for source in reads if source.number == numbers[len(CONSTANTS)])
         raise third.token.error(
-            f"c{third.number} is the third constant of the program, of {len(numbers)} "
-            f"({', '.join(f'c{number}' for number in numbers)}); two fit where all combiners share two. Read "
+            f"c{third.number} is the third of {len(numbers)} constants that the program reads "
+            f"({', '.join(f'c{number}' for number in numbers)}), and the machine's combiners share two. Read "
             "fewer, or choose a machine with per-stage constants."
         )
     return _Constants("the program")
@@ -319,7 +319,7 @@ class _Translation:
         first = sources[0]
         if first.modifier in ("bias", "bx2") or first.sign == "-":
             raise first.token.error(
-                f"lrp by {first.sign}{first.token.text}, of which the hardware has no complement; lrp takes "
+                f"lrp by {first.sign}{first.token.text}; the hardware cannot compute one minus it. lrp takes "
                 "a register or 1- of one. Compute the factor with mov first."
             )
         factor, complement = (

@@ -281,8 +281,8 @@ class _Reader(PixelShaderReader):
         mask = MASKS.get(match[3] or "")
         if mask is None:
             raise token.error(
-                f"{token.found}; what is written is everything, .rgb or .a, as the hardware computes colors "
-                "and alpha apart. Write one of these."
+                f"{token.found}; an instruction writes the whole register, .rgb or .a, because the hardware "
+                "computes colors and alpha apart. Write one of these."
             )
         return Destination(None if discarded else (letter, int(number)), mask)
 

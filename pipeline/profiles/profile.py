@@ -174,7 +174,8 @@ class Profile:
         """
         if self.driver is not None:
             raise ValueError(
-                f"{self.name} has a driver; ask the machine without one, its changed_from, for {name!r}."
+                f"{self.name} has a driver already; take {name!r} from the machine without one, its "
+                "changed_from."
             )
         for driver in self.drivers:
             if driver.name == name:

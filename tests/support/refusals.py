@@ -270,11 +270,11 @@ DIRECT3D_ACCEPTS = (
     _no(
         "lrp by a mapped factor",
         "lrp r0, v0_bx2, v0, v1",
-        "no complement",
+        "cannot compute one minus it",
         "one minus it is no mapping",
         "lrp",
     ),
-    _no("lrp by a negated factor", "lrp r0, -v0, v0, v1", "no complement", "as before", "lrp"),
+    _no("lrp by a negated factor", "lrp r0, -v0, v0, v1", "cannot compute one minus it", "as before", "lrp"),
     _no(
         "a saturated register, negated, times a complement",
         "mov_sat r0, v0\nmul r0, -r0, 1-v0",
@@ -285,7 +285,7 @@ DIRECT3D_ACCEPTS = (
     _no(
         "a modifier of a constant with negative components, undefined there",
         "def c0, -1, 0, 0, 1\nmov r0, c0_bx2",
-        "without a modifier",
+        "with a modifier",
         "its mapping stands for its sign",
         "modifiers",
     ),
@@ -441,7 +441,7 @@ NVPARSE_ACCEPTS = (
     _no(
         "lrp by a mapped or negated factor",
         "lrp r0, v0_bias, v0, v1",
-        "no complement",
+        "cannot compute one minus it",
         "nvparse drops the mapping",
         "ps program",
     ),

@@ -58,7 +58,7 @@ def test_bits_alone_are_slow(tmp_path):
         ((), "Name a figure"),
         (("--list", "K14"), "leave ID|FILE.py out"),
         (("torus",), "There is no figure 'torus'"),
-        (("K13",), "K13 does not move by itself"),
+        (("K13",), "K13 has no animation of its own"),
         (("K14", "--vary", "light"), "give NAME=FROM:TO"),
         (("K14", "--vary", "tilt=1"), "give NAME=FROM:TO"),
         (("K14", "--vary", "titl=1:2"), "Did you mean tilt"),

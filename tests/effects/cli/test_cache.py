@@ -191,7 +191,7 @@ def test_a_pack_that_draws_other_bits_is_refused(base, level, monkeypatch, tmp_p
     said = run("cache", way, str(file), *(["--level", "x86-64"] if way == "pack" else []))
     assert said.exit_code == 2
     assert (
-        f"1 drawing of the self-test, drawn with the kernels of {file}, not right: Frame 'a' differs."
+        f"1 drawing of the self-test went wrong, drawn with the kernels of {file}: Frame 'a' differs."
         in said.stderr
     )
     assert file.exists() is (way == "unpack")

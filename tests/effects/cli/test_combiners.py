@@ -147,7 +147,7 @@ def test_the_table_ends_at_what_direct3d_defines():
         (
             ["--profile", "GEFORCE_256"],
             "ps.1.1\nmul r0, v0, c0\nmad r0, r0, c1, c2\n",
-            "line 3, column 1: the color of c2 is the third that the program reads of constants, of 3",
+            "line 3, column 1: the color of c2 is the third of 3 constants that the program reads",
         ),
         (["--constant", "16=1,1,1,1"], SHADER, "write --constant 1=0.5,0.5,0.5,1"),
         (["--constant", "9=1,1,1,1"], SHADER, "the program reads no c9"),
@@ -157,7 +157,7 @@ def test_the_table_ends_at_what_direct3d_defines():
         (["--constant", "5=1,1,1,1"], SHADER, "the program reads no c5"),
         (["--constant", "1=1,1,1,1"], COMBINERS, "a pixel shader alone does not"),
         (["--table"], SHADER, "--table is of a machine's numbers; give --profile"),
-        (["--input", "t0=1"], SHADER, "--input is what --table evaluates; give both."),
+        (["--input", "t0=1"], SHADER, "--input gives --table its values; give --table too."),
         (["--table", "--profile", "NV2A", "--input", "t9=1"], SHADER, "write --input t0=255,128,0,255"),
         (["--table", "--profile", "NV2A", "--input", "t0=256"], SHADER, "whole numbers from 0 to 255"),
         (["--table", "--profile", "NV2A", "--input", "t0=1", "--input", "t0=2"], SHADER, "t0 twice"),
@@ -165,14 +165,14 @@ def test_the_table_ends_at_what_direct3d_defines():
         (
             ["--json", "x.json", "--bounds", "--profile", "NV2A"],
             SHADER,
-            "--json writes what the program sets",
+            "--json writes only what the program sets",
         ),
         (
             ["--table", "--profile", "GEFORCE_256", "--input", "t3=1"],
             COMBINERS,
             "GeForce 256 has 2 texture units",
         ),
-        ([], "#define X t0\nps.1.1\nmov r0, X\n", "found '#define', an instruction to the preprocessor"),
+        ([], "#define X t0\nps.1.1\nmov r0, X\n", "found '#define', a preprocessor directive"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_the_text_s_own_words(arguments, given, words):

@@ -131,5 +131,5 @@ def test_without_a_terminal_a_sentence_says_what_to_do(root):
         start_new_session=True,
     )
     assert done.returncode == 2
-    assert "no terminal here that has keys. Write the page instead, with --html" in done.stderr
+    assert "a keyboard, and there is none here. Write the page instead, with --html" in done.stderr
     assert "Traceback" not in done.stderr

@@ -251,7 +251,7 @@ def test_a_pixel_of_a_changed_frame_is_told(tmp_path):
         (("--without", "MAPPING@final combiner"), '"FINAL_COMBINER@final combiner"'),
         (("--replace", "final combiner=IDEAL", "--registers"), "leave --registers out"),
         (("--stages",), "Give one of"),
-        (("--stages", "--registers"), "--stages is of --attribution; give both."),
+        (("--stages", "--registers"), "--stages belongs to --attribution; give that too."),
         (("--attribution", "--stages", "--command", "99"), "There is no command 99"),
         (
             ("--attribution", "--registers"),

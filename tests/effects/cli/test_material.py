@@ -261,7 +261,7 @@ def test_the_list_has_every_model_and_parameter():
         assert f"{name}: {row.title}" in result.stdout
     assert "alpha_x=0.2, from 0.05 to 1" in result.stdout
     assert "coefficients=-0.9,-0.6,0.95" in result.stdout
-    assert "--list names what there is" in refusal_of("material", "--list", "--size", 3)
+    assert "--list prints a list" in refusal_of("material", "--list", "--size", 3)
 
 
 @pytest.mark.parametrize(

@@ -193,7 +193,7 @@ def test_a_frame_that_the_ideal_draws_otherwise_is_refused(tmp_path, monkeypatch
         scene=lambda profile, size, **p: FIGURE.methods[0].scene(profile, size, **p)[profile is IDEAL :],
     )
     monkeypatch.setattr("fixedpipe.effects.figures.FIGURES", {"F004-4": replace(FIGURE, methods=(method,))})
-    assert "has other commands by the ideal" in refusal_of(*trace(tmp_path / "new", "--ideal"))
+    assert "the ideal draws other commands" in refusal_of(*trace(tmp_path / "new", "--ideal"))
 
 
 def test_what_the_host_draws_is_traced_too(tmp_path):

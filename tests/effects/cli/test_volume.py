@@ -211,7 +211,7 @@ def test_ends_of_lines_letters_and_streams_after_each_other_change_nothing(tmp_p
         (b"encoding: gzip\n", _packed(bytes(23)), "too few of them: 23 bytes of values"),
         (b"encoding: gzip\n", _packed(bytes(24))[:12], "has damaged data, or too few"),
         (b"encoding: gzip\n", b"no stream at all", "has damaged data, or too few"),
-        (b"encoding: gzip\nbyte skip: -1\n", _packed(bytes(24)), "that many there are not"),
+        (b"encoding: gzip\nbyte skip: -1\n", _packed(bytes(24)), "before its values, and has fewer"),
         (b"encoding: ascii\n", b"1 " * 25, "has more than the 24 values"),
         (b"encoding: raw\ndata file: LIST\na.raw\nb.raw\n", b"", r"several files \(LIST\)"),
         (b"encoding: raw\ndata file: LIST 2\na.raw\n", b"", r"several files \(LIST 2\)"),

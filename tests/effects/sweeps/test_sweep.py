@@ -213,7 +213,7 @@ def test_a_script_is_drawn_over_what_its_commands_take(tmp_path):
         (("K12", "--check", "--vary", "depth=0:1:3"), "--check holds for K12's own values"),
         (("K12", "--executor", "cloud:7"), "There is no executor 'cloud:7'.*Give processes"),
         (("K12", "--executor", "processes:0"), "processes:0 does not say how many"),
-        (("K12", "--executor", "dask:nowhere"), "dask:nowhere is none; give dask:local"),
+        (("K12", "--executor", "dask:nowhere"), "dask:nowhere is no scheduler; give dask:local"),
         (("K12", "--executor", "mpi"), "begin the command by mpiexec -n 3"),
         (("K12", "--plot", "a.png"), "--plot shows what varies over one axis or two"),
         (("K12", "--vary", "depth=0:1:3", "--plot", "a.bmp"), "a.bmp is no plot's name"),

@@ -58,11 +58,11 @@ def test_nothing_said_allows_nothing():
 @pytest.mark.parametrize(
     "at_most, ignore, reason, said",
     [
-        (None, None, "why", "allows nothing"),
-        ((1, 1), None, None, "has a reason"),
-        ((1, 1), None, " \n", "has a reason"),
-        ((1, 1), None, 5, "has a reason"),
-        (None, [(0, 0, 1, 1)], None, "has a reason"),
+        (None, None, "why", "comes without an allowance"),
+        ((1, 1), None, None, "needs a reason"),
+        ((1, 1), None, " \n", "needs a reason"),
+        ((1, 1), None, 5, "needs a reason"),
+        (None, [(0, 0, 1, 1)], None, "needs a reason"),
         (3, None, "why", "two whole numbers"),
         ((1,), None, "why", "two whole numbers"),
         ((0, 5), None, "why", "two whole numbers"),

@@ -113,7 +113,7 @@ REFUSED = {
     "a palette": (Image.fromarray(PICTURE[..., :3]).quantize(8), "has a palette"),
     "other colours": (Image.fromarray(PICTURE[..., :3]).convert("CMYK"), "mode CMYK"),
     "two levels": (Image.fromarray(PICTURE[..., 0]).convert("1"), "mode 1"),
-    "a rotation that the file mentions": (rotated(), "is to be turned or mirrored"),
+    "a rotation that the file mentions": (rotated(), "tell viewers to turn or mirror it"),
     "16 bits that are cut": (Image.open(io.BytesIO(whole_png(DEEP))), "Pillow cuts them to 8"),
     "a list": ([[1, 2], [3, 4]], "cannot be a list"),
     "nothing": (None, "cannot be a NoneType"),

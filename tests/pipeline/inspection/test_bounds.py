@@ -179,11 +179,11 @@ def test_a_mux_whose_alpha_is_known_takes_one(select):
     [
         (RegisterCombiners(), {Register.TEXTURE0: (0.5, 0.2)}, "TEXTURE0 is 0.5 to 0.2; give two numbers"),
         (RegisterCombiners(), {Register.TEXTURE0: (0.0, float("nan"))}, "TEXTURE0 is 0.0 to nan"),
-        (RegisterCombiners(), {Register.SPARE0: (0.0, 1.0)}, "SPARE0 is no register that fragments bring"),
+        (RegisterCombiners(), {Register.SPARE0: (0.0, 1.0)}, "SPARE0 gets no value before the combiners"),
         (
             RegisterCombiners(general=(GeneralCombiner(lookup=CombinerLookup(0)),)),
             None,
-            "General combiner 0 has a function or a lookup",
+            "general combiner 0 has a function or a lookup",
         ),
     ],
 )

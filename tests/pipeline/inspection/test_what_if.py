@@ -325,7 +325,7 @@ def test_what_cannot_be_computed_otherwise_is_said():
     textured = combined(RGBPortion(a=CombinerInput(Register.TEXTURE0)), texture_units=(unit,))
     for asked in ("evaluate_before_filtering", "spherical_primary_color"):
         state = replace(textured.state, **{asked: True})
-        with pytest.raises(ValueError, match="combines colours before it filters them, or turns them"):
+        with pytest.raises(ValueError, match="No stage can be changed in a pass that"):
             stage_attribution([stored, replace(textured, state=state)], FUTURE, 4, 4)
-    with pytest.raises(ValueError, match="by the column engine alone"):
+    with pytest.raises(ValueError, match="Only the column engine"):
         Machine(GEFORCE_256, 4, 4, replaced_stages=lambda draw: None)

@@ -215,7 +215,7 @@ A_NAME = "a name that has no value here"
         ("psd.PSRGBInputs[i] = 5;", 1, 17, ["index 'i'"]),
         ("psd.PSRGBInputs[0] = 5 / 2;", 1, 24, ["'/'"]),
         (f"p = pb_push1(p, NV097_{ICW} + stage * 4, 5);", 1, 48, ["followed by + and 'stage'"]),
-        (f"p = pb_push1(p, 4 * 1 + NV097_{ICW}, 5);", 1, 24, ["stands behind +"]),
+        (f"p = pb_push1(p, 4 * 1 + NV097_{ICW}, 5);", 1, 24, ["follows +"]),
         ("SET_COMBINER_CONTROL ~ 0x5", 1, 22, ["has no value"]),
         (f"{ICW}[{'9' * 400}] = 0x0", 1, 425, ["words 0 to 7"]),
         (f"p = pb_push1(p, NV097_{ICW} + 2, 5);", 1, 47, ["no offset of a word"]),

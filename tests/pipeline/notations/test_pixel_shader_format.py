@@ -313,7 +313,7 @@ TWO = "discard = tex0 * tex1; discard = col0 * col1;"
         (
             "{ const0 = (1, 0, 0, 0); const1 = (0, 1, 0, 0); rgb { discard = -one * const0; "
             "discard = const1; spare0 = sum(); } }",
-            ["the third that one general combiner reads"],
+            ["the third constant that one general combiner reads"],
         ),
     ],
 )
@@ -412,7 +412,7 @@ def test_a_pixel_shader_with_another_state_is_refused():
     program = parse_program("ps.1.1\nmul r0, v0, v1\n")
     stage = program.combiners.general[0]
     for read, words in (
-        (replace(stage.rgb.a, mapping=Mapping.UNSIGNED_IDENTITY), "reads back as another"),
+        (replace(stage.rgb.a, mapping=Mapping.UNSIGNED_IDENTITY), "would change if it were written"),
         (replace(stage.rgb.a, register=Register.CONSTANT_COLOR0), "no constant register went there"),
     ):
         general = (replace(stage, rgb=replace(stage.rgb, a=read)),)

@@ -120,7 +120,10 @@ dot_product_depth_replace_2of2(expand(tex1));
         ((), "1 to 4 instructions; there are 0"),
         ((Stage(),) * 5, "there are 5"),
         ((Stage(Op.DEPENDENT_AR_TEXTURE_2D),), "reads stage 0"),
-        ((Stage(Op.TEXTURE_2D), Stage(Op.DOT_PRODUCT)), "no operation, and no beginning"),
+        (
+            (Stage(Op.TEXTURE_2D), Stage(Op.DOT_PRODUCT)),
+            "no operation that begins with texture shader",
+        ),
         (
             (
                 Stage(Op.TEXTURE_2D),

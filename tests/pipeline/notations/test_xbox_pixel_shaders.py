@@ -272,7 +272,7 @@ _ERRORS = [
     ("xps.1.1\nmov r0, fog", 2, 1, ["fog factor"]),
     ("xps.1.1\nmad r0, c0, c1, c2", 2, 17, ["third constant"]),
     ("xps.1.1\nsub r0, v0, 1-v1", 2, 15, ["cannot negate"]),
-    ("xps.1.1\nlrp r0, v0_bx2, v1, v0", 2, 9, ["no complement"]),
+    ("xps.1.1\nlrp r0, v0_bx2, v1, v0", 2, 9, ["cannot compute one minus it"]),
     ("xps.1.1\ncnd r0, r1.a, v1, v0", 2, 9, ["r0.a"]),
     ("xps.1.1\ndp3 r0.a, v0, v1", 2, 1, ["alpha alone"]),
     ("xps.1.1\nmov r0, v0\n+ mov r1.a, v1", 3, 3, ["alpha", "'+'"]),
