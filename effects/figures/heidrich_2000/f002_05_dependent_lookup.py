@@ -117,6 +117,11 @@ def checks(figure, renderer):
     for on in Answer:
         window = renderer.window(on, figure, size, arrows=False)
         coordinates, light_sent, found, result = (panel_of(window, k) for k in range(4))
+        yield DATA.check(
+            "S_i: the brightest of what is shown where nothing is seen",
+            float(coordinates[seen < 0].max()),
+            on,
+        )
         # Shown are twice the codes: the field fills half of what is looked up.
         stored = np.floor(coordinates[..., :2] * 255.0 / 2.0 + 0.5).astype(np.int64)
         stored[seen < 0] = 255

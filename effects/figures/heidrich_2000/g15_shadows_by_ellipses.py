@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures.figure import Figure, Method
@@ -72,7 +73,13 @@ def reference(size, **parameters):
 
 
 def checks(figure, renderer):
-    """The shadows against Eq. 4 at every pixel, in float64, and against rays."""
+    """What the first panel shows; the shadows against Eq. 4 at every pixel, in float64, and against rays."""
+    own = figure.values_of(renderer.method)
+    bed = stones.bed_of(figure.size, own)
+    lit = stones.sampled(stones.with_shadows(bed, own, 1.0), figure.size)
+    whole = np.ones(lit.shape[:2], np.bool_)
+    for on, share in seen_places.shares_alike(figure, renderer, {0: (whole, lit[whole])}):
+        yield DATA.check("left: pixels that show n.l and no shadow within 8/255", share, on)
     size, texels = 256, 128
     values = {**figure.values_of(renderer.method), "texels": texels}
     bed = stones.bed_of(size, values)

@@ -167,6 +167,17 @@ def checks(figure, renderer):
     for on in Answer:
         image = renderer.window(on, figure, size)
         pictures[on] = [image[:, k * size : (k + 1) * size] for k in range(4)]
+    for on in Answer:
+        for name, k, expected in (
+            ("diffuse: the ball", 0, values["k_d"] * under),
+            ("mirror: the ball", 1, values["k_s"] * over),
+        ):
+            yield DATA.check(
+                "{name} against its own term at each pixel's normal, RMS",
+                root_mean_square(pictures[on][k][inside] - expected),
+                on,
+                name=name,
+            )
     ideal, machine = (pictures[on] for on in Answer)
     for name, panel in (("blending", ideal[2]), ("accumulation", ideal[3])):
         yield DATA.check(

@@ -11,7 +11,7 @@ from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, cross, normalize, sine
-from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
 from fixedpipe.effects.passes.draws import EDGE, NEAREST
 from fixedpipe.effects.radiosity import light_maps, small_room
 from fixedpipe.effects.radiosity.progressive_refinement import solve
@@ -68,8 +68,65 @@ def gathered(room, maps, place, normal, count=64):
     return light_maps.seen(room, maps, place + 1.0e-6 * normal, toward).reshape(-1, 3).mean(axis=0)
 
 
+def _umbra(rectangle, s, t, beside):
+    """Which places of a wall the boxes hide from the whole lamp, and all places ``beside`` in s and t too:
+    bool [n].
+    """
+    room = small_room.small_room(8)
+    boxes = [face for face in room if face.name.startswith(tuple(small_room.BOXES))]
+    (ceiling,) = (wall for wall in room if wall.name == "ceiling")
+    hidden = np.ones(len(s), np.bool_)
+    for moved_s, moved_t in ((0.0, 0.0), (beside, 0.0), (-beside, 0.0), (0.0, beside), (0.0, -beside)):
+        places = (s + moved_s)[:, None] * rectangle.across + (t + moved_t)[:, None] * rectangle.up
+        places = rectangle.corner + places
+        for a in (0.375, 0.5, 0.625):
+            for b in (0.375, 0.5, 0.625):
+                lamp = ceiling.corner + a * ceiling.across + b * ceiling.up
+                hidden &= light_maps.nearest(boxes, places, lamp - places)[0] >= 0
+    return hidden
+
+
+def _displayed(figure, renderer):
+    """What must be seen, in the picture that is displayed."""
+    size, elements = figure.size, fitting_elements(figure.size)
+    shown = [wall for wall in small_room.small_room(elements) if wall.name != small_room.FRONT]
+    names = [wall.name for wall in shown]
+    view = perspective_view(row_of_panels(1, size)[0], EYE, CENTER, FIELD_OF_VIEW)
+    number, s, t = light_maps.nearest(shown, *primary_rays(view))
+    square = number.reshape(size, size)
+    # Away from edges, where a pixel may show the other side.
+    same = [square == np.roll(square, step, axis) for step in (-1, 1) for axis in (0, 1)]
+    number = np.where(np.all(same, axis=0).ravel(), number, -1)
+    ceiling, floor = number == names.index("ceiling"), number == names.index("floor")
+    # An element and a half from the lamp, and from where light comes: texels are filtered.
+    away = 1.5 / elements
+    ceiling &= np.maximum(np.abs(s - 0.5), np.abs(t - 0.5)) > 0.125 + away
+    floor[floor] = _umbra(shown[names.index("floor")], s[floor], t[floor], away)
+    walls = np.isin(number, [names.index(name) for name in ("floor", "left wall", "right wall", "back wall")])
+    places = np.stack([c.reshape(size, size) * elements for c in (s, t)], axis=-1)
+    # Not at an element's border, where a coordinate's last bit decides.
+    element, inner = np.floor(places), np.abs(places % 1.0 - 0.5).max(axis=-1) < 0.4
+    same_wall = (square[:, 1:] == square[:, :-1]) & walls.reshape(size, size)[:, 1:]
+    same = same_wall & (element[:, 1:] == element[:, :-1]).all(axis=-1)
+    inner = same & inner[:, 1:] & inner[:, :-1]
+    for on in Answer:
+        window = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+        direct = panel_of(window, 0).reshape(-1, 3)
+        for what, of in (("the ceiling beside the lamp", ceiling), ("shadows on the floor", floor)):
+            yield DATA.check("direct light: {what}, brightest", float(direct[of].max()), on, what=what)
+        steps, smooth = (np.abs(np.diff(panel_of(window, k), axis=1)).max(axis=-1) for k in (1, 2))
+        yield DATA.check("elements: largest step between pixels of one", float(steps[inner].max()), on)
+        border = same_wall & ~same
+        yield DATA.check(
+            "steps at elements' borders, without a filter over with one, mean",
+            float(steps[border].mean() / smooth[border].mean()),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """Energy, light gathered by rays, colours that walls send, and light maps on the machine."""
+    yield from _displayed(figure, renderer)
     size, values = 128, figure.values
     elements = fitting_elements(size)
     room, direct, solution = solved(elements, values["left"], values["right"])

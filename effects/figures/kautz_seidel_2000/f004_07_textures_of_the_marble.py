@@ -52,6 +52,8 @@ def scene(profile, size, *, height_field, height_scale, photograph):
 def checks(figure, renderer):
     """The vectors read back from the picture, a texel per pixel: their lengths and their right angle."""
     material = material_textures.marble(MAP_SIZE, **MARBLE).material
+    # The stone between the veins, and what of the veins' tops is level.
+    level = material.normals[..., 2] > 1.0 - 1e-9
     for on, profile, length_bound, angle_bound, reason in (
         (Answer.IDEAL, IDEAL, 1e-6, 1e-6, "float64: what was authored"),
         (
@@ -72,6 +74,19 @@ def checks(figure, renderer):
         ):
             error = float(np.abs(np.sqrt(dot(vectors, vectors)) - 1.0 / alpha).max())
             yield Check(f"|{name}, largest deviation", error, at_most=length_bound, on=on, reason=reason)
+        for name, vectors, alpha, axis in (
+            ("left", tangents, material.alpha_x, (1.0, 0.0, 0.0)),
+            ("right", binormals, material.alpha_y, (0.0, 1.0, 0.0)),
+        ):
+            off = vectors - np.array(axis) / alpha[..., None]
+            yield DATA.check(
+                "{name}: where the stone is level, its vector less that of {color}, largest",
+                float(np.abs(off[level]).max()),
+                on,
+                at_most=length_bound,
+                name=name,
+                color="red" if axis[0] else "green",
+            )
         cosine = dot(normalize(tangents), normalize(binormals))
         yield Check("t.b, largest", float(np.abs(cosine).max()), at_most=angle_bound, on=on, reason=reason)
 

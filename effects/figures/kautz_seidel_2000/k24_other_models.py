@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fixedpipe.effects.acceptance import seen_places
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import principal_axis, root_mean_square
 from fixedpipe.effects.data_files import figure_data
@@ -144,8 +145,29 @@ _BOUNDS = {
 }
 
 
+def _rims_check(figure, renderer):
+    """What the displayed panels show round the domes, where no highlight is."""
+    values, size = figure.values_of(renderer.method), figure.size
+    material = domed_material(**{name: values[name] for name in _MATERIAL})
+    seen = seen_places.square(size, values["extent"])
+    u, v = (2.0 * (c * values["domes"] % 1.0) - 1.0 for c in (seen.s, seen.t))
+    # From a texel beyond the shining ones to a tenth beyond the rim.
+    radius, texel = np.hypot(u, v), 2.0 * values["domes"] / values["map_size"]
+    beside = (radius > values["rim"] - texel) & (radius < values["rim"] + 0.1)
+    normals = seen_places.looked_up(material.normals, seen)[beside]
+    lit = np.maximum(normals @ normalize(np.array(values["light"])), 0.0)[:, None]
+    where = seen.where.copy()
+    where[seen.where] = beside
+    expected = where, lit * np.array(values["diffuse"]) + np.array(values["ambient"])
+    for on, share in seen_places.shares_alike(figure, renderer, dict.fromkeys(range(3), expected)):
+        yield DATA.check(
+            "round the domes: pixels with (n.l)+ alone within 8/255, the least of the panels", share, on
+        )
+
+
 def checks(figure, renderer):
     """The panels against their models in float, and what is to be seen of rows of domes."""
+    yield from _rims_check(figure, renderer)
     parameters = {**figure.values_of(renderer.method), **_MEASURED}
     size, domes, exponents = (parameters[k] for k in ("map_size", "domes", "exponents"))
     shines = domed_material(**{name: parameters[name] for name in _MATERIAL}).k_s > 0.0

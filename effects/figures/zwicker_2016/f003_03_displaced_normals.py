@@ -13,7 +13,7 @@ from fixedpipe.effects.diagrams.drawing import BLUE, FAINT, GREEN, INK, RED, VIO
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import DIAGRAM_MACHINES, Figure, Method
 from fixedpipe.effects.geometry.vectors import cosine, normalize, sine
-from fixedpipe.effects.geometry.views import BACKGROUND, perspective_view, row_of_panels
+from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, perspective_view, row_of_panels
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import PrimitiveType
 from fixedpipe.pipeline.state import PassState
@@ -221,6 +221,24 @@ def scene(profile, size, *, background):
     return tuple(out)
 
 
+def _dashes_check(figure, renderer):
+    """How much of the line through the sample with the chord's slope is red, beside the sample's dot."""
+    u, _, (here, right, left, _, _), _ = _chosen()
+    slope, size = (right - left) * SAMPLES / 2.0, figure.size
+    along = np.concatenate([np.linspace(-0.16, -0.05, 45), np.linspace(0.05, 0.16, 45)])
+    places = np.stack([u + along, here + slope * along], axis=-1)
+    columns, rows = np.floor(drawing.project(_views(size)[1], places)[:, :2]).astype(int).T
+    for on in Answer:
+        picture = panel_of(renderer.window(on, figure, size), 1)
+        red = np.abs(picture - np.array(RED)).max(axis=-1) <= 1.0 / 255.0
+        found = [red[y - 1 : y + 2, x - 1 : x + 2].any() for x, y in zip(columns, rows, strict=True)]
+        yield DATA.check(
+            "places on the line through the sample with the chord's slope that are red",
+            float(np.mean(found)),
+            on,
+        )
+
+
 def checks(figure, renderer):
     """How the error falls, and that the drawn normals and errors are the computed ones."""
     errors = largest_errors()
@@ -254,6 +272,7 @@ def checks(figure, renderer):
         ),
         DATA.check("the drawn normal times the drawn differences, largest", lean, Answer.IDEAL),
         *drawn_check(figure, renderer, marks),
+        *_dashes_check(figure, renderer),
     )
 
 

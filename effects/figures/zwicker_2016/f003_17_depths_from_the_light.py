@@ -102,10 +102,28 @@ def checks(figure, renderer):
             at_most=most,
             name=name,
         )
+    yield from _points_check(figure, renderer, scene, light)
     for on in (Answer.MACHINE, Answer.IDEAL):
         grey = renderer.window(on, figure, _SIZE, marks=False)[..., 0]
         alike = np.abs(grey - shown.depth) <= (0.75 * step if on is Answer.MACHINE else 0.001)
         yield DATA.check("pixels whose grey is the depth that a ray finds", float(alike.mean()), on)
+
+
+def _points_check(figure, renderer, scene, light):
+    """That the two points are red, and lie where the light meets the floor and the ball first."""
+    things, size = Scene(scene.throwing), figure.size
+    position = np.array(light.position)
+    ways = np.array([LIT_POINT, BETWEEN]) - position
+    hits = ray_caster.scene_caster(things).nearest(np.stack([position, position]), ways)
+    met = [things.objects[ray_caster.scene_caster(things).objects[k]].name for k in hits.triangle]
+    view = light.view(row_of_panels(1, size)[0])
+    for on in Answer:
+        picture, right = renderer.window(on, figure, size), 0
+        for name, wanted, point in zip(met, ("floor", "sphere"), (LIT_POINT, BETWEEN), strict=True):
+            x, y = (int(c) for c in np.floor(drawing.project(view, point)[:2]))
+            red = float(np.abs(picture[y, x] - np.array(_RED)).max()) <= 1.0 / 255.0
+            right += red and name == wanted
+        yield DATA.check("red points where the light meets the floor and the ball first, of two", right, on)
 
 
 FIGURE = Figure(
