@@ -31,7 +31,7 @@ from fixedpipe.effects.figures.heidrich_2000 import f002_13_terrain as f002_13
 from fixedpipe.effects.figures.heidrich_2000.shared import backyard
 from fixedpipe.effects.figures.heidrich_2001 import f000_05_fresnel_mirrors as f000_05
 from fixedpipe.effects.figures.heidrich_2001 import f000_09_bump_map_with_shadows as f000_09
-from fixedpipe.effects.scattering import environment_light
+from fixedpipe.effects.scattering import turning_sun
 from fixedpipe.effects.tasks.executors import opened
 from fixedpipe.effects.tasks.ordered import in_order
 from fixedpipe.pipeline.commands import Draw, TexImage
@@ -290,12 +290,13 @@ def _other_sky(sky):
 
 
 def _no_bump_s_shadow():
-    return _patched(
-        environment_light,
-        "free_view",
-        lambda field, direction: np.ones(field.heights.shape, np.bool_),
-        backyard.radiance,
-    )
+    right = turning_sun.prepared
+
+    def prepared(field, visibility):
+        known = right(field, visibility)
+        return replace(known, field=replace(field, heights=np.zeros(field.heights.shape)))
+
+    return _patched(turning_sun, "prepared", prepared, backyard._known, backyard.radiance)
 
 
 def _no_terrain_left():

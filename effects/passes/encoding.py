@@ -66,7 +66,11 @@ def factor_texels(values, profile):
     values = unit_numbers(values, "The array of factors")
     if profile.arithmetic.exact:
         return values
-    return np.floor(255.0 * np.clip(values, 0.0, 1.0) + 0.5).astype(np.uint8)
+    # A number that is not negative is cut as floor cuts it.
+    codes = np.clip(values, 0.0, 1.0)
+    codes *= 255.0
+    codes += 0.5
+    return codes.astype(np.uint8)
 
 
 def colors_of(texels):

@@ -60,8 +60,8 @@ def crossed(heights, column, row, dx, dy, t, lines, numbers):
         y = x - (column - row + (numbers[2] if dx > dy else -numbers[2]))
     i, j = int(np.floor(x)), int(np.floor(y))
     u, v = x - i, y - j
-    c0, c1 = i % columns, (i + 1) % columns
-    r0, r1 = j % rows, (j + 1) % rows
+    c0, r0 = i % columns, j % rows
+    c1, r1 = c0 + 1 if c0 + 1 < columns else 0, r0 + 1 if r0 + 1 < rows else 0
     # On a line the field is linear between the line's two vertices.
     low = heights[r0, c0]
     if t == lines[0]:
@@ -71,11 +71,15 @@ def crossed(heights, column, row, dx, dy, t, lines, numbers):
     return x, y, low + u * (heights[r1, c1] - low)
 
 
-@kernel("Tuple((int64, float64))(float64[:, ::1], int64, int64, float64, float64, float64, float64, int64)")
-def _hit(heights, column, row, dx, dy, dz, highest, most):
-    """The texel that a ray (dx, dy: texels, dz: heights) from a texel's centre hits, or FREE; and how far
-    away the point is, in lengths of the direction.
+@kernel(
+    "Tuple((int64, float64))(float64[:, ::1], int64, int64, UniTuple(float64, 3), float64, int64, float64)"
+)
+def hit(heights, column, row, direction, highest, most, enough):
+    """The texel that a ray (``direction``: texels, texels, heights) from a texel's centre hits, or FREE; and
+    how far away the point is, in lengths of the direction. Nothing is looked for farther away than
+    ``enough``.
     """
+    dx, dy, dz = direction
     rows, columns = heights.shape
     z0 = heights[row, column]
     # The ray crosses the columns' lines, the rows' and the diagonals' at whole multiples of these.
@@ -89,7 +93,7 @@ def _hit(heights, column, row, dx, dy, dz, highest, most):
     while next_x + next_y + next_d < most:
         t_x, t_y, t_d = next_x * step_x, next_y * step_y, next_d * step_d
         t = min(t_x, min(t_y, t_d))
-        if t == infinity:
+        if t == infinity or t > enough:
             break
         z = z0 + t * dz
         if z > highest:
@@ -117,7 +121,7 @@ def _hit(heights, column, row, dx, dy, dz, highest, most):
 @kernel("int64(float64[:, ::1], int64, int64, float64, float64, float64, float64, int64)")
 def _seen(heights, column, row, dx, dy, dz, highest, most):
     """The texel that a ray (dx, dy: texels, dz: heights) from a texel's centre hits, or FREE."""
-    return _hit(heights, column, row, dx, dy, dz, highest, most)[0]
+    return hit(heights, column, row, (dx, dy, dz), highest, most, np.inf)[0]
 
 
 @kernel("void(float64[:, ::1], float64, float64[:, :, ::1], float64[:, ::1], int32[:, :, ::1])")
@@ -145,8 +149,8 @@ def _reach(heights, highest, seen, directions, out):
             for column in range(columns):
                 out[i, row, column] = np.inf
                 if seen[i, row, column] >= 0:
-                    far = _hit(heights, column, row, x * columns, y * rows, z, highest, most)[1]
-                    out[i, row, column] = far
+                    d = x * columns, y * rows, z
+                    out[i, row, column] = hit(heights, column, row, d, highest, most, np.inf)[1]
 
 
 def _traced(heights, normals, directions):

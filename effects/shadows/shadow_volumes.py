@@ -27,6 +27,7 @@ Robust Stenciled Shadow Volumes for Hardware-Accelerated Rendering", 2002; EXT_s
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 
@@ -187,6 +188,10 @@ class ShadowVolume:
         return np.concatenate([self.sides, self.front_cap, self.back_cap]) if caps else self.sides
 
 
+# A light moves more often than what it lights.
+_closed = lru_cache(maxsize=64)(closed_surface)
+
+
 def shadow_volume(surface, light, length=None, name="The surface"):
     """The volume that a closed surface hides from a light (Z22): a ShadowVolume.
 
@@ -195,7 +200,7 @@ def shadow_volume(surface, light, length=None, name="The surface"):
     Silhouette edges form closed loops whatever the light: they bound a set of triangles of a closed surface.
     Raises ValueError for a surface that is not closed, or with the light on a vertex.
     """
-    closed = surface if isinstance(surface, ClosedSurface) else closed_surface(surface, name)
+    closed = surface if isinstance(surface, ClosedSurface) else _closed(surface, name)
     vertices, n = closed.vertices, len(closed.vertices)
     lit = facing(vertices, closed.triangles, light)
     along, against = lit[closed.sides].T

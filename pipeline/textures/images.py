@@ -300,6 +300,8 @@ def store_texels(rgba: NDArray[Any], internal_format: InternalFormat) -> NDArray
         )
     if rgba.dtype != np.uint8 and rgba.dtype.kind != "f":
         raise refused_type(rgba, "The image", "bytes (uint8, 255 is one) or floats (1.0 is one)")
+    if rgba.dtype == np.uint8 and internal_format is InternalFormat.RGBA8:
+        return rgba.copy()  # a byte is its own nearest
     base = BASE_FORMAT[internal_format]
     components = np.empty((*rgba.shape[:-1], len(KEPT[base])), np.uint8)
     for k, (kept, bits) in enumerate(zip(KEPT[base], COMPONENT_BITS[internal_format], strict=True)):
@@ -431,8 +433,13 @@ def halve(level: NDArray[Any], layered: bool = False) -> NDArray[Any]:
         corners = [c[k::2] if d > 1 else c for c in corners for k in (0, 1)]
     if level.dtype != np.float64:
         bits = 3 if layered else 2
-        total = sum((c.astype(np.uint32) for c in corners), start=np.uint32(1 << (bits - 1)))
-        return (total >> bits).astype(level.dtype)
+        # Eight bytes and 4 fit into 16 bits.
+        total = corners[0].astype(np.uint16 if level.dtype == np.uint8 else np.uint32)
+        for corner in corners[1:]:
+            total += corner
+        total += 1 << (bits - 1)
+        total >>= bits
+        return total.astype(level.dtype)
     return sum(corners) / len(corners)  # type: ignore[return-value]  # of arrays, not of none
 
 

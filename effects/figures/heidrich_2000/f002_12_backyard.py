@@ -2,7 +2,9 @@
 light.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import repeat
 
 import numpy as np
 
@@ -17,9 +19,11 @@ from fixedpipe.effects.geometry.vectors import dot, unit_vector
 from fixedpipe.effects.geometry.views import Panel, View, row_of_panels
 from fixedpipe.effects.passes.draws import ADD, FIRST_PASS, LATER_PASS, MODULATE, REPEATED, unit
 from fixedpipe.effects.passes.encoding import factor_texels
+from fixedpipe.effects.scattering.turning_sun import for_each
 from fixedpipe.effects.shadows import shadow_volumes
 from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
 from fixedpipe.pipeline.enums import PrimitiveType, TextureFilter
+from fixedpipe.pipeline.profiles import GEFORCE_256, IDEAL
 from fixedpipe.pipeline.state import PassState, Sampler, VertexState
 from fixedpipe.pipeline.textures.images import texture_2d
 
@@ -56,46 +60,74 @@ def _sky_behind(panel):
     return Draw(label="the sky", mesh=Mesh(corners, PrimitiveType.QUADS, colors=colors), state=state)
 
 
-def _textures(part, size, light, profile, paths):
-    """The commands that load a flat part's two textures, and their names."""
-    edge, _ = detail_of(size)
-    lights = backyard.radiance(part.field, edge, backyard.frame_of(part.surface), light, *paths)
-    out, names = [], []
-    for what, values in zip(("sun", "sky"), lights, strict=True):
-        name = f"{part.field} {backyard.frame_of(part.surface)} {what}"
-        texels = factor_texels(np.minimum(values, 1.0) if not profile.arithmetic.exact else values, profile)
-        image = texture_2d(texels, mipmaps=True)
-        out.append(
-            TexImage(label=f"load what {part.field} send back of the {what}", texture=name, image=image)
-        )
-        names.append(name)
-    return dict(zip(names, out, strict=True)), names
-
-
-def scene(profile, size, *, light, directions, bounces):
-    """The sky's light on everything, what the things hide of the sun counted in the stencil, then the
-    sun's.
+def _image(values, profile):
+    """A texture of what a field sends back, [edge, edge, 3]; a machine's are of what is not brighter than
+    one.
     """
+    exact = profile.arithmetic.exact
+    return texture_2d(factor_texels(values if exact else np.minimum(values, 1.0), profile), mipmaps=True)
+
+
+@lru_cache(maxsize=64)
+def _sky_image(exact, field, edge, frame, directions, bounces):
+    """The texture of the sky's light, which no sun changes; all machines have the same bytes."""
+    values = backyard.by_sky(field, edge, frame, directions, bounces)
+    return _image(values, IDEAL if exact else GEFORCE_256)
+
+
+def _kind(part):
+    """The height field and the frame of a flat part: parts with the same have the same textures."""
+    return part.field, backyard.frame_of(part.surface)
+
+
+def _name(kind, what):
+    return f"{kind[0]} {kind[1]} {what}"
+
+
+def _textures(kinds, edge, light, profile, paths):
+    """The commands that load the flat parts' textures: of the sun, and of the sky."""
+
+    def images(kind):
+        field, frame = kind
+        return {
+            "sun": _image(backyard.radiance(field, edge, frame, light, *paths)[0], profile),
+            "sky": _sky_image(profile.arithmetic.exact, field, edge, frame, *paths),
+        }
+
+    return [
+        TexImage(label=f"load what {kind[0]} send back of the {what}", texture=_name(kind, what), image=image)
+        for kind, pair in zip(kinds, for_each(images, kinds), strict=True)
+        for what, image in pair.items()
+    ]
+
+
+@dataclass(frozen=True)
+class _Still:
+    """What no light changes.
+
+    kinds      ``_kind`` of the flat parts, each once
+    under_sky  a Draw for each part
+    under_sun  a Draw for each part; of the smooth ones, whose colours the light changes, without colours
+    """
+
+    kinds: tuple[tuple, ...]
+    under_sky: tuple[Draw, ...]
+    under_sun: tuple[Draw, ...]
+
+
+@lru_cache(maxsize=8)
+def _still(size):
+    """The _Still of a picture ``size`` pixels high."""
     (panel,) = row_of_panels(1, size, ASPECT)
-    view = camera(panel)
-    sun = tuple(float(c) for c in unit_vector(light, "The light's direction"))
-    loads, under_sky, under_sun = {}, [], []
-    for part in backyard.parts(detail_of(size)[1]):
-        share = backyard.sky_light(part.surface)
-        if part.field:
-            made, (sun_name, sky_name) = _textures(part, size, sun, profile, (directions, bounces))
-            loads |= made
-            sky, lit = (unit(name, _FILTERED, environment=MODULATE) for name in (sky_name, sun_name))
-            passes = ((share, (sky,)), (np.ones(share.shape), (lit,)))
-        else:
-            facing = np.maximum(dot(part.surface.normals, np.array(sun)), 0.0)[:, None]
-            color = np.array(part.color)
-            passes = (
-                (share * color * backyard.sky(part.surface.normals), ()),
-                (facing * color * np.array(backyard.SUN), ()),
-            )
-        for kind, (colors, units) in zip((under_sky, under_sun), passes, strict=True):
-            first = kind is under_sky
+    view, cell = camera(panel), detail_of(size)[1]
+    under_sky, under_sun, kinds = [], [], {}
+    for part, share in zip(backyard.parts(cell), backyard.sky_lights(cell), strict=True):
+        smooth = share if part.field else share * np.array(part.color) * backyard.sky(part.surface.normals)
+        for first, what, draws in ((True, "sky", under_sky), (False, "sun", under_sun)):
+            units = ()
+            if part.field:
+                kinds[kind := _kind(part)] = None
+                units = (unit(_name(kind, what), _FILTERED, environment=MODULATE),)
             state = PassState(
                 vertex=view.vertex,
                 texture_units=units,
@@ -103,18 +135,39 @@ def scene(profile, size, *, light, directions, bounces):
                 blending=None if first else ADD,
                 stencil_test=None if first else shadow_volumes.NOT_SHADOWED,
             )
-            label = f"{part.name} under the {'sky' if first else 'sun'}"
-            kind.append(Draw(label=label, mesh=part.surface.mesh(colors=colors), state=state))
+            mesh = part.surface.mesh(colors=smooth if first else np.ones(share.shape))
+            draws.append(Draw(label=f"{part.name} under the {what}", mesh=mesh, state=state))
+    return _Still(tuple(kinds), tuple(under_sky), tuple(under_sun))
+
+
+def _in_sun(part, draw, sun):
+    """A part's Draw under a sun."""
+    if part.field:
+        return draw
+    facing = np.maximum(dot(part.surface.normals, np.array(sun)), 0.0)[:, None]
+    colors = facing * np.array(part.color) * np.array(backyard.SUN)
+    return replace(draw, mesh=part.surface.mesh(colors=colors))
+
+
+def scene(profile, size, *, light, directions, bounces):
+    """The sky's light on everything, what the things hide of the sun counted in the stencil, then the
+    sun's.
+    """
+    (panel,) = row_of_panels(1, size, ASPECT)
+    (edge, cell), still = detail_of(size), _still(size)
+    sun = tuple(float(c) for c in unit_vector(light, "The light's direction"))
+    loads = _textures(still.kinds, edge, sun, profile, (directions, bounces))
+    in_sun = map(_in_sun, backyard.parts(cell), still.under_sun, repeat(sun))
     volumes = shadow_volumes.shadow_volumes(backyard.throwing(), (*sun, 0.0))
-    counts = shadow_volumes.z_fail_counts(volumes, view, shadow_volumes.counting_operations(profile))
+    counts = shadow_volumes.z_fail_counts(volumes, camera(panel), shadow_volumes.counting_operations(profile))
     return (
         panel.clear(backyard.HORIZON),
         _sky_behind(panel),
-        *loads.values(),
-        *under_sky,
+        *loads,
+        *still.under_sky,
         Clear(label="stencil to zero", stencil=0, scissor=panel.scissor),
         *counts,
-        *under_sun,
+        *in_sun,
     )
 
 
@@ -132,7 +185,7 @@ def by_rays(size, *, light, directions, bounces):
         else None
         for part in everything
     ]
-    shares = [backyard.sky_light(part.surface) for part in everything]
+    shares = backyard.sky_lights(cell)
     fine = replace(camera(panel), panel=Panel(0, 0, _SAMPLES * panel.width, _SAMPLES * panel.height))
     fine = replace(fine, projection=perspective(_FIELD, panel.width / panel.height, 0.5, 40.0))
     out = np.ones((panel.height, panel.width, 4))

@@ -17,9 +17,9 @@ from fixedpipe.effects.acceptance.ray_caster import RayCaster
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.surfaces import Surface
-from fixedpipe.effects.geometry.vectors import cross, dot, from_frame, normalize
+from fixedpipe.effects.geometry.vectors import cross, dot, from_frame, in_frame, normalize
 from fixedpipe.effects.scattering import directions as sphere
-from fixedpipe.effects.scattering import environment_light, made_fields, visibility
+from fixedpipe.effects.scattering import environment_light, made_fields, turning_sun, visibility
 from fixedpipe.effects.scattering.height_field import height_field
 from fixedpipe.effects.scenes.objects_and_lamps import Object, Scene
 
@@ -138,6 +138,7 @@ BIN = (1.75, 0.0, -2.35)
 GLASS = (0.10, 0.13, 0.16)
 
 
+@lru_cache(maxsize=4)
 def parts(detail):
     """Everything that is seen: a tuple of Part. ``detail``: metres of a cell, whose corners ask for the
     sky.
@@ -160,6 +161,7 @@ def _faces_the_eye(surface):
     return bool((dot(surface.normals, np.array(EYE) - surface.positions) > 0.0).any())
 
 
+@cache
 def throwing():
     """What throws shadows: a Scene of closed surfaces."""
     solids = [_solid(name, box[0], box[1], box[2], 0.1) for name, box in BOXES.items()]
@@ -199,6 +201,12 @@ def sky_light(surface):
     return np.minimum(seen / free, 1.0)
 
 
+@lru_cache(maxsize=4)
+def sky_lights(detail):
+    """``sky_light`` of each of the ``parts``, a tuple."""
+    return tuple(sky_light(part.surface) for part in parts(detail))
+
+
 @cache
 def field_of(name, edge):
     """A height field by its name, ``edge`` texels wide and high."""
@@ -226,6 +234,12 @@ def _visibility(name, edge, directions):
     return visibility.precompute(field_of(name, edge), sphere.spiral(directions))
 
 
+@lru_cache(maxsize=8)
+def _known(name, edge, directions):
+    """What of a field no light changes."""
+    return turning_sun.prepared(field_of(name, edge), _visibility(name, edge, directions))
+
+
 @lru_cache(maxsize=64)
 def radiance(name, edge, frame, light, directions, bounces):
     """What a part's field sends back of the sun and of the sky: two float64 [edge, edge, 3], without and with
@@ -233,13 +247,13 @@ def radiance(name, edge, frame, light, directions, bounces):
 
     frame  the part's (tangent, binormal, normal) in the world, tuples; light: towards the sun
     """
-    field, seen = field_of(name, edge), _visibility(name, edge, directions)
-    by_sun = environment_light.sun_alone(field, seen, frame, light, SUN, bounces)
-    return by_sun, _by_sky(name, edge, frame, directions, bounces)
+    local = in_frame(np.array(light), *(np.array(axis) for axis in frame))
+    by_sun = turning_sun.sunlit(_known(name, edge, directions), local, SUN, bounces)
+    return by_sun, by_sky(name, edge, frame, directions, bounces)
 
 
 @lru_cache(maxsize=64)
-def _by_sky(name, edge, frame, directions, bounces):
+def by_sky(name, edge, frame, directions, bounces):
     """The sky's share, which no light changes."""
     field, seen = field_of(name, edge), _visibility(name, edge, directions)
     return environment_light.sky_alone(field, seen, frame, sky, bounces)
@@ -296,8 +310,8 @@ def seen_by_rays(everything, origins, directions, light, lights, shares):
 
 
 def frame_of(surface):
-    """A flat surface's frame, as ``radiance`` takes it; rounded, so that parts that are turned alike share
-    it.
+    """A flat surface's frame, as ``radiance`` takes it; rounded, and zeros without a sign, so that parts that
+    are turned alike share it.
     """
     axes = (surface.tangents[0], surface.binormals[0], surface.normals[0])
-    return tuple(tuple(round(float(c), 9) for c in normalize(axis)) for axis in axes)
+    return tuple(tuple(round(float(c), 9) + 0.0 for c in normalize(axis)) for axis in axes)
