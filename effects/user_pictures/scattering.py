@@ -102,8 +102,8 @@ def field_of(heights, found, texels, scale, albedo):
         raise ValueError(f"The height field is to have {texels} texels along an edge; give a power of two.")
     if texels > found.most_texels:
         raise ValueError(
-            f"The height field is to have {texels} texels along an edge; by {found.title} up to "
-            f"{found.most_texels} are told apart. Give --texels {found.most_texels} or less."
+            f"The height field is to have {texels} texels along an edge; {found.title} allow up to "
+            f"{found.most_texels}. Give --texels {found.most_texels} or less."
         )
     if not scale > 0.0:
         raise ValueError(f"The height scale is {scale!r}, so the field is flat; give a number above 0.")

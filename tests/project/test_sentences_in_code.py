@@ -1,5 +1,6 @@
-"""Plain English beyond the pages: captions, reasons, public docstrings and --help, by the same bounds."""
+"""Plain English beyond the pages: captions, reasons, docstrings, --help and refusals, by the same bounds."""
 
+import ast
 import inspect
 import re
 import tomllib
@@ -89,6 +90,27 @@ def helps():
     return found
 
 
+def _written(node):
+    """The text of an expression, each value in it one word; none where it is no text."""
+    if isinstance(node, ast.Constant):
+        return node.value if isinstance(node.value, str) else ""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(part.value if isinstance(part, ast.Constant) else "CODE" for part in node.values)
+    if isinstance(node, ast.BinOp):
+        return _written(node.left) + _written(node.right)
+    return ""
+
+
+def refusals(source, where):
+    """What the exceptions that a module raises say, by module and line."""
+    found = {}
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+            texts = [_written(argument) for argument in node.exc.args]
+            found[f"{where}:{node.lineno}"] = "\n\n".join(text for text in texts if " " in text)
+    return {line: text for line, text in found.items() if text}
+
+
 @pytest.mark.parametrize("path", DATA, ids=lambda path: f"{path.parent.name}-{path.stem}")
 def test_captions_and_reasons_are_in_plain_english(path):
     assert faults(strings(tomllib.loads(path.read_text()))) == []
@@ -104,6 +126,15 @@ def test_what_commands_say_of_themselves_is_in_plain_english():
     assert faults(helps()) == []
 
 
+@pytest.mark.parametrize("layer", ["raster", "pipeline", "effects"])
+def test_what_exceptions_say_is_in_plain_english(layer):
+    found = {}
+    for path in sorted((ROOT / layer).rglob("*.py")):
+        found |= refusals(path.read_text(), path.relative_to(ROOT))
+    assert len(found) >= {"raster": 15, "pipeline": 500, "effects": 700}[layer]
+    assert faults(found) == []
+
+
 LONG = "This sentence has " + "so " * 32 + "words."  # 36 words
 
 
@@ -113,6 +144,8 @@ LONG = "This sentence has " + "so " * 32 + "words."  # 36 words
         strings({"F": {"caption": LONG, "title": "A. B. C."}}),
         {"a docstring": prose(f"One.\n\n{LONG}\n\nA. B. C. D.")},
         {"a command": "It is told to you."},
+        refusals(f"raise ValueError(f'{{x}}: {LONG} One. Two.')", "m.py"),
+        refusals("raise Refusal('It ' + f'is told {x}.')", "m.py"),
     ],
 )
 def test_a_fault_is_seen(texts):

@@ -156,12 +156,12 @@ def test_heights_that_are_none_are_refused(tmp_path, values, said):
         (("--height-scale", 0.0), "the field is flat"),
         (("--height-scale", "nan"), "the field is flat"),
         (("--texels", 12), "power of two"),
-        (("--texels", 256), "up to 128 are told apart"),
+        (("--texels", 256), "allow up to 128"),
         (("--texels", 64), "give --size 64 or more"),
         (("--exposure", 0.0), "The exposure is 0"),
         (("--profile", "OPENGL_1_2"), "Give one of GEFORCE_256"),
         (("--profile", "OCTAN"), "Did you mean OCTANE"),
-        (("--profile", "G400", "--texels", 128, "--size", 256), "up to 64 are told apart"),
+        (("--profile", "G400", "--texels", 128, "--size", 256), "allow up to 64"),
     ],
 )
 def test_what_cannot_be_drawn_is_refused_with_a_sentence(heights, tmp_path, options, said):
