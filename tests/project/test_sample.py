@@ -61,26 +61,45 @@ def run_now(*folders):
     return {item.nodeid for item in items if "slow" not in item.marks}
 
 
-def test_tests_of_commands_have_their_turns_and_all_run_where_their_own_folder_changed(at):
-    cli, other = "tests/effects/cli", "tests/foreign"
+def test_tests_have_their_turns_and_those_of_a_package_that_changed_all_run(at):
+    cli, always = "tests/effects/cli", "tests/project"
     taken = []
     for date in DATES:
         at(date)
         taken.append(run_now(cli))
-        assert len(run_now(other)) == 20
+        assert len(run_now(always)) == 20
         at(date, "effects/cli/view.py")
         assert len(run_now(cli)) == 20 > len(run_now("tests/raster"))
         at(date, "raster/vector/band.py")
-        assert len(run_now("tests/raster", "tests/pipeline/execution")) == 40 and len(run_now(cli)) < 20
+        assert len(run_now("tests/raster/vector", "tests/raster")) == 40 and len(run_now(cli)) < 20
         at(date, f"{cli}/test_c.py")
         assert len(run_now(cli)) == 20
     assert len(set.union(*taken)) == 20 and len(set(map(frozenset, taken))) == sample.TURNS
 
 
-def test_folders_that_take_turns_are_there():
+@pytest.mark.parametrize(
+    ("test", "of"),
+    [
+        ("tests/pipeline/golden/test_a.py::test_b", ("tests/pipeline/golden/", "pipeline/golden/")),
+        ("tests/pipeline/test_a.py::test_b", ("tests/pipeline/", "pipeline/")),
+        ("tests/effects/cli/test_a.py::test_b", ("tests/effects/cli/", "effects/cli/")),
+        ("tests/raster/vector/test_a.py::test_b", ("tests/raster/", "raster/", "tests/reference/")),
+        ("tests/project/test_bench_runs.py::test_b", ("tests/project/test_bench", "bench/")),
+        ("tests/effects/test_figures.py::test_b", ()),
+        ("tests/project/test_docs.py::test_b", ()),
+        ("tests/golden/test_golden.py::test_b", ()),
+    ],
+)
+def test_a_test_is_of_the_package_whose_name_its_folder_has(test, of):
+    assert sample.sources_of(test) == of
+
+
+def test_every_folder_of_tests_that_take_turns_has_a_package():
     root = sample.Path(sample.__file__).parents[2]
-    for folder, sources in sample.IN_TURN.items():
-        assert list(root.glob(f"{folder}*")) and all((root / source).is_dir() for source in sources), folder
+    for path in root.glob("tests/**/test_*.py"):
+        own, *sources = sample.sources_of(path.relative_to(root).as_posix()) or (None,)
+        assert all((root / source).is_dir() for source in sources), path
+        assert own is None or list(root.glob(f"{own}*")), path
 
 
 def test_without_git_a_share_is_taken_as_well(monkeypatch):

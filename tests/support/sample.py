@@ -6,6 +6,7 @@ tests a commit again tests the same.
 
 import hashlib
 import os
+import re
 import subprocess
 from contextlib import suppress
 from pathlib import Path
@@ -17,29 +18,23 @@ _ROOT = Path(__file__).parents[2]
 # What the process of all tests hands to those that it starts, so that all of them take the same tests.
 DATE, CHANGED = "FIXEDPIPE_SAMPLE_DATE", "FIXEDPIPE_SAMPLE_CHANGED"
 FIGURES_SHARE = 6  # of the figures, one in so many
-# Of the tests below a folder, or in files whose names begin so, one in TURNS is run after a change, and all
-# where their own folder, or one of these, has changed. What commands and pages are made of is proved below;
-# what is below knows nothing above.
+# After a change all tests of the packages that it touches are run, and of the others' one in TURNS. The tests of
+# pipeline/golden/ lie in tests/pipeline/golden/. Others, by how their names begin, are of these packages.
 TURNS = 4
-_LOW = ("raster/", "pipeline/", "tests/reference/", "tests/support/")
-IN_TURN = {
-    "tests/browser": ("effects/viewer/", "effects/reports/gallery/", "effects/reports/viewing/"),
-    "tests/effects/cli": ("effects/cli/",),
-    "tests/effects/reports": ("effects/reports/",),
-    "tests/effects/scattering": ("effects/scattering/",),
-    "tests/effects/sweeps": ("effects/sweeps/",),
-    "tests/effects/tasks": ("effects/tasks/",),
-    "tests/effects/viewer": ("effects/viewer/",),
-    "tests/emulators": ("effects/emulators/",),
-    "tests/pipeline/execution": _LOW,
-    "tests/pipeline/golden": ("pipeline/golden/",),
-    "tests/pipeline/inspection": ("pipeline/inspection/",),
-    "tests/pipeline/notations": ("pipeline/notations/",),
-    "tests/pipeline/vertices": _LOW,
+OF = {
+    "tests/browser/": ("effects/viewer/", "effects/reports/gallery/", "effects/reports/viewing/"),
+    "tests/emulators/": ("effects/emulators/",),
+    "tests/foreign/": ("pipeline/execution/", "pipeline/opengl/"),
+    "tests/opengl/": ("pipeline/execution/", "pipeline/opengl/"),
+    "tests/pipeline/execution/": ("pipeline/execution/", "pipeline/native/", "pipeline/columns/", "raster/"),
+    "tests/pipeline/selftest/": ("pipeline/selftest/", "pipeline/execution/", "raster/"),
     "tests/project/test_bench": ("bench/",),
     "tests/project/test_notebooks": ("docs/examples/",),
-    "tests/raster": _LOW,
+    "tests/raster/": ("raster/", "tests/reference/"),
 }
+_BY_PLACE = re.compile(
+    r"tests/((?:pipeline|effects)/\w+/)|tests/(pipeline/)"
+)  # not what lies in tests/effects
 LEAST_EXAMPLES = 30  # of each test that Hypothesis gives its values
 _SETTINGS = "_hypothesis_internal_use_settings"  # where Hypothesis keeps those of a test
 
@@ -80,16 +75,22 @@ def changed():
     return set(os.environ.get(CHANGED, "").split())
 
 
+def sources_of(test):
+    """Where a test and what it proves lie, as beginnings of paths; none for one that is always run."""
+    for begins, sources in OF.items():
+        if test.startswith(begins):
+            return (begins, *sources)
+    if place := _BY_PLACE.match(test):
+        return place[0], place[1] or place[2]
+    return ()
+
+
 def take_turns(items):
     """Mark as slow what waits for its turn, by its name alone: so it is the same for any choice of tests."""
     touched, now = changed(), turn(TURNS)
-    waiting = tuple(
-        tests
-        for tests, sources in IN_TURN.items()
-        if not any(path.startswith((tests, *sources)) for path in touched)
-    )
     for item in items:
-        if item.nodeid.startswith(waiting) and _number(item.nodeid, TURNS) != now:
+        own = sources_of(item.nodeid)
+        if own and _number(item.nodeid, TURNS) != now and not any(path.startswith(own) for path in touched):
             item.add_marker(pytest.mark.slow)
 
 
