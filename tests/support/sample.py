@@ -18,8 +18,8 @@ _ROOT = Path(__file__).parents[2]
 # What the process of all tests hands to those that it starts, so that all of them take the same tests.
 DATE, CHANGED = "FIXEDPIPE_SAMPLE_DATE", "FIXEDPIPE_SAMPLE_CHANGED"
 FIGURES_SHARE = 6  # of the figures, one in so many
-# After a change all tests of the packages that it touches are run, and of the others' one in TURNS. The tests of
-# pipeline/golden/ lie in tests/pipeline/golden/. Others, by how their names begin, are of these packages.
+# After a change all tests of the packages that it touches are run, and of the others' one in TURNS. Those of
+# pipeline/golden/ lie in tests/pipeline/golden/; others, by how their names begin, are of these packages.
 TURNS = 4
 OF = {
     "tests/browser/": ("effects/viewer/", "effects/reports/gallery/", "effects/reports/viewing/"),
@@ -32,9 +32,8 @@ OF = {
     "tests/project/test_notebooks": ("docs/examples/",),
     "tests/raster/": ("raster/", "tests/reference/"),
 }
-_BY_PLACE = re.compile(
-    r"tests/((?:pipeline|effects)/\w+/)|tests/(pipeline/)"
-)  # not what lies in tests/effects
+# Not what lies in tests/effects itself: figures, which have a share of their own.
+_BY_PLACE = re.compile(r"tests/((?:pipeline|effects)/\w+/)|tests/(pipeline/)")
 LEAST_EXAMPLES = 30  # of each test that Hypothesis gives its values
 _SETTINGS = "_hypothesis_internal_use_settings"  # where Hypothesis keeps those of a test
 
