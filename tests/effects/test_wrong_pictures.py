@@ -23,7 +23,7 @@ NOT_MEASURED, SURVIVORS = set(_FILE["not_measured"]), _FILE["survivors"]
 CHEAP = ("F001-14", "F003-4")
 
 
-IN_TURN = sampled(NAMED, 4)
+IN_TURN = sampled(NAMED)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from tests.support.sample import sampled, sampled_figures, slow_unless
 ROOT = Path(__file__).parents[2]
 TEXTS = {page: page.read_text() for page in documents.PAGES}
 # What figures and studies give stays while their bits do, so it is measured again in turn.
-SAMPLE = sampled_figures() | sampled(STUDIES, 6) | {"costs"}
+SAMPLE = sampled_figures() | sampled(STUDIES) | {"costs"}
 SOURCES = [
     pytest.param(
         page,

@@ -27,8 +27,8 @@ def test_a_change_is_tested_alike_again_and_every_case_has_its_turn(at):
     taken = {}
     for date in DATES:
         at(date)
-        taken[date] = sample.sampled(range(20), 6)
-        assert sample.sampled(range(20), 6) == taken[date]
+        taken[date] = sample.sampled(range(20))
+        assert sample.sampled(range(20)) == taken[date]
         assert len(taken[date]) in (3, 4)
     assert set.union(*taken.values()) == set(range(20))
     shares = {frozenset(cases) for cases in taken.values()}
@@ -74,7 +74,7 @@ def test_tests_have_their_turns_and_those_of_a_package_that_changed_all_run(at):
         assert len(run_now("tests/raster/vector", "tests/raster")) == 40 and len(run_now(cli)) < 20
         at(date, f"{cli}/test_c.py")
         assert len(run_now(cli)) == 20
-    assert len(set.union(*taken)) == 20 and len(set(map(frozenset, taken))) == sample.TURNS
+    assert len(set.union(*taken)) == 20 and len(set(map(frozenset, taken))) == sample.SHARE
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ def test_every_folder_of_tests_that_take_turns_has_a_package():
 def test_without_git_a_share_is_taken_as_well(monkeypatch):
     monkeypatch.delenv(sample.DATE, raising=False)
     monkeypatch.delenv(sample.CHANGED, raising=False)
-    assert sample.sampled(range(20), 6) and not sample.changed()
+    assert sample.sampled(range(20)) and not sample.changed()
 
 
 @pytest.mark.parametrize(

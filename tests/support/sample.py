@@ -17,10 +17,9 @@ from hypothesis import settings
 _ROOT = Path(__file__).parents[2]
 # What the process of all tests hands to those that it starts, so that all of them take the same tests.
 DATE, CHANGED = "FIXEDPIPE_SAMPLE_DATE", "FIXEDPIPE_SAMPLE_CHANGED"
-FIGURES_SHARE = 6  # of the figures, one in so many
-# After a change all tests of the packages that it touches are run, and of the others' one in TURNS. Those of
+# After a change all tests of the packages that it touches are run, and of the others' one in SHARE. Those of
 # pipeline/golden/ lie in tests/pipeline/golden/; others, by how their names begin, are of these packages.
-TURNS = 4
+SHARE = 6
 OF = {
     "tests/browser/": ("effects/viewer/", "effects/reports/gallery/", "effects/reports/viewing/"),
     "tests/emulators/": ("effects/emulators/",),
@@ -64,9 +63,9 @@ def turn(share):
     return _number(os.environ.get(DATE, ""), share)
 
 
-def sampled(keys, share, *, order=None):
-    """One in ``share`` of ``keys``, as a set: sorted by cost, ``order``, samples take about as long."""
-    return set(sorted(keys, key=order)[turn(share) :: share])
+def sampled(keys, *, order=None):
+    """One in SHARE of ``keys``, as a set: sorted by cost, ``order``, samples take about as long."""
+    return set(sorted(keys, key=order)[turn(SHARE) :: SHARE])
 
 
 def changed():
@@ -86,10 +85,10 @@ def sources_of(test):
 
 def take_turns(items):
     """Mark as slow what waits for its turn, by its name alone: so it is the same for any choice of tests."""
-    touched, now = changed(), turn(TURNS)
+    touched, now = changed(), turn(SHARE)
     for item in items:
         own = sources_of(item.nodeid)
-        if own and _number(item.nodeid, TURNS) != now and not any(path.startswith(own) for path in touched):
+        if own and _number(item.nodeid, SHARE) != now and not any(path.startswith(own) for path in touched):
             item.add_marker(pytest.mark.slow)
 
 
@@ -122,4 +121,4 @@ def sampled_figures():
         for figure in FIGURES
         if f"{FIGURES.module_of(figure).removeprefix('fixedpipe.').replace('.', '/')}.py" in touched
     }
-    return own | sampled(FIGURES, FIGURES_SHARE, order=lambda figure: (SECONDS.get(figure, 0.0), figure))
+    return own | sampled(FIGURES, order=lambda figure: (SECONDS.get(figure, 0.0), figure))
