@@ -11,6 +11,7 @@ every number has 16 bits.
 import argparse
 import sys
 import time
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -46,9 +47,15 @@ def page_picture(figure_id, machine):
     return PAGES / "images" / f"{figure_id}-{machine}.png"
 
 
+@cache
+def _pages(folder):
+    """The text of every page below a folder."""
+    return "\n".join(page.read_text() for page in sorted(folder.rglob("*.md")))
+
+
 def is_shown(path):
     """Whether a page of the documentation shows the picture."""
-    return any(f"images/{path.name}" in page.read_text() for page in PAGES.rglob("*.md"))
+    return f"images/{path.name}" in _pages(PAGES)
 
 
 def render(figure, machine):

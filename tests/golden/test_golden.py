@@ -7,19 +7,26 @@ import pytest
 from PIL import Image
 
 from fixedpipe.effects.figures import FIGURES
+from fixedpipe.effects.figures.costs import SECONDS
 from fixedpipe.pipeline.golden.digests import digest, from_text
 from fixedpipe.pipeline.profiles import FUTURE
 from tests import accept
+from tests.support.sample import sampled_figures, slow_unless
 
 # Each figure on each of its machines; those that draw it as another does take minutes together, and so do
-# spheres of thousands of polygons, each with textures of its own.
-ACCEPTED = [
-    pytest.param(
-        f.id,
-        machine,
-        marks=[pytest.mark.slow]
-        * (machine != method.machines[0] or accept.loads_for_each_polygon(f, method)),
+# spheres of thousands of polygons, each with textures of its own. Long ones are drawn in turn.
+SAMPLE = sampled_figures()
+_LONG = 15  # seconds of a figure on all its machines with its checks
+
+
+def is_quick(figure, method):
+    return not accept.loads_for_each_polygon(figure, method) and (
+        figure.id in SAMPLE or SECONDS.get(figure.id, 0.0) <= _LONG
     )
+
+
+ACCEPTED = [
+    pytest.param(f.id, machine, marks=slow_unless(machine == method.machines[0] and is_quick(f, method)))
     for f in FIGURES.values()
     for method in f.methods
     for machine in method.machines
@@ -39,9 +46,9 @@ def test_a_figure_keeps_its_accepted_bits(figure_id, machine):
 
 # Each figure on the first machine of each of its methods. Plain Python takes seconds for these; meshes of
 # thousands of triangles, or copies of every pixel, take it minutes.
-QUICK = ("F004-2", "F004-3")
+QUICK = ("F004-2", "GEFORCE_256"), ("F004-2", "OCTANE"), ("F004-3", "GEFORCE_256")
 SPECIFIED = [
-    pytest.param(f.id, method.machines[0], marks=[pytest.mark.slow] * (f.id not in QUICK))
+    pytest.param(f.id, method.machines[0], marks=slow_unless((f.id, method.machines[0]) in QUICK))
     for f in FIGURES.values()
     for method in f.methods
     if accept.is_specified(method.machines[0])
