@@ -1,8 +1,10 @@
 """G17: five ways to tell the shadows of bumps."""
 
+from itertools import combinations
+
 import numpy as np
 
-from fixedpipe.effects.acceptance import bump_shadows
+from fixedpipe.effects.acceptance import bump_shadows, seen_places
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
@@ -89,8 +91,41 @@ def reference(size, **p):
     return out
 
 
+def _three_around(directions, vector):
+    """The numbers of the three directions between which a vector lies and no other does, and its weights."""
+    for three in combinations(np.argsort(-(directions @ vector))[:8].tolist(), 3):
+        corners = directions[list(three)]
+        weights = np.linalg.solve(corners.T, vector)
+        # The plane through the three has all others behind it.
+        if weights.min() >= 0.0 and (directions @ np.linalg.solve(corners, np.ones(3))).max() <= 1.0 + 1e-9:
+            return three, weights / weights.sum()
+    raise ValueError(f"No three directions have {vector} between them.")
+
+
+def _third_panel_check(figure, renderer):
+    """The displayed third panel against shadows by rays along three directions, as weak as their weights."""
+    p, size = figure.values_of(renderer.method), figure.size
+    bed = stones.bed_of(size, p)
+    directions = bed.visibility.directions
+    three, weights = _three_around(directions, unit_vector(p["light"], "The light's direction"))
+    lit, counted = np.zeros(bed.field.heights.shape), np.zeros(bed.field.heights.shape)
+    for number, weight in zip(three, weights, strict=True):
+        # A texel that is turned away from a direction learns nothing of it.
+        faces = dot(bed.field.normals, directions[number]) > 0.0
+        lit += weight * (faces & visibility.free_view(bed.field, directions[number]))
+        counted += weight * faces
+    share = np.where(counted > 0.0, lit / np.where(counted > 0.0, counted, 1.0), 1.0)
+    picture = stones.sampled(stones.with_shadows(bed, p, share), size)
+    whole = np.ones((size, size), np.bool_)
+    for on, alike in seen_places.shares_alike(figure, renderer, {2: (whole, picture[whole])}):
+        yield DATA.check(
+            "three directions: pixels with the light of rays along them by weight, within 8/255", alike, on
+        )
+
+
 def checks(figure, renderer):
     """Each way against rays, on grooves under many lights and in the picture."""
+    yield from _third_panel_check(figure, renderer)
     groove = ridges(32, 32)
     found = bump_shadows.agreement(groove, bump_shadows.ways(groove, figure.values["directions"]))
     for name, share in found.items():

@@ -1,5 +1,7 @@
 """F001-2: the puzzle at a flat angle, with one probe a pixel and with up to eight."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from fixedpipe.effects.acceptance.check import Answer, Check
@@ -81,6 +83,11 @@ def checks(figure, renderer):
         ]
         yield DATA.check("eight probes: correlation with 256 samples, within letters", alike[-1], on)
         yield DATA.check("one probe: correlation with 256 samples, within letters", alike[0], on)
+        yield DATA.check(
+            "correlation with 256 samples: the least gain by twice as many probes",
+            min(after - before for before, after in pairwise(alike)),
+            on,
+        )
         lines = written.supersampled(views[0], written.stripes(written.page_edge(size)), background)
         contrast = [_contrast(_strip(lined, view)) / _contrast(lines) for view in views[1:-1]]
         yield DATA.check(

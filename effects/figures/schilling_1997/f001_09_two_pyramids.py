@@ -139,6 +139,9 @@ def checks(figure, renderer):
         Answer.MACHINE,
     )
     yield DATA.check(
+        "level 0 of the roughness: deviation of its colours", _spread(image, size, 1, 0), Answer.MACHINE
+    )
+    yield DATA.check(
         "level 5 of the roughness: deviation of its colours over level 1's",
         _spread(image, size, 1, 5) / _spread(image, size, 1, 1),
         Answer.MACHINE,

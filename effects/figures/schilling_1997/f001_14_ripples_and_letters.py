@@ -1,6 +1,7 @@
 """F001-14: the heights whose slopes are the bumps of F001-12."""
 
 import numpy as np
+from PIL import ImageFont
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.data_files import figure_data
@@ -40,6 +41,20 @@ def scene(profile, size, *, slope):
     )
 
 
+def _word_in(image):
+    """How much the middle of a picture [256, 256], bottom row first, is like the word: a correlation.
+
+    The letters are Pillow's own, a pixel of theirs 7 wide and 12 high, as the heights' are.
+    """
+    mask = ImageFont.load_default_imagefont().getmask(the.WORD)
+    ink = np.array(mask).reshape(mask.size[::-1])[::-1] > 0
+    ink = ink.repeat(12, axis=0).repeat(7, axis=1).astype(np.float64)
+    (low, left), (high, wide) = ((256 - edge) // 2 for edge in ink.shape), ink.shape
+    box = image[low : low + high, left : left + wide]
+    a, b = box - box.mean(), ink - ink.mean()
+    return float((a * b).sum() / np.sqrt((a * a).sum() * (b * b).sum()))
+
+
 def checks(figure, renderer):
     """The deviation of slopes, and the picture."""
     plate = the.Plate(figure.values["slope"], 1.0, 1.0)
@@ -51,6 +66,11 @@ def checks(figure, renderer):
     heights = _heights()
     size = 256
     image = np.asarray(renderer.window(Answer.MACHINE, figure, size))[..., 0]
+    yield DATA.check(
+        "the word in the picture's middle: correlation with the font's own letters",
+        _word_in(image),
+        Answer.MACHINE,
+    )
     yield DATA.check(
         "the picture - the heights, RMS",
         float(np.sqrt(((image - heights) ** 2).mean())),
