@@ -22,6 +22,7 @@ DATE, CHANGED = "FIXEDPIPE_SAMPLE_DATE", "FIXEDPIPE_SAMPLE_CHANGED"
 SHARE = 6
 OF = {
     "tests/browser/": ("effects/viewer/", "effects/reports/gallery/", "effects/reports/viewing/"),
+    "tests/effects/test_own_maps": ("effects/user_pictures/",),
     "tests/emulators/": ("effects/emulators/",),
     "tests/foreign/": ("pipeline/execution/", "pipeline/opengl/"),
     "tests/opengl/": ("pipeline/execution/", "pipeline/opengl/"),
