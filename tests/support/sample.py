@@ -25,7 +25,6 @@ OF = {
     "tests/effects/test_own_maps": ("effects/user_pictures/",),
     "tests/emulators/": ("effects/emulators/",),
     "tests/foreign/": ("pipeline/execution/", "pipeline/opengl/"),
-    "tests/opengl/": ("pipeline/execution/", "pipeline/opengl/"),
     "tests/pipeline/execution/": ("pipeline/execution/", "pipeline/native/", "pipeline/columns/", "raster/"),
     "tests/pipeline/selftest/": ("pipeline/selftest/", "pipeline/execution/", "raster/"),
     "tests/project/test_bench": ("bench/",),
