@@ -6,6 +6,7 @@ application asks for becomes ``Draw``, ``TexImage`` and the other commands, whic
 
 # Each of these modules enters its own calls into the table of entry points, and declares its own state.
 from fixedpipe.pipeline.opengl import (  # noqa: F401
+    arb_vertex_programs,
     array_draws,
     arrays,
     attributes,

@@ -27,7 +27,7 @@ DTYPES = {
     tokens.DOUBLE: np.dtype("<f8"),
 }
 # Columns whose integers are fractions (table 2.6), and columns of one number a vertex.
-_FRACTIONS = frozenset({"normals", "colors", "secondary_colors"})
+FRACTIONS = frozenset({"normals", "colors", "secondary_colors"})
 _SINGLE = frozenset({"fog_coordinates", "edge_flags", "weights"})
 _WORDS = {
     "positions": "vertex",
@@ -92,7 +92,7 @@ class ArrayPointer(NamedTuple):
         if name == "edge_flags":
             return elements[:, 0] != 0
         values = elements.astype(np.float64)
-        if name in _FRACTIONS and dtype.kind != "f":
+        if name in FRACTIONS and dtype.kind != "f":
             scale = float(2 ** (8 * dtype.itemsize) - 1)
             values = values / scale if dtype.kind == "u" else (2.0 * values + 1.0) / scale
         if self.size == tokens.BGRA:

@@ -7,6 +7,7 @@ import numpy as np
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.array_memory import (
     DTYPES,
+    FRACTIONS,
     TEXTURE,
     ArrayPointer,
     Kind,
@@ -227,6 +228,32 @@ def attribute_pointer(gl, number, size, type_, stride, pointer):
         told = f"{size} components of {tokens.name_of(type_)}"
         raise Refused(f"attribute {number} has {told}, which its conventional array has not")
     _set_pointer(gl, kind, size, type_, stride, pointer)
+
+
+@entry("VertexAttribPointer", compiled=False)
+def generic_attribute_pointer(gl, number, size, type_, normalized, stride, pointer):
+    """Where a vertex attribute lies (ARB_vertex_program): the conventional array of its number.
+
+    Integers become fractions where ``normalized`` says so; it must say what that array does with them.
+    """
+    kind = _attribute_kind(number)
+    are_fractions = name_of_kind(kind) in FRACTIONS
+    if type_ not in _REALS and bool(normalized) != are_fractions:
+        does = "makes fractions of integers" if are_fractions else "takes integers as they are"
+        raise Refused(f"attribute {number}'s conventional array {does}, and this one does not")
+    attribute_pointer(gl, number, size, type_, stride, pointer)
+
+
+@entry("EnableVertexAttribArray", compiled=False)
+def enable_attribute_array(gl, number):
+    """Enable the array of a vertex attribute."""
+    gl.arrays.enabled.add(_attribute_kind(number))
+
+
+@entry("DisableVertexAttribArray", compiled=False)
+def disable_attribute_array(gl, number):
+    """Disable the array of a vertex attribute."""
+    gl.arrays.enabled.discard(_attribute_kind(number))
 
 
 def _register_with_counts():

@@ -39,6 +39,7 @@ class Shared:
     list_names: ListNames = field(default_factory=ListNames)
     buffers: dict[int, Any] = field(default_factory=dict)
     programs: dict[int, Any] = field(default_factory=dict)
+    local_parameters: dict[tuple[int, int], tuple[float, ...]] = field(default_factory=dict)
     framebuffers: dict[int, Any] = field(default_factory=dict)
     renderbuffers: dict[int, Any] = field(default_factory=dict)
 

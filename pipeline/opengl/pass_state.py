@@ -28,7 +28,7 @@ _FIELDS = {
 }
 
 
-@section("pass", ENABLED, *_FIELDS.values())
-def _pass(gl, programmed, *parts):
+@section("pass", ENABLED, "position kept", *_FIELDS.values())
+def _pass(gl, programmed, keeps_position, *parts):
     state = PassState(**dict(zip(_FIELDS, parts, strict=True)))
-    return driver.place_sprite(gl.profile, programmed_state(state) if programmed else state)
+    return driver.place_sprite(gl.profile, programmed_state(state, keeps_position) if programmed else state)

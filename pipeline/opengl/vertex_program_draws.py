@@ -1,4 +1,4 @@
-"""NV_vertex_program 1.0 and 1.1 on the host: programs, their parameters, and what a draw's vertices become.
+"""Vertex programs on the host: NV_vertex_program's calls, and what a draw's vertices become.
 
 A program runs here, in the arithmetic of the NV20's transform unit (``vertices.vertex_programs``;
 docs/numbers.md section 2): 24 significant bits, its own reciprocals, logarithms and powers. Its positions
@@ -18,7 +18,8 @@ import numpy as np
 
 from fixedpipe.pipeline.commands import Mesh
 from fixedpipe.pipeline.enums import FogCoordinateSource
-from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl import arb_program_state, tokens
+from fixedpipe.pipeline.opengl.arb_program_text import ArbProgram
 from fixedpipe.pipeline.opengl.current import COORDINATE_SETS, filled, register_attributes
 from fixedpipe.pipeline.opengl.entry_points import entry, register
 from fixedpipe.pipeline.opengl.matrices import top
@@ -89,6 +90,7 @@ def bind_program(gl, target, name):
     if target != tokens.VERTEX_PROGRAM_NV:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no vertex program")
     gl.values.set("vertex program", int(name))
+    gl.values.set("position kept", False)
 
 
 @entry("GenProgramsNV", compiled=False)
@@ -238,12 +240,17 @@ def programmed_mesh(gl: Any, mesh: Mesh) -> Mesh:
         **{_INPUTS[8 + n]: each for n, each in enumerate(mesh.texture_coordinates[: len(_INPUTS) - 8])},
         **{n: gl.values[("vertex attribute", n)] for n in (6, 7)},
     }
-    results = program.run({key: each for key, each in given.items() if each is not None}, _constants(gl))
+    if isinstance(program, ArbProgram):
+        constants = {number: arb_program_state.numbers(gl, row) for number, row in enumerate(program.rows)}
+        program, is_kept = program.program, program.keeps_position
+    else:
+        constants, is_kept = _constants(gl), False
+    results = program.run({key: each for key, each in given.items() if each is not None}, constants)
     count = len(mesh.positions)
     missing = np.broadcast_to((0.0, 0.0, 0.0, 1.0), (count, 4))
     units = [results.get(f"TEX{n}", missing) for n in range(4)]
     columns = {
-        "positions": results.get("HPOS", missing),
+        "positions": mesh.positions if is_kept else results.get("HPOS", missing),
         "colors": results.get("COL0", missing),
         "secondary_colors": results.get("COL1", missing),
         "fog_coordinates": results.get("FOGC", np.zeros(count)),
@@ -266,8 +273,11 @@ def _column(values):
 
 
 @lru_cache(maxsize=1024)
-def programmed_state(state: PassState) -> PassState:
-    """The state that draws what a program made: without matrices, lighting and generated coordinates."""
+def programmed_state(state: PassState, keeps_position: bool) -> PassState:
+    """The state that draws what a program made: without lighting, generated coordinates and matrices.
+
+    ``keeps_position``: with those of the position.
+    """
     gen = (TexGen(),) * 4
     plain = VertexState().modelview
     units = tuple([unit and replace(unit, gen=gen, matrix=plain) for unit in state.texture_units])
@@ -275,4 +285,9 @@ def programmed_state(state: PassState) -> PassState:
     if fog is not None:
         fog = replace(fog, coordinate_source=FogCoordinateSource.FOG_COORDINATE, registers=None)
     vertex = VertexState(viewport=state.vertex.viewport)
+    if keeps_position:
+        own = state.vertex
+        vertex = replace(
+            vertex, modelview=own.modelview, projection=own.projection, clip_planes=own.clip_planes
+        )
     return replace(state, vertex=vertex, texture_units=units, fog=fog)

@@ -1,6 +1,6 @@
-"""Programs and shaders that are refused by name: ARB's, and what came after the machines here.
+"""Programs and shaders that are refused by name: those of fragments, and what came after the machines here.
 
-NV_vertex_program's are carried out (vertex_program_draws.py).
+Vertex programs are carried out (vertex_program_draws.py, arb_vertex_programs.py).
 
 A call that makes or sets a program is refused where it is made. So is a draw while a program is in use.
 """
@@ -14,7 +14,8 @@ from fixedpipe.pipeline.opengl.values import declare, section
 # GetIntegerv(CURRENT_PROGRAM), and ATI_fragment_shader's capability.
 CURRENT_PROGRAM, _FRAGMENT_SHADER_ATI = 0x8B8D, 0x8920
 
-_ASSEMBLY = "ARB_vertex_program and fragment programs are not drawn here"
+_FRAGMENTS = "fragment programs are not drawn here"
+_STATE_PROGRAMS = "vertex state programs are not carried out here"
 _SHADERS = "OpenGL's shaders came after the machines here"
 _ATI = "no machine here has ATI_fragment_shader"
 
@@ -41,7 +42,7 @@ def _programs(gl, program, fragment, ati):
     if program:
         raise Refused(_SHADERS)
     if fragment:
-        raise Refused(_ASSEMBLY)
+        raise Refused(_FRAGMENTS)
     if ati:
         raise Refused(_ATI)
 
@@ -60,12 +61,6 @@ def use_program(gl, program):
 
 
 def _register_refused():
-    sizes = ("4f", "4d", "4fv", "4dv", "s4fv", "s4dv")
-    parameters = [f"Program{kind}Parameter{size}" for kind in ("Env", "Local") for size in sizes]
-    assembly = (
-        *("BindProgram", "GenPrograms", "DeletePrograms", "IsProgram", "ProgramString"),
-        *("ExecuteProgram", *parameters),
-    )
     shaders = (
         *("CreateShader", "CreateShaderObject", "CreateProgram", "CreateProgramObject", "ShaderSource"),
         *("CompileShader", "AttachShader", "AttachObject", "LinkProgram", "ValidateProgram"),
@@ -81,7 +76,11 @@ def _register_refused():
         *("EndFragmentShader", "PassTexCoord", "SampleMap", "SetFragmentShaderConstant"),
         *(f"{kind}FragmentOp{n}" for kind in ("Color", "Alpha") for n in "123"),
     )
-    for names, sentence in ((assembly, _ASSEMBLY), ((*shaders, *uniforms, *matrices), _SHADERS), (ati, _ATI)):
+    for names, sentence in (
+        (("ExecuteProgram",), _STATE_PROGRAMS),
+        ((*shaders, *uniforms, *matrices), _SHADERS),
+        (ati, _ATI),
+    ):
         for name in names:
             register(name, _refused(sentence), compiled=False)
 

@@ -11,6 +11,7 @@ Source: NV_vertex_program, NV_vertex_program1_1; envytools (nvhw/xf.c).
 """
 
 import re
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -282,7 +283,8 @@ class _Run:
             if not 0 <= number < CONSTANTS:
                 raise ValueError(f"A program has no constant {number}; give 0 to {CONSTANTS - 1}.")
             self.constants[number] = _normal(values)
-        self.temporaries = [_filled((0.0, 0.0, 0.0, 0.0), self.count) for _ in range(TEMPORARIES)]
+        # The text has twelve; who makes Instructions otherwise may number others from 13.
+        self.temporaries = defaultdict(lambda: _filled((0.0, 0.0, 0.0, 0.0), self.count))
 
     def _register(self, operand):
         if operand.file == "v":

@@ -17,8 +17,8 @@ def draw(gl):
 @pytest.mark.parametrize(
     ("name", "arguments", "word"),
     [
-        ("glProgramStringARB", (t.VERTEX_PROGRAM_ARB, 0x8875, 3, b"END"), "programs"),
-        ("glProgramLocalParameter4fvARB", (t.VERTEX_PROGRAM_ARB, 0, [0.0] * 4), "programs"),
+        ("glProgramStringARB", (t.FRAGMENT_PROGRAM_ARB, 0x8875, 3, b"END"), "programs"),
+        ("glProgramLocalParameter4fvARB", (t.FRAGMENT_PROGRAM_ARB, 0, [0.0] * 4), "programs"),
         ("glCreateShader", (0x8B31,), "shaders"),
         ("glCreateShaderObjectARB", (0x8B31,), "shaders"),
         ("glUniform3fv", (0, 1, [0.0] * 3), "shaders"),
