@@ -52,6 +52,25 @@ def scene(profile, size, *, eye, exponent, brightness, edge, probe):
     return tuple(out)
 
 
+def _matt_checks(figure, renderer, size, surface, view, sun):
+    """Where the light of the displayed cosine's panels comes from. ``sun``: the direction to it."""
+    normals, _, known = reflecting.normals_by_rays(surface, view)
+    facing = np.maximum(dot(normals, sun), 0.0)[known]
+    for on in Answer:
+        image = np.clip(renderer.window(on, figure, size), 0.0, 1.0)
+        flat, lit = (panel_of(image, k)[known] for k in (2, 3))
+        added = lit - flat
+        for what, values in (("the third panel", flat), ("what floats add to it", added)):
+            likeness = float(np.corrcoef(values.mean(axis=-1), facing)[0, 1])
+            bound = {"at_most": 0.3} if values is flat else {"at_least": 0.95}
+            yield DATA.check(
+                "{what}: correlation with the cosine to the sun", likeness, on, what=what, **bound
+            )
+        yield DATA.check(
+            "what floats add there: red over blue", float(added[:, 0].sum() / added[:, 2].sum()), on
+        )
+
+
 # Not so bright that the lobe's peak is clamped.
 _DIM = 1.0 / 32.0
 
@@ -66,6 +85,7 @@ def checks(figure, renderer):
     texels = cube_maps.directions(edge).reshape(-1, 3)
     weights = np.broadcast_to(cube_maps.solid_angles(edge), probe.shape[:3]).reshape(-1)
     sun = texels[np.argmax(probe[..., 0])]
+    yield from _matt_checks(figure, renderer, size, surface, view, sun)
     near = np.argmax(np.where(known, dot(toward, sun), -1.0))
     lobe = np.maximum(dot(texels, toward.reshape(-1, 3)[near]), 0.0) ** figure.values["exponent"] * weights
     true, cut = (

@@ -1,6 +1,6 @@
 """F003-21: not enough bias, the right one, too much (Z12)."""
 
-from fixedpipe.effects.acceptance import agreement, shadow_reference
+from fixedpipe.effects.acceptance import agreement, ray_caster, shadow_reference
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.acceptance.map_bias import acne, gap, shadows_under_offsets
 from fixedpipe.effects.data_files import figure_data
@@ -16,11 +16,24 @@ DATA = figure_data(__file__, "F003-21")
 _SIZE = 256
 
 
+def _hidden_by_the_top(scene, truth):
+    """The floor's pixels from which the board's top hides the lamp: bool [_SIZE, _SIZE]."""
+    (board,) = (thing.surface for thing in scene.objects if thing.name == "board")
+    top = ray_caster.RayCaster(
+        board.positions[board.triangles[board.normals[board.triangles[:, 0], 1] > 0.9]]
+    )
+    out = truth.shown.object == 0
+    points = truth.shown.points[out]
+    out[out] = top.occluded(points, *ray_caster.to_light(points, truth.lamp)[:1], longest=1.0)
+    return out
+
+
 def checks(figure, renderer):
     """Speckle on the lit floor, and the gap between the board and its shadow."""
     scene, lamp = ring_and_board(_SIZE)
     truth = agreement.truth_of(scene, board_view(Panel(0, 0, _SIZE, _SIZE)), lamp)
     edge = map_edge(_SIZE, figure.values["ratio"])
+    line = _hidden_by_the_top(scene, truth)
     for on in Answer:
         picture = renderer.window(on, figure, _SIZE, shading=SceneShading.MASK)
         masks = [agreement.lit_mask(picture[:, k * _SIZE : (k + 1) * _SIZE]) for k in range(3)]
@@ -32,6 +45,11 @@ def checks(figure, renderer):
         yield DATA.check("too much: lit floor that is dark", much, on)
         yield DATA.check("correct: gap behind the board, texels", gaps[1], on)
         yield DATA.check("too much: gap behind the board, texels", gaps[2], on)
+        yield DATA.check(
+            "too much: floor in the shadow of the board's top that is dark",
+            float((~masks[2])[line].mean()),
+            on,
+        )
         yield DATA.check("correct: floor that agrees with rays", found.agreeing, on)
         yield DATA.check("correct: floor of no understood kind", found.other, on)
 
