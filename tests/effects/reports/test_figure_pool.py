@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -25,6 +26,7 @@ from fixedpipe.effects.reports import figure_inputs, figure_pool
 from fixedpipe.pipeline.native import queue
 from fixedpipe.pipeline.native.prepared_draw import Prepared
 from tests.support.few_figures import Few
+from tests.support.sample import slow_unless
 
 SMALL = "--profile", "GEFORCE_256", "--size", "8"
 
@@ -39,10 +41,17 @@ def contents(folder):
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.fixture(scope="module")
+def once(tmp_path_factory):
+    """A folder with two figures, and what was said: drawn once."""
+    folder = tmp_path_factory.mktemp("drawn") / "out"
+    return folder, run("figures", "K02", "K12", *SMALL, "--jobs", 1, "--out", folder)
+
+
 @pytest.fixture
-def drawn(tmp_path):
-    """A folder with two figures, and what was said."""
-    return tmp_path / "out", run("figures", "K02", "K12", *SMALL, "--jobs", 1, "--out", tmp_path / "out")
+def drawn(once, tmp_path):
+    """The same in a folder of the test's own."""
+    return shutil.copytree(once[0], tmp_path / "out"), once[1]
 
 
 # ------------------------------------------------------------------------------------------- what is kept
@@ -171,7 +180,10 @@ def test_what_a_data_file_says_of_a_figure_is_among_the_inputs_of_that_figure_al
     assert {figure for figure in before if inputs(figure, 8) != before[figure]} == {"K12"}
 
 
-@pytest.mark.parametrize("figure", ["K12", "F001-12", "H30", "F004-4"])
+LARGE = [pytest.param(figure, marks=pytest.mark.slow) for figure in ("F001-12", "H30")]
+
+
+@pytest.mark.parametrize("figure", ["K12", "F004-4", *LARGE])
 def test_the_modules_that_drawing_imports_are_among_the_inputs(figure, tmp_path):
     """A process that draws it, and has imported nothing else, has no module that is not there."""
     code = (
@@ -234,12 +246,14 @@ def test_other_processes_compile_what_the_first_figure_does_not_wait_for(
     assert others == [("make_ready", engine) for engine in missing]
 
 
-def test_the_first_figure_waits_for_no_compiler(tmp_path, monkeypatch):
+# What is not compiled draws the figure; its checks, in their own sizes, take that long.
+@pytest.mark.parametrize("checked", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_the_first_figure_waits_for_no_compiler(tmp_path, monkeypatch, checked):
     monkeypatch.setattr(figure_pool.background_compiling, "is_ready", lambda engine: False)
     monkeypatch.setattr(Prepared, "bands", lambda *_: pytest.fail("it was drawn by the portable engine"))
     monkeypatch.setattr(queue, "draw_frame", lambda *_: pytest.fail("it was drawn by the vector engine"))
     monkeypatch.setattr(figure_pool, "_SAID", SimpleQueue())
-    order = figure_pool.Order("K12", ("GEFORCE_256",), 8, 1, True, tmp_path, None, None)
+    order = figure_pool.Order("K12", ("GEFORCE_256",), 8, 1, checked, tmp_path, None, None)
     assert figure_pool._draw_at_once(order)[0]["id"] == "K12"
 
 
@@ -358,8 +372,15 @@ def is_told_to_end(order):
     os.kill(os.getpid(), signal.SIGTERM)
 
 
-@pytest.mark.parametrize("end", [exits, is_killed, is_told_to_end])
-@pytest.mark.parametrize("jobs", [1, 2])
+# However it ends, the pool is told the same; each way on each number of processes is proved where all is.
+ENDS = [
+    pytest.param(end, jobs, marks=slow_unless((end, jobs) in ((is_killed, 1), (exits, 2))))
+    for end in (exits, is_killed, is_told_to_end)
+    for jobs in (1, 2)
+]
+
+
+@pytest.mark.parametrize(("end", "jobs"), ENDS)
 def test_a_process_that_ends_by_itself_fails_its_own_figure_alone(tmp_path, monkeypatch, end, jobs):
     orders = [order_of(identifier, tmp_path) for identifier in ("K02", "K12", "K14", "K04")]
 
