@@ -77,6 +77,18 @@ def test_tests_have_their_turns_and_those_of_a_package_that_changed_all_run(at):
     assert len(set.union(*taken)) == 20 and len(set(map(frozenset, taken))) == sample.SHARE
 
 
+def test_a_change_of_many_folders_is_tested_by_larger_shares_alone(at):
+    wide = [f"effects/{n}/a.py" for n in range(sample.WIDE)]
+    cli, taken = "tests/effects/cli", []
+    for date in DATES:
+        at(date, *wide[1:], "effects/cli/view.py")
+        assert len(run_now(cli)) == 20
+        at(date, *wide, "effects/cli/view.py")
+        taken.append(run_now(cli))
+        assert len(run_now(cli)) < 20 and len(sample.sampled(range(18))) == 6
+    assert len(set.union(*taken)) == 20 and len(set(map(frozenset, taken))) == sample.WIDE_SHARE
+
+
 @pytest.mark.parametrize(
     ("test", "of"),
     [

@@ -20,6 +20,8 @@ DATE, CHANGED = "FIXEDPIPE_SAMPLE_DATE", "FIXEDPIPE_SAMPLE_CHANGED"
 # After a change all tests of the packages that it touches are run, and of the others' one in SHARE. Those of
 # pipeline/golden/ lie in tests/pipeline/golden/; others, by how their names begin, are of these packages.
 SHARE = 6
+WIDE = 12  # a change of more folders is tested by shares alone, of one in WIDE_SHARE
+WIDE_SHARE = 3
 OF = {
     "tests/browser/": ("effects/viewer/", "effects/reports/gallery/", "effects/reports/viewing/"),
     "tests/effects/test_own_maps": ("effects/user_pictures/",),
@@ -58,19 +60,31 @@ def _number(text, share):
     return int(hashlib.sha256(text.encode()).hexdigest(), 16) % share
 
 
-def turn(share):
-    """The number, below ``share``, of the sample that is taken after this change."""
-    return _number(os.environ.get(DATE, ""), share)
-
-
-def sampled(keys, *, order=None):
-    """One in SHARE of ``keys``, as a set: sorted by cost, ``order``, samples take about as long."""
-    return set(sorted(keys, key=order)[turn(SHARE) :: SHARE])
+def _touched():
+    """The files that the last commit or the user has changed, by place, and whether in many folders."""
+    files = set(os.environ.get(CHANGED, "").split())
+    return files, len({file.rpartition("/")[0] for file in files}) > WIDE
 
 
 def changed():
-    """The files that the last commit or the user has changed, by their places in the checkout."""
-    return set(os.environ.get(CHANGED, "").split())
+    """The files that have changed, whose own tests are all run; none where they are in too many folders."""
+    files, is_wide = _touched()
+    return set() if is_wide else files
+
+
+def share():
+    """Of how many tests one is taken after this change."""
+    return WIDE_SHARE if _touched()[1] else SHARE
+
+
+def turn(of):
+    """The number, below ``of``, of the sample that is taken after this change."""
+    return _number(os.environ.get(DATE, ""), of)
+
+
+def sampled(keys, *, order=None):
+    """A share of ``keys``, as a set: sorted by cost, ``order``, samples take about as long."""
+    return set(sorted(keys, key=order)[turn(share()) :: share()])
 
 
 def sources_of(test):
@@ -85,23 +99,24 @@ def sources_of(test):
 
 def take_turns(items):
     """Mark as slow what waits for its turn, by its name alone: so it is the same for any choice of tests."""
-    touched, now = changed(), turn(SHARE)
+    touched, of = changed(), share()
+    now = turn(of)
     for item in items:
         own = sources_of(item.nodeid)
-        if own and _number(item.nodeid, SHARE) != now and not any(path.startswith(own) for path in touched):
+        if own and _number(item.nodeid, of) != now and not any(path.startswith(own) for path in touched):
             item.add_marker(pytest.mark.slow)
 
 
-def fewer_examples(items, share):
-    """Let Hypothesis try one in ``share`` of a test's examples, and no fewer than LEAST_EXAMPLES of them.
+def fewer_examples(items, one_in):
+    """Let Hypothesis try one in ``one_in`` of a test's examples, and no fewer than LEAST_EXAMPLES.
 
     They are the first of those that are tried where all are.
     """
-    functions = {getattr(item, "obj", None) for item in items} if share > 1 else ()
+    functions = {getattr(item, "obj", None) for item in items} if one_in > 1 else ()
     for test in functions:
         test = getattr(test, "__func__", test)
         said = getattr(test, _SETTINGS, None)
-        if said and (count := max(said.max_examples // share, LEAST_EXAMPLES)) < said.max_examples:
+        if said and (count := max(said.max_examples // one_in, LEAST_EXAMPLES)) < said.max_examples:
             setattr(test, _SETTINGS, settings(said, max_examples=count))
 
 
