@@ -106,7 +106,7 @@ function makeModel() {
   }
 
   function nameOf({ view }) {
-    const machine = about?.name || "machine", other = names.other || "B";
+    const machine = names.machine || about?.name || "machine", other = names.other || "B";
     const found = { machine, other: `B: ${other}`, ideal: "ideal", reference: "reference", difference: "difference from the ideal",
       reference_difference: "difference from the reference", other_difference: `${machine} \u2212 ${other}` }[view];
     return pictures.machine && has(view) && isOld(view) ? `${found}, of before` : found;

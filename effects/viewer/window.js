@@ -85,6 +85,7 @@ function makeWindow(root, link, options) {
   }
   // What is drawn. `isDone`: it is a step of undo.
   function change(changes, isDone, event) {
+    if ((changes.other ?? state.other) !== state.other) model.forget("other"); // a picture of another machine
     state = { ...state, ...changes };
     if (isDone) remember();
     request(event);
@@ -345,7 +346,9 @@ function makeWindow(root, link, options) {
   function show() {
     const layers = [{ view: state.shown, panel: 0 }, ...(state.how === "one" ? [] : [{ view: state.against, panel: 0 }])];
     const shownState = { ...state, layers, at: inside(state.at) };
-    model.setNames({ other: names[state.other] });
+    const isAsBuilt = !Object.keys(state.view.bits).length && !state.view.without.length;
+    model.setNames({ machine: isAsBuilt ? "" : `${names[state.view.machine] || "machine"}, changed`,
+      other: `${names[state.other] || ""}${state.other === state.view.machine && !isAsBuilt ? ", as built" : ""}` });
     stage.show(model.stage(shownState), shownState);
     stage.element.classList.toggle("turns", currentTool() !== "look");
     const { about } = model, header = model.pictures.machine?.header;
@@ -368,7 +371,7 @@ function makeWindow(root, link, options) {
     element.dataset.ideal = String(model.has("ideal") && !model.isOld("ideal"));
     const { difference, no_ideal: none } = model.numbers;
     const words = difference && !model.isOld("ideal") ? `, ${difference.identical ? "equal to the ideal\u2019s codes" : `${difference.pixels} pixels differ from the ideal, RMS ${fourDigits(255 * difference.rms)} of 255`}` : none ? `. ${none}` : "";
-    told.textContent = header ? `${names[state.view.machine] || ""}, ${header.width} \u00d7 ${header.height} pixels, ${header.bits} bits${words}. ` : "";
+    told.textContent = header ? `${names[state.view.machine] || ""}${isAsBuilt ? "" : ", changed"}, ${header.width} \u00d7 ${header.height} pixels, ${header.bits} bits${words}. ` : "";
     if (model.pictures.machine?.serial !== serial) proof.textContent = "";
     if (state.exposure) told.textContent += `Shown \u00d7 ${fourDigits(2 ** state.exposure)}; codes are as drawn. `;
     showLoupe();
@@ -412,7 +415,7 @@ function makeWindow(root, link, options) {
   }
   function onkey(event) {
     const target = event.composedPath()[0];
-    const isTyping = target.closest?.("input, select, textarea, dialog, summary");
+    const isTyping = target.closest?.("input:not([type=checkbox]), select, textarea, dialog, summary");
     const isText = target.closest?.("input[type=text], input[type=number], textarea"); // which undo by themselves
     const isUndo = (event.ctrlKey || event.metaKey) && ["z", "y"].includes(event.key.toLowerCase()) && !isText;
     if (event.defaultPrevented || (isTyping && !isUndo) || event.altKey || ((event.ctrlKey || event.metaKey) && !isUndo)) return;
