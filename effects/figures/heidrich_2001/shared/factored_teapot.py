@@ -56,10 +56,10 @@ def lit_and_seen(surface, view, light):
     return towards, views, (towards[:, 2] > 1e-3) & (views[:, 2] > 1e-3)
 
 
-def colored(surface, panel, colors):
-    """Commands that draw colours of the vertices, held at one, interpolated."""
+def colored(surface, panel, colors, view=None):
+    """Commands that draw colours of the vertices, held at one; ``view``: None, ``view_of``'s."""
     mesh = surface.mesh(colors=np.clip(colors, 0.0, 1.0))
-    shown = draw("the BRDF at the vertices", mesh, view_of(panel), None, depth_test=FIRST_PASS)
+    shown = draw("the BRDF at the vertices", mesh, view or view_of(panel), None, depth_test=FIRST_PASS)
     return (panel.clear(BACKGROUND), shown)
 
 
