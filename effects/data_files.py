@@ -136,12 +136,11 @@ class Data:
                 self._refuse(f"{name} of [{self._id}] is {value!r}; give a list of whole numbers.")
             return tuple(value)
         if name in _LISTS:
-            rows = value if isinstance(value, list) else [value]
-            if not all(isinstance(row, list) and all(isinstance(text, str) for text in row) for row in rows):
+            if not isinstance(value, list) or not all(map(_are_texts, value)):
                 self._refuse(f"{name} of [{self._id}] is {value!r}; give a list of lists of texts.")
-            return tuple(tuple(map(_sentence, row)) for row in rows)
-        texts = value if name in _SEVERAL else [value]
-        if not isinstance(texts, list) or not all(isinstance(text, str) for text in texts):
+            return tuple(tuple(map(_sentence, row)) for row in value)
+        texts: Any = value if name in _SEVERAL else [value]
+        if not _are_texts(texts):
             what = "a list of texts" if name in _SEVERAL else "a text"
             self._refuse(f"{name} of [{self._id}] is {value!r}; give {what}.")
         sentences = tuple(map(_sentence, texts))
@@ -196,6 +195,10 @@ def sections_of(path: Path) -> Mapping[str, tuple[int, str, str]]:
 def _answers(found: Any) -> Mapping[str, Any]:
     """What a check's table has under a name, for each answer."""
     return found if isinstance(found, dict) else dict.fromkeys(_ANSWERS, found)
+
+
+def _are_texts(found: Any) -> bool:
+    return isinstance(found, list) and all(isinstance(text, str) for text in found)
 
 
 def _sentence(text: str) -> str:

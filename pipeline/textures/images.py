@@ -434,7 +434,7 @@ def halve(level: NDArray[Any], layered: bool = False) -> NDArray[Any]:
     if level.dtype != np.float64:
         bits = 3 if layered else 2
         # Eight bytes and 4 fit into 16 bits.
-        total = corners[0].astype(np.uint16 if level.dtype == np.uint8 else np.uint32)
+        total: NDArray[Any] = corners[0].astype(np.uint16 if level.dtype == np.uint8 else np.uint32)
         for corner in corners[1:]:
             total += corner
         total += 1 << (bits - 1)
