@@ -106,6 +106,12 @@ def test_what_is_computed_is_given(data):
             "compared = [1.5]\npanels =",
             r"compared of .* is \[1.5\]; give a list",
         ),
+        (
+            "panels =",
+            'shown_by = ["a"]\npanels =',
+            r"shown_by of .* is \['a'\]; give a list of lists of texts",
+        ),
+        ("panels =", "shown_by = [[1]]\npanels =", r"shown_by of .* is \[\[1\]\]; give a list of lists"),
         ("[F004-1]\n", "[F004-3]\n", "line 12 is of F004-1, whose tables end before; move it there"),
         ("[F004-2]\n", "[F004-1]\n", "line 27 is of F004-1, whose"),
         ('title = "A title"', "title = A", r"Invalid value \(at line 3, column 9\)"),

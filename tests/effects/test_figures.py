@@ -139,6 +139,15 @@ def test_a_figure_with_a_machine_twice_or_unknown_is_refused(machines):
         Figure(**values)
 
 
+def test_checks_are_said_for_each_sentence_of_a_must_see_or_for_none():
+    values = {f.name: getattr(FIGURES["K14"], f.name) for f in fields(Figure)} | {"must_see": "One. Two."}
+    assert Figure(**values | {"shown_by": (("a",), ())}).shown_by == (("a",), ())
+    with pytest.raises(
+        ValueError, match="K14 says for 1 sentences which checks show them, and its must-see has 2"
+    ):
+        Figure(**values | {"shown_by": (("a",),)})
+
+
 def test_a_check_has_one_bound_and_an_answer():
     most = Check("x", 1.0, at_most=1.0, on=Answer.IDEAL, reason="y")
     least = Check("x", 1.0, at_least=2.0, on=Answer.MACHINE, reason="y")
