@@ -3,7 +3,7 @@
 import numpy as np
 
 from fixedpipe.effects.acceptance import shadow_reference
-from fixedpipe.effects.acceptance.agreement import lit_mask
+from fixedpipe.effects.acceptance.agreement import lit_mask, silhouettes
 from fixedpipe.effects.acceptance.check import Answer
 from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.figures import parameters as word
@@ -74,6 +74,21 @@ _SIZE = 256
 _PASSES = 'without the light, ramp, map, copy of the window, light; "at least three", says the paper'
 
 
+def _beyond_the_map(size, lamp, stretch):
+    """The ground's pixels that no texel of the map shows, and which of them lie beyond the lamp's far plane:
+    two bool [size, size]. None is at a thing's outline or at the map's edge, or so near to that plane that
+    what is stretched is grey.
+    """
+    known, objects = alpha_shadows.truth(size, lamp), alpha_shadows.lit_scene_of(size, lamp)[0].objects
+    number = [thing.name for thing in objects].index("ground")
+    points, plane = known.shown.points, np.array(known.lamp.depth_plane)
+    s, t, _, q = (points @ np.array(row[:3]) + row[3] for row in known.lamp.texture_matrix)
+    outside = np.maximum(np.abs(s - 0.5 * q), np.abs(t - 0.5 * q)) > 0.51 * np.abs(q)
+    depth = points @ plane[:3] + plane[3]
+    outside &= (known.shown.object == number) & ~silhouettes(known) & (np.abs(depth - 1.0) > 1.0 / stretch)
+    return outside, outside & (depth > 1.0)
+
+
 def checks(figure, renderer):
     """Shadows against rays, and that the copy makes alpha zero or one, as the difference is."""
     board = _BOARDS[renderer.method.name]
@@ -88,7 +103,15 @@ def checks(figure, renderer):
     seen = lit | (scaled == 1.0)
     top = 0.0 if board is not alpha_shadows.ONE_UNIT_ADDED else 1.0
     spread = np.clip(top + stretch * (difference - top), 0.0, 1.0)
+    outside, beyond = _beyond_the_map(_SIZE, figure.values["lamp"], stretch)
+    black = outside & ~beyond if board is alpha_shadows.ONE_UNIT_ADDED else outside
+    right = np.where(black, shown <= 1.0 / 255.0, shown >= 0.8)
     return (
+        DATA.check(
+            "ground beyond the map that is black, or nearly white beyond the far plane, a share",
+            float(right[outside].mean()),
+            Answer.MACHINE,
+        ),
         DATA.check(
             "left panel less what alpha holds, stretched, largest",
             float(np.abs(shown - spread).max()),
