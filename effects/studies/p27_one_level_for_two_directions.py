@@ -1,8 +1,8 @@
 """P27: one level of an environment map for both directions of a cylinder.
 
 Pipes as S07's, without shade, are drawn with every level set by hand, with the machine's own level and with
-filters of several probes. The reference has 256 rays a pixel. The table has the error, and the ratio of the changes
-from pixel to pixel: along the axis (below one: blurred) and round the pipe (above one: noise).
+filters of several probes. The reference has 256 rays a pixel. The table has the error, and the ratio of the
+changes from pixel to pixel: along the axis (below one: blurred) and round the pipe (above one: noise).
 
 Source: Schilling 1997, section 2 (artefact P27 of the catalogue).
 """

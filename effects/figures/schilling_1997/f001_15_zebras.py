@@ -33,6 +33,32 @@ def scene(profile, size):
     )
 
 
+def _places(image):
+    """What the picture shows of every zebra, at places of its own coordinates."""
+    rows, columns = image.shape[:2]
+
+    def pixels(s, t):
+        column, row = np.floor(np.array(s) % 1.0 * columns), np.floor(np.array(t) * rows)
+        return image[row.astype(np.int64), column.astype(np.int64)]
+
+    under, above, upright = [], [], []
+    for place, foot, size, looks in the.ZEBRAS:
+        # A texel and a half below the hooves of the hind and the fore legs.
+        legs = [place + looks * x * size / 3.4 for x in (-0.61, 0.63)]
+        under.append(pixels(legs, foot - 1.5 / rows))
+        above.append(pixels([place], foot + 0.12))
+        x, y = np.arange(-0.55, 0.55, 0.05), the.HOOVES + np.arange(-0.2, 0.2, 0.05)
+        body = pixels(*np.meshgrid(place + x * size / 3.4, foot + y * size / 1.7)).mean(axis=-1)
+        along, up = (np.abs(np.diff(body, axis=axis)).mean() for axis in (1, 0))
+        upright.append(along / max(up, 1.0 / 255.0))
+    under, above = np.concatenate(under), np.concatenate(above)
+    return {
+        "zebras: share of hooves with grass below them": float((under[:, 2] < 0.6 * under[:, 1]).mean()),
+        "zebras: share with sky above them": float((above[:, 2] > above[:, 0]).mean()),
+        "zebras: changes along the body over those up and down it, the least": float(min(upright)),
+    }
+
+
 def checks(figure, renderer):
     """The picture, and that the cube map which the plate mirrors is the same."""
     size = the.ROWS
@@ -43,6 +69,8 @@ def checks(figure, renderer):
         Answer.MACHINE,
         at_most=0.5 / 255.0,
     )
+    for name, value in _places(image).items():
+        yield DATA.check(name, value, Answer.MACHINE)
     t, s = np.meshgrid(np.pi * (np.arange(32) / 32.0 + 1.0 / 64.0 - 0.5), 2.0 * np.pi * np.arange(64) / 64.0)
     toward = np.stack([np.cos(t) * np.sin(s), np.sin(t), -np.cos(t) * np.cos(s)], axis=-1)
     found = cube_maps.look_up(the.cubes(256)[0], toward)

@@ -34,23 +34,26 @@ RIPPLES = (((0.25, 0.80), 26.0), ((0.77, 0.17), 34.0), ((0.10, 0.30), 21.0), ((0
 LETTERS = 0.08
 # The row of texels that the word stands on.
 BASELINE = 86
-ASPECT = (3, 2)
-EYE, CENTER, FIELD = (0.0, 1.05, 3.1), (0.0, 0.08, -0.1), 29.0
-# The plate's edges in x and z, and how long a period of its bumps is.
-PLATE, PERIOD = (-1.9, 1.9, -3.2, 1.3), 0.3
+ASPECT, SIZE = (2, 1), 384
+# The eye looks down by 17 degrees. It sees two zebras whole, which stand 7 to 25 degrees above the horizon.
+EYE, CENTER, FIELD = (0.0, 1.05, 3.1), (0.0, 0.09, -0.1), 25.5
+# The plate's edges in x and z, and how long a period of its bumps is. It reaches from 5 to 41 degrees below
+# the horizon.
+PLATE, PERIOD = (-3.6, 3.6, -8.0, 1.9), 0.3
 LOW, HIGH = np.array((0.10, 0.16, 0.34)), np.array((0.86, 0.52, 0.30))
 
-_SKY, _HAZE = np.array((0.40, 0.58, 0.84)), np.array((0.88, 0.80, 0.66))
-_GRASS, _NEAR = np.array((0.70, 0.58, 0.30)), np.array((0.46, 0.40, 0.20))
+_SKY, _HAZE, _HILLS = np.array((0.30, 0.47, 0.76)), np.array((0.62, 0.70, 0.80)), np.array((0.34, 0.40, 0.50))
+_GRASS, _NEAR = np.array((0.66, 0.56, 0.24)), np.array((0.36, 0.34, 0.14))
 _WHITE, _BLACK = np.array((0.95, 0.94, 0.90)), np.array((0.08, 0.07, 0.08))
-# Zebras: where their middles are, s and t, how large, and which way they look.
-_ZEBRAS = (
-    *((0.490, 0.585, 0.095, 1), (0.565, 0.625, 0.075, -1), (0.420, 0.635, 0.070, 1)),
-    *((0.640, 0.590, 0.090, -1), (0.715, 0.625, 0.075, 1), (0.790, 0.585, 0.095, -1)),
-    *((0.865, 0.625, 0.075, 1), (0.940, 0.585, 0.090, -1), (0.015, 0.625, 0.075, 1)),
-    *((0.090, 0.585, 0.095, 1), (0.165, 0.625, 0.075, -1), (0.245, 0.590, 0.090, 1)),
-    (0.335, 0.585, 0.095, 1),
+# Zebras: where they stand, s and t; how large, and which way they look. All stand on the grass.
+ZEBRAS = (
+    *((0.460, 0.540, 0.065, 1), (0.540, 0.540, 0.065, -1), (0.625, 0.552, 0.050, 1)),
+    *((0.700, 0.538, 0.060, -1), (0.780, 0.555, 0.048, 1), (0.860, 0.535, 0.065, -1)),
+    *((0.945, 0.552, 0.050, 1), (0.020, 0.538, 0.060, -1), (0.100, 0.555, 0.048, 1)),
+    *((0.180, 0.535, 0.065, 1), (0.270, 0.552, 0.050, -1), (0.345, 0.538, 0.060, 1)),
 )
+# How far a zebra's hooves lie below its middle, in its own coordinates.
+HOOVES = 1.25
 
 
 def _ellipse(x, y, place, size, lean=0.0):
@@ -72,9 +75,9 @@ def _zebra(x, y):
     ear = _ellipse(x, y, (1.20, 1.16), (0.07, 0.16), 0.2)
     legs = np.zeros(x.shape, bool)
     for place in (-0.72, -0.50, 0.52, 0.74):
-        legs = legs | ((np.abs(x - place) <= 0.085) & (y < -0.15) & (y > -1.25))
+        legs = legs | ((np.abs(x - place) <= 0.085) & (y < -0.15) & (y > -HOOVES))
     tail = _ellipse(x, y, (-1.04, -0.18), (0.06, 0.46), 0.25)
-    dark = _stripes(np.where(body, 4.6 * x + 0.9 * y * y * np.sign(x), 4.2 * (y + 0.5 * x)))
+    dark = _stripes(np.where(body, 2.7 * x + 0.9 * y * y * np.sign(x), 3.0 * (y + 0.5 * x)))
     dark = np.where(legs & ~body, _stripes(6.0 * y), dark)
     muzzle = _ellipse(x, y, (1.66, 0.80), (0.13, 0.12))
     hooves = legs & (y < -1.14)
@@ -86,13 +89,16 @@ def plain(s, t):
     floor: the same bits everywhere.
     """
     up = (t - 0.5)[..., None]
-    hills = 0.03 + 0.02 * np.abs(2.0 * (5.0 * s % 1.0) - 1.0) + 0.012 * np.abs(2.0 * (13.0 * s % 1.0) - 1.0)
+    one, two, three = (np.abs(2.0 * (count * s % 1.0) - 1.0)[..., None] for count in (3.0, 5.0, 13.0))
     colors = _HAZE + np.clip(2.4 * up, 0.0, 1.0) * (_SKY - _HAZE)
-    colors = np.where(up < hills[..., None], 0.55 * _SKY + 0.1, colors)
-    colors = np.where(up < 0.0, _GRASS + np.clip(-4.0 * up, 0.0, 1.0) * (_NEAR - _GRASS), colors)
-    for place, middle, size, looks in _ZEBRAS:
+    colors = np.where(up < 0.085 + 0.02 * two + 0.012 * three, _HILLS, colors)
+    # The grass is a long slope, with darker patches.
+    patches = np.abs(2.0 * ((7.0 * s[..., None] + 23.0 * up + 0.4 * two) % 1.0) - 1.0)
+    grass = (_GRASS + np.clip(0.3 - 3.0 * up, 0.0, 1.0) * (_NEAR - _GRASS)) * (0.93 + 0.07 * _smooth(patches))
+    colors = np.where(up < 0.072 + 0.012 * one, grass, colors)
+    for place, foot, size, looks in ZEBRAS:
         x = ((s - place + 0.5) % 1.0 - 0.5) * 2.0 / size * looks
-        there, dark = _zebra(x * 1.7, (t - middle) / size * 1.7)
+        there, dark = _zebra(x * 1.7, (t - foot) / size * 1.7 - HOOVES)
         colors = np.where(there[..., None], np.where(dark[..., None], _BLACK, _WHITE), colors)
     return colors
 
@@ -186,12 +192,37 @@ def pyramids(plate):
 
 def camera(panel):
     """An eye above the plate."""
-    return perspective_view(panel, EYE, CENTER, FIELD, radius=4.0)
+    return perspective_view(panel, EYE, CENTER, FIELD, radius=9.0)
 
 
 def cube_edge(size):
     """Texels of the environment for panels of ``size`` pixels."""
     return 256 if size > 64 else 64
+
+
+def at(view):
+    """Where the pixels of a view look, in turns: azimuth from -z to the right, and how far below the horizon,
+    float64 [height, width] each. A flat plate mirrors what is as far above it.
+    """
+    x, y = np.meshgrid(np.arange(view.panel.width) + 0.5, np.arange(view.panel.height) + 0.5)
+    to = rays(view)[0] + x[..., None] * rays(view)[1] + y[..., None] * rays(view)[2]
+    level = np.hypot(to[..., 0], to[..., 2])
+    return np.arctan2(to[..., 0], -to[..., 2]) / (2.0 * np.pi), np.arctan2(-to[..., 1], level) / (2.0 * np.pi)
+
+
+def stripes(image, view):
+    """How much a panel of the plate changes from stripe to stripe on the bodies of the two middle zebras: the
+    deviation of columns' mean brightness, of full.
+    """
+    right, down = at(view)
+    bright, found = image.mean(axis=-1), []
+    for place, foot, size, _ in ZEBRAS[:2]:
+        body = 0.5 * (foot - 0.5 + HOOVES * size / 1.7)
+        inside = (np.abs(right - (place - 0.5)) < 0.3 * size / 1.7) & (np.abs(down - body) < 0.1 * size / 1.7)
+        count = inside.sum(axis=0)
+        columns = (bright * inside).sum(axis=0)[count > 0] / count[count > 0]
+        found.append(float(columns.std()))
+    return min(found)
 
 
 def coverage(view, side=4):
@@ -285,7 +316,7 @@ def _mesh(period, cells):
 def _rough_cubes(edge, roughness):
     frame = Mirror().frame
     return tuple(
-        rough_mirror_passes.rough_cube(cubes(edge), frame, deviation, edge // 2)
+        rough_mirror_passes.rough_cube(cubes(edge), frame, deviation, edge)
         for deviation in rough_mirror_passes.deviations(roughness)[1:]
     )
 
@@ -313,7 +344,7 @@ def drawn(plate, panel, stored, antialiasing):
 
 PARAMETERS = {
     "slope": word.of(word.Number(0.01, 1.0), 0.3, "The deviation of the bump map's slopes in one direction."),
-    "strength": word.of(word.Number(0.0, 2.0), 0.035, "What the plate's slopes are of the map's."),
+    "strength": word.of(word.Number(0.0, 2.0), 1.0 / 60.0, "What the plate's slopes are of the map's."),
     "period": word.of(word.Number(0.05, 4.0), PERIOD, "How long the square of bumps is.", "world units"),
     "height_field": own_maps.height_field("ripples and letters"),
     "height_scale": own_maps.HEIGHT_SCALE(0.05),
