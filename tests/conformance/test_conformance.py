@@ -37,6 +37,7 @@ from tests.accept_conformance import (
     totals,
     with_results,
 )
+from tests.support.sample import sampled, slow_unless
 
 SUITES = redraw.known_suites()
 MOST = 100  # cases of a suite that are built here; some have more than a thousand
@@ -66,7 +67,12 @@ def test_a_suite_s_names_are_its_own_and_no_other_is_a_case(suite):
         assert known.case(unknown, INPUTS) is None
 
 
-@pytest.mark.parametrize("suite", SUITES)
+# Those that are redrawn below are validated there, a quarter of all; of these a share in turn.
+SAMPLE = sampled(SUITES)
+IN_TURN = [pytest.param(suite, marks=slow_unless(suite in SAMPLE)) for suite in SUITES]
+
+
+@pytest.mark.parametrize("suite", IN_TURN)
 def test_a_suite_s_cases_are_frames_that_the_machine_can_hold(suite):
     known = SUITES[suite]
     for name in some_names(known):
@@ -82,7 +88,7 @@ def test_a_suite_s_cases_are_frames_that_the_machine_can_hold(suite):
         validate(case.commands, NV2A, WIDTH, HEIGHT, case.depth_bits)
 
 
-@pytest.mark.parametrize("suite", SUITES)
+@pytest.mark.parametrize("suite", IN_TURN)
 def test_a_suite_is_drawn_the_same_way_twice(suite):
     """A case is data: building it once more gives the same picture."""
     known = SUITES[suite]
