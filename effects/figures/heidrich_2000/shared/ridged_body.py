@@ -208,27 +208,29 @@ def level(body, share, eye):
     return light * (1.0 - share) + _mean_map(body, eye) * share if share > 0.0 else light
 
 
-def _seen_radiance(body, frame, bounces, eye):
+def _seen_radiance(body, frame, bounces, eye, texels=FINE_TEXELS):
     """f_r(l, v) pi times the light's cosine and intensity at places with these frames: float64 [n, 3]."""
     view, above = _local(np.array(eye), *frame)
-    sent = _lights(body, FINE_TEXELS, frame, bounces)
+    sent = _lights(body, texels, frame, bounces)
     # Places that are seen edge-on have no view of their own, and cover nothing.
-    shares = goniometer.shares_in_texture_space(_field(body, FINE_TEXELS)[0], view) * above[:, None, None]
+    shares = goniometer.shares_in_texture_space(_field(body, texels)[0], view) * above[:, None, None]
     return goniometer.pair_means(shares, sent)
 
 
 @lru_cache(maxsize=8)
-def _vertex_radiance(body, size, bounces, eye):
+def _vertex_radiance(body, size, bounces, eye, texels):
     latitude, longitude = _corners(body, segments(size))
     frame = frames(*(axis.ravel() for axis in np.meshgrid(latitude, longitude, indexing="ij")))
-    found = _seen_radiance(body, frame, bounces, eye).reshape(len(latitude), len(longitude), 3)
+    found = _seen_radiance(body, frame, bounces, eye, texels).reshape(len(latitude), len(longitude), 3)
     # As ``smooth`` has its vertices: every belt has both of its parallels.
     return np.stack([found[:-1], found[1:]], axis=1).reshape(-1, 3)
 
 
-def reflected(label, body, bounces, surface, view, profile, size):
-    """The smooth ball by the simulated BRDF, f_r(l, v) cosine pi at every vertex in its own frame."""
-    radiance = _vertex_radiance(body, size, bounces, view.eye)
+def reflected(label, body, bounces, surface, view, profile, size, texels=FINE_TEXELS):
+    """The smooth ball by the simulated BRDF, f_r(l, v) cosine pi at every vertex in its own frame; ``texels``
+    of a ridge where the BRDF is simulated.
+    """
+    radiance = _vertex_radiance(body, size, bounces, view.eye, texels)
     colors = colors_of(factor_texels(radiance, profile))
     return draw(label, surface.mesh(colors=colors), view, None, depth_test=FIRST_PASS)
 
