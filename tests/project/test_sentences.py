@@ -20,7 +20,7 @@ BANNED = (
     r"\bof which there\b",
     r"\bstands? beside\b",
     r"\bwhat is (?:asked|said) of\b",
-    r"\bdoors?\b",
+    r"\bat (?:every|each|the|their) doors?\b",
 )
 # What is no prose, in the order in which it goes: lines, then what is in a line.
 _NO_LINES = (
