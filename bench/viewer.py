@@ -38,6 +38,7 @@ MOVES = {"F003-21": ("ratio", lambda n: f"{1 + 0.01 * (n % 50):.4g}")}
 STEPS = 40
 _TOKEN = "bench-of-the-viewer-0"
 _WINDOW = (1400, 900)
+_HANGS = 600_000.0  # milliseconds: what takes longer is taken to hang
 
 
 @dataclass(frozen=True)
@@ -163,46 +164,87 @@ def by_wire(studio, asked):
 
 
 def by_browser(studio, start, seconds=8.0):
-    """(pictures a second, latencies in seconds, bytes of a picture) while a hand drags in Chromium."""
+    """The times that the page keeps of each picture of the machine while a hand drags in Chromium, and
+    milliseconds of encoding each picture: two lists.
+    """
     from playwright.sync_api import sync_playwright
 
+    from fixedpipe.effects.viewer import conversation
     from fixedpipe.effects.viewer.server import Server
+
+    encode, encoding = conversation.encoded, []
+
+    def timed(*given):
+        begin = time.perf_counter()
+        data = encode(*given)
+        encoding.append(1e3 * (time.perf_counter() - begin))
+        return data
 
     server = Server(studio, start, token=_TOKEN)
     thread = threading.Thread(target=server.run)
     thread.start()
+    conversation.encoded = timed
     try:
         with sync_playwright() as running:
             path = shutil.which("chromium") or running.chromium.executable_path
-            browser = running.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+            browser = running.chromium.launch(
+                executable_path=path, args=["--no-sandbox", "--disable-gpu"], timeout=_HANGS
+            )
             page = browser.new_page(viewport=dict(zip(("width", "height"), _WINDOW, strict=True)))
-            page.set_default_timeout(600_000)
+            page.set_default_timeout(_HANGS)
             page.goto(server.address)
             page.wait_for_selector(".viewer[data-ideal=true]")
-            tool = page.locator("[data-tool=light]")
-            if tool.count():
-                tool.click()
-                box = page.locator(".stage").bounding_box()
-                x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-                page.mouse.move(x, y)
-                page.mouse.down()
-                end, step = time.monotonic() + seconds, 0
-                while time.monotonic() < end:
-                    step += 1
-                    page.mouse.move(x + 60 * np.sin(step / 9), y + 40 * np.cos(step / 7))
-                page.mouse.up()
+            encoding.clear()
+            _drag(page, start.id, seconds)
             times = page.evaluate("document.querySelector('.viewer').fixedpipe.times")[2:]
             browser.close()
     finally:
+        conversation.encoded = encode
         server.end()
         thread.join()
-    span = times[-1]["at"] - times[0]["at"] if len(times) > 1 else 0.0
-    rate = 1e3 * (len(times) - 1) / span if span else 0.0
-    return rate, [each["latency"] / 1e3 for each in times], [each["bytes"] for each in times]
+    return times, encoding
 
 
-def measure(figure_id, size, steps=STEPS, browser=False):
-    """All numbers of a figure, as a dict of JSON values."""
+def _drag(page, figure_id, seconds):
+    """A hand drags for so long: the light on the picture, or the slider of what MOVES says."""
+    if figure_id in MOVES:
+        place, reach = page.locator(f"input[type=range][aria-label='{MOVES[figure_id][0]}']"), (0.4, 0.0)
+        place.scroll_into_view_if_needed()
+    else:
+        page.click("[data-tool=light]")
+        place, reach = page.locator(".stage"), (0.1, 0.1)
+    box = place.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    end, step = time.monotonic() + seconds, 0
+    while time.monotonic() < end:
+        step += 1
+        along, across = reach[0] * box["width"], reach[1] * box["height"]
+        page.mouse.move(x + along * np.sin(step / 9), y + across * np.cos(step / 7))
+    page.mouse.up()
+
+
+def seen_in_browser(times, encoding):
+    """What ``by_browser`` found, as JSON values: pictures a second, milliseconds from hand to picture, and
+    the median of each part. What remains is the wire, the page, and waiting for a processor. Of fewer than
+    two pictures, their number alone.
+    """
+    if len(times) < 2:
+        return {"pictures": len(times)}
+    found = part([each["latency"] / 1e3 for each in times]).__dict__
+    parts = {
+        "python": statistics.median(each["commands"] for each in times),
+        "machine": statistics.median(each["machine"] for each in times),
+        "encoding": statistics.median(encoding),
+    }
+    parts["wire, page and waiting"] = max(0.0, found["median"] - sum(parts.values()))
+    rate = 1e3 * (len(times) - 1) / (times[-1]["at"] - times[0]["at"])
+    return {"pictures": len(times), "pictures a second": rate, **found, "parts": parts}
+
+
+def measure(figure_id, size, steps=STEPS, browser=False, seconds=8.0):
+    """All numbers of a figure, as a dict of JSON values. ``seconds``: how long a hand drags in Chromium."""
     figure = FIGURES[figure_id]
     studio = Studio(Subjects([FigureSubject(figure)], figures=False))
     asked = views(figure_id, size, steps)
@@ -221,8 +263,7 @@ def measure(figure_id, size, steps=STEPS, browser=False):
         },
     }
     if browser:
-        rate, latencies, _ = by_browser(studio, asked[0])
-        found["browser"] = {"pictures a second": rate, **part(latencies).__dict__}
+        found["browser"] = seen_in_browser(*by_browser(studio, asked[0], seconds))
     return found
 
 
@@ -242,12 +283,16 @@ def told(found):
         f"by the clock of this computer, as busy as it is: median {clock['median']:.1f} ms, 95 % "
         f"{clock['late']:.1f} ms"
     )
-    if "browser" in found:
+    if "median" not in found.get("browser", {"median": 0.0}):
+        yield "in Chromium: fewer than two pictures while a hand dragged; --seconds gives it longer"
+    elif "browser" in found:
         seen = found["browser"]
         yield (
             f"in Chromium, from hand to picture: median {seen['median']:.1f} ms, 95 % {seen['late']:.1f} ms, "
-            f"{seen['pictures a second']:.1f} pictures a second"
+            f"{seen['pictures a second']:.1f} pictures a second, {seen['pictures']} pictures"
         )
+        for name, median in seen["parts"].items():
+            yield f"{'  ' + name:28}{median:9.2f}{'':18}{median / seen['median']:9.0%}"
     yield f"{'encoding':28}{'median':>9}{'95 %':>9}{'least':>9}{'kB':>9}"
     for name, each in found["encodings"].items():
         times = f"{each['median']:9.2f}{each['late']:9.2f}{each['least']:9.2f}"
@@ -260,6 +305,9 @@ def main(arguments):
     parser.add_argument("figures", nargs="*", default=USUAL, metavar="ID:SIZE")
     parser.add_argument("--steps", type=int, default=STEPS, metavar="N", help="pictures of each figure")
     parser.add_argument("--browser", action="store_true", help="measure in Chromium too")
+    parser.add_argument(
+        "--seconds", type=float, default=8.0, metavar="S", help="how long a hand drags in Chromium"
+    )
     parser.add_argument("--json", metavar="FILE", help="write the numbers")
     asked = parser.parse_args(arguments)
     print(processor.read().name, flush=True)
@@ -268,7 +316,7 @@ def main(arguments):
         figure_id, _, size = word.partition(":")
         if figure_id not in FIGURES or not size.isdigit() or not int(size):
             parser.error(f"{word!r} is no figure with a size; give ID:SIZE, as F004-4:512.")
-        rows.append(measure(figure_id, int(size), max(4, asked.steps), asked.browser))
+        rows.append(measure(figure_id, int(size), max(4, asked.steps), asked.browser, asked.seconds))
         print("\n".join(told(rows[-1])), flush=True)
     if asked.json:
         with open(asked.json, "w", encoding="utf-8") as file:
