@@ -4,6 +4,8 @@ The scene of document 003's "limited field of view". World coordinates: y up, th
 looks along -z.
 """
 
+import numpy as np
+
 from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import look_at, perspective, rotation
 from fixedpipe.effects.geometry.views import View
@@ -17,6 +19,24 @@ _VASE = (
     *((0.0, 0.0), (0.30, 0.0), (0.20, 0.14), (0.40, 0.62), (0.36, 0.92), (0.16, 1.16)),
     *((0.24, 1.36), (0.0, 1.36)),
 )
+
+
+def smooth_profile(pieces):
+    """The vase's profile with its side through the same points as a curve, each piece in so many: a tuple of
+    (radius, height).
+
+    The curve is Catmull and Rom's; its foot and its lip stay sharp.
+    """
+    side = np.array(_VASE[1:-1])
+    before, after = np.concatenate([side[:1], side[:-1]]), np.concatenate([side[1:], side[-1:]])
+    slope, out = 0.5 * (after - before), [_VASE[0], tuple(side[0].tolist())]
+    for k in range(len(side) - 1):
+        for t in (np.arange(pieces) + 1.0) / pieces:
+            a, b = (1.0 + 2.0 * t) * (1.0 - t) ** 2, t * (1.0 - t) ** 2
+            c, d = t * t * (3.0 - 2.0 * t), t * t * (t - 1.0)
+            point = a * side[k] + b * slope[k] + c * side[k + 1] + d * slope[k + 1]
+            out.append(tuple(point.tolist()))
+    return (*out, _VASE[-1])
 
 
 def walls(cells):
@@ -36,9 +56,12 @@ def walls(cells):
     )
 
 
-def lit_room(detail=24):
-    """The scene. ``detail``: segments of round things (``objects_and_lamps.detail_of``)."""
+def lit_room(detail=24, pieces=1):
+    """The scene. ``detail``: segments of round things (``objects_and_lamps.detail_of``). ``pieces``: into how
+    many each piece of the vase's side is divided; with more than one its side is a curve.
+    """
     across = max(detail // 2, 6)
+    profile = _VASE if pieces == 1 else smooth_profile(pieces)
     ring = surfaces.torus(detail, across, 0.55, 0.13).rotated(rotation("x", 62.0))
     table = surfaces.joined(
         surfaces.box(1.5, 0.1, 1.0).moved(0.0, 0.75, 0.0),
@@ -51,7 +74,7 @@ def lit_room(detail=24):
     )
     things = (
         ("table", table.rotated(rotation("y", -18.0)).moved(1.2, 0.0, 1.1), (0.56, 0.36, 0.22), 0.1),
-        ("vase", surfaces.lathe(_VASE, detail).moved(-1.2, 0.0, -1.5), (0.24, 0.46, 0.60), 0.5),
+        ("vase", surfaces.lathe(profile, detail).moved(-1.2, 0.0, -1.5), (0.24, 0.46, 0.60), 0.5),
         (
             "ball",
             surfaces.sphere(detail, across).scaled(0.42).moved(-1.2, 0.42, 1.5),

@@ -21,6 +21,9 @@ from fixedpipe.effects.shadows.lit_scene import SceneShading, draw_object, map_e
 DATA = figure_data(__file__, "F003-19")
 
 CHECKED_SIZE = 256
+# Segments of what is round, and pieces of each piece of the vase's side: facets of two pixels at most.
+# At 32 pixels, where the plain-Python specification draws, the scene's own are enough.
+ROUND, PIECES = 96, 6
 # Of the faces +x, -x, +y, -y, +z, -z.
 TINTS = (
     *((0.95, 0.35, 0.30), (0.25, 0.75, 0.85), (0.40, 0.80, 0.30)),
@@ -30,6 +33,11 @@ TINTS = (
 
 # Half the edge of the cube that is drawn round the lamp, and the colour of its lines.
 _CUBE, _LINES = 0.62, (1.0, 0.97, 0.72)
+
+
+def _room(size):
+    """The room for panels of ``size`` pixels, its vase smooth."""
+    return lit_room.lit_room(detail_of(size)) if size < 64 else lit_room.lit_room(ROUND, PIECES)
 
 
 def frustum_lines(face, reach):
@@ -57,7 +65,7 @@ def _over(view, number, one, frusta):
 
 def scene(profile, size, *, shading, ratio, one, background, frusta):
     """F003-19: a room lit through one map, through six, and which of them lights what."""
-    room, row, edge = lit_room.lit_room(detail_of(size)), row_of_panels(3, size), map_edge(size, ratio)
+    room, row, edge = _room(size), row_of_panels(3, size), map_edge(size, ratio)
     parts = [
         parted_shadow_maps.parts_of_cube(room, lit_room.LAMP, lit_room.lit_room_view(p), edge) for p in row
     ]
@@ -98,7 +106,7 @@ def _to_wall(face):
 def truth(size):
     """What rays say of a panel of ``size`` pixels: agreement.Truth."""
     view = lit_room.lit_room_view(Panel(0, 0, size, size))
-    room = lit_room.lit_room(detail_of(size))
+    room = _room(size)
     return agreement.truth_of(room, view, cube_of_maps.face_lamp(lit_room.LAMP, "-z", 0.05, 10.0))
 
 
@@ -106,9 +114,7 @@ def checks(figure, renderer):
     """The six maps' shadows against rays, map by map, and what one map lights."""
     size = CHECKED_SIZE
     rays, edge = truth(size), map_edge(size, figure.values["ratio"])
-    parts = parted_shadow_maps.parts_of_cube(
-        lit_room.lit_room(detail_of(size)), lit_room.LAMP, rays.view, edge
-    )
+    parts = parted_shadow_maps.parts_of_cube(_room(size), lit_room.LAMP, rays.view, edge)
     picture = agreement.lit_mask(renderer.machine_window(figure, size, shading=SceneShading.MASK))
     one, six = picture[:, :size], picture[:, size : 2 * size]
     to_light = np.array(lit_room.LAMP) - rays.shown.points
@@ -124,7 +130,7 @@ def checks(figure, renderer):
     away = facing & ~agreement.silhouettes(rays) & ~_beside_another(face)
     _, plain, tinted = np.split(renderer.machine_window(figure, size, frusta=False), 3, axis=1)
     # A highlight is white, whatever a surface's tint.
-    objects = lit_room.lit_room(detail_of(size)).objects
+    objects = _room(size).objects
     dull = np.array([thing.specular == 0.0 for thing in objects])[rays.shown.object] & rays.shown.something
     dull &= ~agreement.silhouettes(rays) & ~_beside_another(face) & (plain.max(axis=-1) < 1.0)
     colors = np.array([thing.color for thing in objects])
@@ -178,7 +184,7 @@ def _beside_another(face):
 
 def reference(size, *, shading, ratio, one, background, frusta):
     """The room's shadows by rays; in the first panel where one map's field of view is, alone."""
-    room, row = lit_room.lit_room(detail_of(size)), row_of_panels(3, size)
+    room, row = _room(size), row_of_panels(3, size)
     view = lit_room.lit_room_view(row[0])
     lamp = cube_of_maps.face_lamp(lit_room.LAMP, one, 0.05, 10.0)
     parts = parted_shadow_maps.parts_of_cube(room, lit_room.LAMP, view, map_edge(size, ratio))
