@@ -15,17 +15,22 @@ from fixedpipe.effects.geometry import surfaces
 from fixedpipe.effects.geometry.matrices import rotation
 from fixedpipe.effects.geometry.vectors import dot, normalize, unit_vector
 from fixedpipe.effects.geometry.views import BACKGROUND, Light, orthographic_view, row_of_panels
+from fixedpipe.effects.passes.draws import LATER_PASS, draw
 from fixedpipe.effects.reflectance import torrance_sparrow_passes as tables
 from fixedpipe.effects.reflectance.anisotropic_tables import diffuse_pass
 from fixedpipe.effects.reflectance.brdfs import BRDFS, Frame
 from fixedpipe.effects.reflectance.fresnel import fresnel
 from fixedpipe.effects.reflectance.microfacets import smith, torrance_sparrow
 from fixedpipe.effects.reflectance.torrance_sparrow_passes import Coordinates, Factors
+from fixedpipe.pipeline.enums import BlendFactor
+from fixedpipe.pipeline.state import Blending
 
 DATA = figure_data(__file__, "F000-2")
 
 RADIUS, TUBE = 0.62, 0.3
 _VIEWER = np.array([0.0, 0.0, 1.0])
+# The picture twice: source times destination, and the destination.
+_DOUBLE = Blending(BlendFactor.DST_COLOR, BlendFactor.ONE)
 ONE_UNIT = ("OPENGL_1_2", "OPENGL_1_2_IMAGING", "OCTANE", "INFINITE_REALITY", "TEXRAM")
 TWO_UNITS = ("MULTITEXTURE", "GEFORCE_256", "GEFORCE_3", "NV2A", "G400", "FUTURE")
 
@@ -41,10 +46,10 @@ def make_scene(units):
 
     def scene(
         profile, size, *,
-        light, first_roughness, second_roughness, index, specular, diffuse,
+        light, first_roughness, second_roughness, index, specular, diffuse, doublings,
         tilt, quads, coordinates, factors, background,
     ):  # fmt: skip
-        """A torus of each roughness: the tables' product, and the diffuse light."""
+        """A torus of each roughness: the tables' product, exposed by doublings, and the diffuse light."""
         panels, lamp = row_of_panels(2, size), Light(light)
         body = torus(size, tilt, quads)
         out = [panel.clear(background) for panel in panels]
@@ -54,7 +59,10 @@ def make_scene(units):
             view = orthographic_view(panel)
             out += tables.load(profile, roughness, index, factors=factors, name=name)
             out += tables.passes(body, view, lamp, specular, units=units, coordinates=coordinates, name=name)
-            out.append(diffuse_pass(body, view, lamp, diffuse))
+            double = draw(
+                "the highlight twice", body.mesh(), view, None, depth_test=LATER_PASS, blending=_DOUBLE
+            )
+            out += (*[double] * doublings, diffuse_pass(body, view, lamp, diffuse))
         return tuple(out)
 
     return scene
@@ -68,15 +76,16 @@ def _at_pixels(size, light, tilt):
 
 
 def reference(
-    size, *, light, first_roughness, second_roughness, index, specular, diffuse, tilt, background, **_
-):
+    size, *,
+    light, first_roughness, second_roughness, index, specular, diffuse, doublings, tilt, background, **_,
+):  # fmt: skip
     """Eq. 1 at every pixel, and the diffuse light: RGBA float64, top row first."""
     covered, normals, lit = _at_pixels(size, light, tilt)
     toward_light = np.broadcast_to(unit_vector(light, "The light's direction"), normals.shape)
     toward_viewer = np.broadcast_to(_VIEWER, normals.shape)
     panels = []
     for roughness in (first_roughness, second_roughness):
-        value = torrance_sparrow(toward_light, toward_viewer, normals, roughness, index)
+        value = 2.0**doublings * torrance_sparrow(toward_light, toward_viewer, normals, roughness, index)
         color = value[:, None] * np.array(specular) + np.maximum(0.0, lit)[:, None] * np.array(diffuse)
         out = np.broadcast_to(np.array([*background, 1.0]), (size, size, 4)).copy()
         out[covered, :3] = np.clip(color, 0.0, 1.0)
@@ -85,7 +94,9 @@ def reference(
 
 
 _SIZE = 256
-_BRIGHT = {"specular": (1.0, 1.0, 1.0), "diffuse": (0.0, 0.0, 0.0)}
+# As the tables have it: what is compared with bounds in their own values is not exposed.
+_EVEN = {"doublings": 0}
+_BRIGHT = {"specular": (1.0, 1.0, 1.0), "diffuse": (0.0, 0.0, 0.0), **_EVEN}
 
 
 def _interior(covered):
@@ -125,13 +136,15 @@ def checks(figure, renderer):
     roughnesses = values["first_roughness"], values["second_roughness"]
     expected = reference(_SIZE, **values)[::-1, :, :3]
     for on in (Answer.IDEAL, Answer.MACHINE):
-        image = renderer.window(on, figure, _SIZE)[..., :3]
+        image = np.clip(renderer.window(on, figure, _SIZE)[..., :3], 0.0, 1.0)
         bright = renderer.window(on, figure, _SIZE, **_BRIGHT)[..., 0]
         widths = []
         for k, name in enumerate(figure.panels):
             columns = slice(k * _SIZE, (k + 1) * _SIZE)
             error = root_mean_square((image[:, columns] - expected[:, columns])[inner])
             yield DATA.check("{name}: RMS from Eq. 1 at every pixel", error, on, name=name)
+            peak = image[:, columns][inner].max(axis=0)
+            yield DATA.check("{name}: the highlight's peak, its mean component", peak.mean(), on, name=name)
             widths.append(_width(bright[:, columns][covered][inside], normals[inside], lit[inside],
                                  values["light"], values["index"], roughnesses[k]))  # fmt: skip
         ratio = widths[1] / widths[0] / (roughnesses[1] / roughnesses[0])
@@ -143,11 +156,11 @@ def checks(figure, renderer):
         both = (replace(renderer, method=m).machine_window(figure, _SIZE, **_BRIGHT) for m in figure.methods)
         apart = 255.0 * float(np.abs(np.subtract(*both)).max())
         yield DATA.check("one pass beside two: most, in 1/255", apart, Answer.MACHINE)
-    wanted = expected[inner_of_both(inner)]
-    fine = root_mean_square(
-        renderer.window(Answer.IDEAL, figure, _SIZE)[..., :3][inner_of_both(inner)] - wanted
-    )
-    coarse = renderer.window(Answer.IDEAL, figure, _SIZE, quads=20)[..., :3][inner_of_both(inner)] - wanted
+    wanted = reference(_SIZE, **{**values, **_EVEN})[::-1, :, :3][inner_of_both(inner)]
+    by_vertex = renderer.window(Answer.IDEAL, figure, _SIZE, **_EVEN)[..., :3]
+    fine = root_mean_square(by_vertex[inner_of_both(inner)] - wanted)
+    coarse = renderer.window(Answer.IDEAL, figure, _SIZE, quads=20, **_EVEN)[..., :3]
+    coarse = coarse[inner_of_both(inner)] - wanted
     yield DATA.check("fast Phong: RMS from Phong", fine, Answer.IDEAL)
     yield DATA.check("20 x 20 polygons: RMS over that", root_mean_square(coarse) / fine, Answer.IDEAL)
     schlick = renderer.window(Answer.IDEAL, figure, _SIZE, **_BRIGHT, factors=Factors.SCHLICK)[:, :_SIZE, 0]
@@ -160,8 +173,8 @@ def checks(figure, renderer):
     )  # fmt: skip
     error = root_mean_square(schlick[covered][inside] - model[inside])
     yield DATA.check("Schlick's factors: RMS from his model at every pixel", error, Answer.IDEAL)
-    by_matrix = renderer.window(Answer.IDEAL, figure, _SIZE, coordinates=Coordinates.TEXTURE_MATRIX)[..., :3]
-    by_vertex = renderer.window(Answer.IDEAL, figure, _SIZE)[..., :3]
+    changed = {"coordinates": Coordinates.TEXTURE_MATRIX, **_EVEN}
+    by_matrix = renderer.window(Answer.IDEAL, figure, _SIZE, **changed)[..., :3]
     yield DATA.check(
         "texture matrix beside vertices: most", float(np.abs(by_matrix - by_vertex).max()), Answer.IDEAL
     )
@@ -186,6 +199,9 @@ FIGURE = Figure(
         ),
         "specular": word.SPECULAR((1.0, 0.88, 0.62)),
         "diffuse": word.DIFFUSE((0.40, 0.25, 0.10)),
+        "doublings": word.of(
+            word.Whole(0, 4), 2, "How often the highlight is added to itself: the exposure."
+        ),
         "tilt": word.DEGREES(55.0, "How far the torus leans towards the viewer."),
         "quads": word.of(word.Whole(16, 400), 200, "Polygons round the axis, and round the tube."),
         "coordinates": word.of(
