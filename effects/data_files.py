@@ -17,7 +17,7 @@ bound that is computed stays in Python: docs/decisions/0031-words-in-data.md say
 import re
 import string
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, NoReturn
@@ -132,13 +132,15 @@ class Data:
 
     def _word(self, name: str, value: object) -> str | tuple[Any, ...]:
         if name in _NUMBERS:
-            if not isinstance(value, list) or not all(type(number) is int for number in value):
+            if not _is_list(value, lambda number: type(number) is int):
                 self._refuse(f"{name} of [{self._id}] is {value!r}; give a list of whole numbers.")
-            return tuple(value)
+            numbers: Any = value
+            return tuple(numbers)
         if name in _LISTS:
-            if not isinstance(value, list) or not all(map(_are_texts, value)):
+            rows: Any = value
+            if not _is_list(rows, _are_texts):
                 self._refuse(f"{name} of [{self._id}] is {value!r}; give a list of lists of texts.")
-            return tuple(tuple(map(_sentence, row)) for row in value)
+            return tuple(tuple(map(_sentence, row)) for row in rows)
         texts: Any = value if name in _SEVERAL else [value]
         if not _are_texts(texts):
             what = "a list of texts" if name in _SEVERAL else "a text"
@@ -197,8 +199,12 @@ def _answers(found: Any) -> Mapping[str, Any]:
     return found if isinstance(found, dict) else dict.fromkeys(_ANSWERS, found)
 
 
-def _are_texts(found: Any) -> bool:
-    return isinstance(found, list) and all(isinstance(text, str) for text in found)
+def _is_list(found: object, fits: Callable[[Any], bool]) -> bool:
+    return isinstance(found, list) and all(map(fits, found))
+
+
+def _are_texts(found: object) -> bool:
+    return _is_list(found, lambda text: isinstance(text, str))
 
 
 def _sentence(text: str) -> str:

@@ -257,6 +257,7 @@ LIBRARIES = {
     "raster/portable": ("numba",),
     "raster/vector": ("llvmlite", "numba"),
     "pipeline/framebuffers": ("PIL",),
+    "effects/figures": ("PIL",),
     "pipeline/native": ("numba",),
     "pipeline/ideal": ("numba",),
     "pipeline/selftest": ("llvmlite", "numba"),

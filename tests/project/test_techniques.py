@@ -41,6 +41,7 @@ HELPERS = {
     "effects/scattering/long_work.py",
     "effects/scattering/made_fields.py",
     "effects/scattering/merl.py",
+    "effects/scattering/turning_sun.py",
     "effects/volumes/engine_block.py",
     "effects/volumes/slices.py",
 }
