@@ -756,7 +756,7 @@ def test_a_variant_by_a_test_s_own_words_and_names_that_are_none(project):
     status, said = project()
     assert (status, "The variant cannot be named 'a:b'" in said) == (1, True), said
     status, said = project("--golden-variant=")
-    assert (status, "--golden-variant: The variant ''" in said) == (4, True), said
+    assert (status, "--golden-variant: The variant cannot be named ''" in said) == (4, True), said
 
 
 # What pytest-rerunfailures and pytest-repeat do, in few lines.
