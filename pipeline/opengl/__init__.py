@@ -36,6 +36,7 @@ from fixedpipe.pipeline.opengl import (  # noqa: F401
     texturing,
     tokens,
     vertex_program_draws,
+    vertex_program_objects,
     vertex_programs,
 )
 from fixedpipe.pipeline.opengl.context import Context

@@ -1,7 +1,7 @@
 """What a program of ARB_vertex_program may read of OpenGL's state: a binding's rows, and their numbers.
 
 ``rows`` says which rows of four numbers a binding such as ``state.matrix.mvp.row[0..2]`` names. ``numbers``
-gives a row's present value. Source: ARB_vertex_program, tables X.3 and "Program Parameter Variables".
+gives a row's present value. Source: ARB_vertex_program, "Program Parameters".
 """
 
 import re

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from fixedpipe.pipeline.opengl import arb_program_state
 from fixedpipe.pipeline.opengl.arb_program_state import Row
+from fixedpipe.pipeline.opengl.vertex_program_objects import PARAMETERS
 from fixedpipe.pipeline.vertices.vertex_programs import (
     CONSTANTS,
     INPUTS,
@@ -19,8 +20,7 @@ from fixedpipe.pipeline.vertices.vertex_programs import (
     VertexProgram,
 )
 
-# What a context has of each kind (ARB_vertex_program, table X.8, its least; parameters as NV_vertex_program).
-ENVIRONMENT = LOCALS = 96
+# Source: ARB_vertex_program, the least that a context has of each.
 _MOST_TEMPORARIES, _MOST_INSTRUCTIONS = 12, 128
 _HEADER = re.compile(r"\s*!!ARBvp1\.0(?=\s)(.*?)\bEND\s*\Z", re.DOTALL)
 _NAME = re.compile(r"[A-Za-z_$][A-Za-z0-9_$]*")
@@ -195,8 +195,8 @@ class _Assembler:
         if parameter := _PARAMETER.fullmatch(binding):
             kind, first = parameter[1], int(parameter[2])
             last = int(parameter[3] or first)
-            if not first <= last < ENVIRONMENT:
-                raise ValueError(f"{binding!r} is not within 0 to {ENVIRONMENT - 1}")
+            if not first <= last < PARAMETERS:
+                raise ValueError(f"{binding!r} is not within 0 to {PARAMETERS - 1}")
             return [(kind, number) for number in range(first, last + 1)]
         if binding.startswith("state."):
             return arb_program_state.rows(binding.removeprefix("state."))

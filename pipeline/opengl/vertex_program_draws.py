@@ -21,25 +21,27 @@ from fixedpipe.pipeline.enums import FogCoordinateSource
 from fixedpipe.pipeline.opengl import arb_program_state, tokens
 from fixedpipe.pipeline.opengl.arb_program_text import ArbProgram
 from fixedpipe.pipeline.opengl.current import COORDINATE_SETS, filled, register_attributes
-from fixedpipe.pipeline.opengl.entry_points import entry, register
+from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.matrices import top
 from fixedpipe.pipeline.opengl.meshes import make_mesh
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
 from fixedpipe.pipeline.opengl.values import declare
+from fixedpipe.pipeline.opengl.vertex_program_objects import (
+    PARAMETERS,
+    check_target,
+    give_text,
+    register_parameters,
+    set_environment,
+)
 from fixedpipe.pipeline.state import PassState, TexGen, VertexState
 from fixedpipe.pipeline.vertices.vertex_programs import VertexProgram, vertex_program
 
 ENABLED = ("enabled", tokens.VERTEX_PROGRAM_NV)
-# Program parameters, by number (NV_vertex_program's MAX_PROGRAM_PARAMETERS).
-PARAMETERS = 96
-_LONGEST = 1 << 16  # characters of a program. Assumed: 128 instructions take a tenth
 _HEADER = re.compile(r"\s*!!(VP1\.[01])(.*?)END\s*\Z", re.DOTALL)
 # What the interpreter calls each attribute by its number: it has the NV2A's order beside the names.
 _INPUTS = ("OPOS", "WGHT", "NRML", "COL0", "COL1", "FOGC", 6, 7, "TEX0", "TEX1", "TEX2", "TEX3", 13, 14, 15)
 _INPUT = re.compile(r"\bv\[\s*(?:(\d+)|TEX([4-7]))\s*\]")
 
-declare("vertex program", 0)
-declare("program parameters", ((0.0, 0.0, 0.0, 0.0),) * PARAMETERS)
 declare("tracked matrices", ())
 for _number in (6, 7):
     declare(("vertex attribute", _number), (0.0, 0.0, 0.0, 1.0))
@@ -64,53 +66,13 @@ def _input(found):
     return f"v[{_INPUTS[number]}]"
 
 
-def _text_of(given):
-    return given.decode("latin-1") if isinstance(given, bytes) else str(given)
-
-
 @entry("LoadProgramNV", compiled=False)
 def load_program(gl, target, name, length, text):
     """Give a program its text."""
     if target == tokens.VERTEX_STATE_PROGRAM_NV:
         raise Refused("vertex state programs are not carried out here")
-    if target != tokens.VERTEX_PROGRAM_NV:
-        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no kind of program")
-    if not 0 <= length <= _LONGEST:
-        raise GLError(tokens.INVALID_VALUE, f"a program of {length} characters")
-    try:
-        gl.shared.programs[name] = assembled(_text_of(text)[:length])
-    except ValueError as error:
-        gl.shared.programs.pop(name, None)
-        raise GLError(tokens.INVALID_OPERATION, str(error)) from None
-
-
-@entry("BindProgramNV")
-def bind_program(gl, target, name):
-    """Choose the vertex program that draws use."""
-    if target != tokens.VERTEX_PROGRAM_NV:
-        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no vertex program")
-    gl.values.set("vertex program", int(name))
-    gl.values.set("position kept", False)
-
-
-@entry("GenProgramsNV", compiled=False)
-def gen_programs(gl, count, names=None):
-    """Names of programs; in a trace those that the driver gave. They need not be entered."""
-
-
-@entry("DeleteProgramsNV", compiled=False)
-def delete_programs(gl, count, names):
-    """Forget programs."""
-    for name in names[:count]:
-        gl.shared.programs.pop(name, None)
-        if gl.values["vertex program"] == name:
-            gl.values.set("vertex program", 0)
-
-
-@entry("IsProgramNV", compiled=False)
-def is_program(gl, name):
-    """Whether a program has a text."""
-    return name in gl.shared.programs
+    check_target(target)
+    give_text(gl, name, length, text, assembled)
 
 
 @entry("RequestResidentProgramsNV", "AreProgramsResidentNV", compiled=False)
@@ -122,34 +84,7 @@ def resident_programs(gl, *arguments):
 # --------------------------------------------------------------------------------------------- parameters
 
 
-def _set_parameters(gl, target, first, rows):
-    if target != tokens.VERTEX_PROGRAM_NV:
-        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} is no vertex program")
-    if not 0 <= first <= first + len(rows) <= PARAMETERS:
-        raise GLError(tokens.INVALID_VALUE, f"parameters {first} to {first + len(rows) - 1} of {PARAMETERS}")
-    before = gl.values["program parameters"]
-    gl.values.set("program parameters", (*before[:first], *rows, *before[first + len(rows) :]))
-
-
-def _register_parameters():
-    for suffix in "fd":
-
-        def one(gl, target, index, *components):
-            _set_parameters(gl, target, index, [filled(components)])
-
-        def vector(gl, target, index, components):
-            _set_parameters(gl, target, index, [filled(components[:4])])
-
-        def several(gl, target, index, count, numbers):
-            numbers = np.frombuffer(numbers, np.float32) if isinstance(numbers, bytes) else numbers
-            _set_parameters(gl, target, index, [filled(numbers[4 * n : 4 * n + 4]) for n in range(count)])
-
-        register(f"ProgramParameter4{suffix}NV", one)
-        register(f"ProgramParameter4{suffix}vNV", vector)
-        register(f"ProgramParameters4{suffix}vNV", several)
-
-
-_register_parameters()
+register_parameters("ProgramParameter", "NV", set_environment, "fd")
 _TRANSFORMS = {
     tokens.IDENTITY_NV: lambda m: m,
     tokens.INVERSE_NV: np.linalg.inv,
