@@ -100,8 +100,8 @@ def test_what_cannot_be_cast_is_refused():
             shadow_reference.rays(shot(), samples=samples)
 
 
-# A plain to the horizon with a light straight ahead is nearly its own mirror image. So are two zebras that face
-# each other: F001-12, of the same view and antialiased, is asked both ways; F001-13's noise hides the stripes.
+# A plain to the horizon with a light straight ahead is nearly its own mirror image. So are two zebras that
+# face each other: F001-12 is asked both ways; F001-13, of the same view, has noise that hides the stripes.
 MIRRORED = {"S10", "S22", "S24", "F001-13"}
 
 
