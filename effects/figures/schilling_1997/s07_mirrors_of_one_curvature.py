@@ -118,6 +118,9 @@ def checks(figure, renderer):
         )
         own, sharp, between = (changes(panel_of(image, k), full) / changes(truth, full) for k in range(3))
         yield DATA.check("the machine's level: changes along the axis over the truth's", float(own[0]), on)
+        yield DATA.check(
+            "the machine's level: changes along the axis over a level between's", own[0] / between[0], on
+        )
         yield DATA.check("level 0: changes round the pipes over the truth's", float(sharp[1]), on)
         yield DATA.check("a level between: changes along the axis over level 0's", between[0] / sharp[0], on)
         yield DATA.check("a level between: changes round the pipes over level 0's", between[1] / sharp[1], on)
