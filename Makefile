@@ -77,11 +77,13 @@ figures: $(READY)
 conformance: $(READY)
 	$(BIN)/fixedpipe conformance --html $(OUT)/conformance.html --json $(OUT)/conformance.json
 
+# Options of the suite's own have their values in one word: pytest takes a word apart for a path, and where that file
+# exists, as after the first run, it looks for conftest.py beside it alone.
 test: $(READY)
-	$(BIN)/python -m pytest $(WORKERS) -m "not slow" --examples 3 -rs --times $(OUT)/test-times.json
+	$(BIN)/python -m pytest $(WORKERS) -m "not slow" --examples=3 -rs --times=$(OUT)/test-times.json
 
 test-all: $(READY)
-	$(BIN)/python -m pytest $(WORKERS) -rs --times $(OUT)/test-all-times.json
+	$(BIN)/python -m pytest $(WORKERS) -rs --times=$(OUT)/test-all-times.json
 
 check: $(READY) $(NAMED)
 	$(BIN)/ruff check .

@@ -1,5 +1,6 @@
 """What ``make`` does: its set-up says what pip says only where that fails, and figures are checked."""
 
+import shlex
 import shutil
 import subprocess
 import sys
@@ -48,3 +49,25 @@ def test_figures_are_drawn_with_their_checks_unless_told_otherwise(asked, called
         ["make", "-n", "figures", *asked], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert called in " ".join(done.stdout.split())
+
+
+@pytest.mark.parametrize("goal", ["test", "test-all"])
+def test_the_tests_run_a_second_time_where_the_first_has_left_its_times(tmp_path, goal):
+    (tmp_path / f"{goal}-times.json").write_text("{}")
+    command = subprocess.run(
+        ["make", "--dry-run", "--silent", goal, "READY=", f"OUT={tmp_path}", "WORKERS=--help"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.strip()
+    _, _, words = command.splitlines()[-1].partition(" -m pytest ")
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *shlex.split(words)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "--times=FILE" in done.stdout or "--times FILE" in done.stdout
