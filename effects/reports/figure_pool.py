@@ -4,11 +4,9 @@ The files are those that one process alone would write.
 """
 
 import multiprocessing
-import signal
-import sys
 import time
 from collections import deque
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -23,19 +21,11 @@ from fixedpipe.effects.reports.figure_files import write_figure, write_record
 from fixedpipe.effects.reports.figure_inputs import inputs_of
 from fixedpipe.effects.reports.own_figures import own_figure
 from fixedpipe.effects.reports.plates import Plates
+from fixedpipe.effects.tasks.processes import Processes
 from fixedpipe.pipeline.native import background_compiling
 from fixedpipe.pipeline.native.compiling import watch_compiling
-from fixedpipe.pipeline.native.threads import limit_threads
-
-try:
-    import resource
-except ImportError:  # where the system has none
-    resource = None
 
 _SECONDS = 0.1  # between two looks at what the processes say
-# Bytes that a process has held at once, above which another takes its place: what it has freed stays with it.
-# Measured: F000-5 needs 2.0 GB and leaves 1.5; after a dozen figures a process had 4.5.
-_MOST_HELD = 1 << 30
 
 
 @dataclass(frozen=True)
@@ -130,51 +120,35 @@ def draw_all(orders, jobs, threads, step, compiling):
     replaces. Once the disc is full no other figure is begun. However it ends, no process is left behind, and
     no file that is half written.
     """
-    context, others = multiprocessing.get_context("spawn"), set(multiprocessing.active_children())
-    said = context.SimpleQueue()
-    # Each has one process, so that when it ends by itself it is known which figure it drew.
-    free = [ProcessPoolExecutor(1, context, _begin, (said, threads)) for _ in range(jobs)]
-    working = {}  # what is being done: by whom, and the Order; None: a compiler's work
+    said = multiprocessing.get_context("spawn").SimpleQueue()
+    pool = Processes(jobs, threads, begin=(_begin, said))
+    waiting, working = _tasks(orders, jobs), {}  # of each call the Order; None: a compiler's
     try:
-        waiting = _tasks(orders, jobs)
-        while waiting or any(order for _, order in working.values()):  # not for a compiler alone
-            while free and (task := _next(waiting, {order.id for _, order in working.values() if order})):
-                process, (function, argument, order) = free.pop(), task
-                with background_compiling.interrupts_kept():  # the first submitted begins the process
-                    working[process.submit(function, argument)] = process, order
+        while waiting or any(working.values()):  # not for a compiler alone
+            # No call waits in the pool: which is next depends on the figures that are being drawn.
+            while len(working) < jobs and (task := _next(waiting, _drawn_now(working))):
+                function, argument, order = task
+                working[pool.submit(function, argument)] = order
             done, _ = wait(working, _SECONDS, FIRST_COMPLETED)
             _tell(said, step, compiling)
             for future in done:
-                process, order = working.pop(future)
+                order = working.pop(future)
                 try:
                     drawn = future.result()
-                except (BrokenProcessPool, SystemExit):  # killed, or told to end
-                    process.shutdown(wait=False)
-                    process = ProcessPoolExecutor(1, context, _begin, (said, threads))
-                    drawn = order and (order.failed(_ended(order, jobs)), 0.0, 0)
+                except BrokenProcessPool:  # killed, or told to end
+                    drawn = order and (order.failed(_ended(order, jobs)), 0.0)
                 except Exception as error:  # a compiler's: who needs its kernel fails in its own name
-                    drawn = order and (order.failed(error), 0.0, 0)
-                free.append(process)
+                    drawn = order and (order.failed(error), 0.0)
                 if order:
-                    record, seconds, held = drawn
-                    if held > _MOST_HELD and waiting:
-                        free.remove(process)
-                        process.shutdown(wait=False)
-                        free.append(ProcessPoolExecutor(1, context, _begin, (said, threads)))
-                    yield order, record, seconds
-                    if _is_disc_full(record):
+                    yield order, *drawn
+                    if _is_disc_full(drawn[0]):
                         waiting.clear()
     finally:
-        for process in (*free, *(process for process, _ in working.values())):
-            process.shutdown(wait=False, cancel_futures=True)
-        ours = [process for process in multiprocessing.active_children() if process not in others]
-        for process in ours:
-            process.terminate()
-        for process in ours:
-            process.join(background_compiling.SECONDS_TO_CLEAN)
-            while process.is_alive():  # ``background_compiling.end_with_parent`` says why once is not enough
-                process.terminate()
-                process.join(background_compiling.SECONDS_TO_CLEAN)
+        pool.shutdown(cancel_futures=True)
+
+
+def _drawn_now(working):
+    return {order.id for order in working.values() if order}
 
 
 def _tasks(orders, jobs):
@@ -230,24 +204,10 @@ def _tell(said, step, compiling):
 _SAID = None
 
 
-def _print_but_ends(unraisable):
-    if not issubclass(unraisable.exc_type, SystemExit):
-        sys.__unraisablehook__(unraisable)
-
-
-def _begin(said, threads):
-    """The first call in a process. It sets the number of threads, and ignores Ctrl-C.
-
-    The process ends on request, or when its parent has ended.
-    """
+def _begin(said):
+    """The first call in a process: what it says goes to the client."""
     global _SAID
     _SAID = said
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
-    # Inside a compiler's callback SystemExit is ignored and printed; the next signal ends the process.
-    sys.unraisablehook = _print_but_ends
-    background_compiling.end_with_parent()
-    limit_threads(threads)
     watch_compiling(lambda kernel, *_: said.put(("compiling", kernel)), lambda: None)
 
 
@@ -257,13 +217,5 @@ def _draw_at_once(order):
 
 
 def _draw(order):
-    """An Order's record, the seconds that it took, and the bytes that this process has held at most."""
-    record, seconds = _timed(order, lambda text: _SAID.put(("step", text)))
-    return record, seconds, _most_held()
-
-
-def _most_held():
-    """The bytes that this process has held at most; 0 where the system does not say."""
-    if resource is None:
-        return 0
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    """An Order's record, and the seconds of a processor that it took."""
+    return _timed(order, lambda text: _SAID.put(("step", text)))

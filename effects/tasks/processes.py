@@ -5,6 +5,7 @@ import signal
 import sys
 import threading
 from collections import deque
+from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
@@ -27,13 +28,21 @@ class Processes(Executor):
 
     threads    how many each call may use
     most_held  bytes that a process may have held at once; after that another takes its place
+    begin      a function and its arguments: what each process calls before its first call
 
     A call whose process ended raises BrokenProcessPool, and another process takes the place. The processes
     ignore Ctrl-C, which is the client's, and end with the client, however that ends.
     """
 
-    def __init__(self, count: int, threads: int = 1, most_held: int = MOST_HELD):
-        self.count, self._threads, self._most_held = count, threads, most_held
+    def __init__(
+        self,
+        count: int,
+        threads: int = 1,
+        most_held: int = MOST_HELD,
+        begin: tuple[Callable[..., object], *tuple[object, ...]] | None = None,
+    ):
+        self.count, self._most_held = count, most_held
+        self._begun_by = threads, begin
         self._context = multiprocessing.get_context("spawn")  # a forked process has none of our threads
         self._others = set(multiprocessing.active_children())
         self._lock = threading.RLock()
@@ -77,7 +86,7 @@ class Processes(Executor):
                 process.join(background_compiling.SECONDS_TO_CLEAN)
 
     def _new(self):
-        return ProcessPoolExecutor(1, self._context, _begin, (self._threads,))
+        return ProcessPoolExecutor(1, self._context, _begin, self._begun_by)
 
     def _hand_out(self):
         while self._free and self._waiting:
@@ -117,12 +126,22 @@ class Processes(Executor):
 # ------------------------------------------------------------------------------------------ in the processes
 
 
-def _begin(threads):
-    """The first call in a process."""
+def _begin(threads, begin):
+    """The first call in a process. It ends on request, or when its parent has ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # files that are being written go
+    # Inside a compiler's callback SystemExit is ignored and printed; the next signal ends the process.
+    sys.unraisablehook = _print_but_ends
     background_compiling.end_with_parent()
     limit_threads(threads)
+    if begin:
+        function, *arguments = begin
+        function(*arguments)
+
+
+def _print_but_ends(unraisable):
+    if not issubclass(unraisable.exc_type, SystemExit):
+        sys.__unraisablehook__(unraisable)
 
 
 def _call(function, arguments, keywords):

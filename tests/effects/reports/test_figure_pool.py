@@ -13,7 +13,6 @@ from concurrent.futures import Future
 from pathlib import Path
 from queue import SimpleQueue
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -223,20 +222,20 @@ def test_other_processes_compile_what_the_first_figure_does_not_wait_for(
     given = []
 
     class Pool:
-        def __init__(self, *_):
+        def __init__(self, *_, **begin):
             pass
 
         def submit(self, function, what):
             given.append((function.__name__, getattr(what, "id", what)))
             done = Future()
-            done.set_result(({"id": given[-1][-1]}, 1.0, 0))
+            done.set_result(({"id": given[-1][-1]}, 1.0))
             return done
 
         def shutdown(self, **_):
             pass
 
     monkeypatch.setattr(figure_pool.background_compiling, "is_ready", ready.__contains__)
-    monkeypatch.setattr(figure_pool, "ProcessPoolExecutor", Pool)
+    monkeypatch.setattr(figure_pool, "Processes", Pool)
     orders = [figure_pool.Order(i, (), 8, 1, checked, tmp_path, None, None) for i in ("K02", "K12")]
     drawn = list(figure_pool.draw_all(orders, jobs, 1, print, print))
     assert sorted((order.id, record["id"]) for order, record, _ in drawn) == [("K02", "K02"), ("K12", "K12")]
@@ -396,38 +395,6 @@ def test_a_process_that_ends_by_itself_fails_its_own_figure_alone(tmp_path, monk
     assert all(records[name]["machines"] and not records[name]["failures"] for name in ("K02", "K14", "K04"))
 
 
-def draws_in_its_process(order):
-    return *figure_pool._timed(order, print), os.getpid()
-
-
-def test_a_process_that_has_held_much_gives_its_place_to_another(tmp_path, monkeypatch):
-    def tasks(orders, jobs):
-        return deque((draws_in_its_process, order, order) for order in orders)
-
-    monkeypatch.setattr(figure_pool, "_tasks", tasks)
-    orders = [order_of(identifier, tmp_path) for identifier in ("K02", "K12", "K14")]
-    began = []
-    pool = figure_pool.ProcessPoolExecutor
-
-    def counted(*given):
-        began.append(given)
-        return pool(*given)
-
-    monkeypatch.setattr(figure_pool, "ProcessPoolExecutor", counted)
-    for most, processes in ((0, 3), (1 << 40, 1)):
-        monkeypatch.setattr(figure_pool, "_MOST_HELD", most)
-        began.clear()
-        drawn = list(figure_pool.draw_all(orders, 1, 1, print, print))
-        assert [order.id for order, *_ in drawn] == ["K02", "K12", "K14"] and len(began) == processes
-        assert all(record["machines"] and not record["failures"] for _, record, _ in drawn)
-
-
-def test_the_most_that_a_process_held_is_told_in_bytes():
-    before = figure_pool._most_held()
-    kept = np.ones(1 << 25)
-    assert figure_pool._most_held() >= max(before, kept.nbytes) > 0
-
-
 def no_room(path, data):
     try:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -449,7 +416,7 @@ def test_on_a_full_disc_no_other_figure_is_begun_and_what_is_drawn_stays(drawn, 
 
 
 def full_after_the_first(order):
-    return (order.failed(OSError(errno.ENOSPC, "full")) if order.id == "K12" else order.draw(print)), 1.0, 0
+    return (order.failed(OSError(errno.ENOSPC, "full")) if order.id == "K12" else order.draw(print)), 1.0
 
 
 def test_processes_begin_no_other_figure_on_a_full_disc(tmp_path, monkeypatch):

@@ -6,9 +6,10 @@ import sys
 from concurrent.futures import wait
 from concurrent.futures.process import BrokenProcessPool
 
+import numpy as np
 import pytest
 
-from fixedpipe.effects.tasks.processes import Processes
+from fixedpipe.effects.tasks.processes import Processes, most_held
 from tests.effects.tasks import works
 from tests.layers import ROOT
 
@@ -42,6 +43,21 @@ def test_a_process_that_has_held_much_gives_its_place_to_another():
         pids = {pool.submit(works.holds, 1 << 20).result()[1] for _ in range(3)}
         pool.shutdown(cancel_futures=True)
         assert len(pids) == processes
+
+
+def test_the_most_that_a_process_held_is_told_in_bytes():
+    before = most_held()
+    kept = np.ones(1 << 25)
+    assert most_held() >= max(before, kept.nbytes) > 0
+
+
+def test_every_process_begins_as_asked(tmp_path):
+    pool = Processes(1, begin=(works.counted, 7, tmp_path))
+    with pytest.raises(BrokenProcessPool):
+        pool.submit(works.kills_itself).result()
+    assert pool.submit(works.squared, 3).result() == {"square": 9}
+    pool.shutdown(cancel_futures=True)
+    assert (tmp_path / "7.txt").read_text() == "computed\n" * 2
 
 
 def test_after_the_end_nothing_is_taken(pool):
