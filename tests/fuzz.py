@@ -16,7 +16,9 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 
 from fixedpipe.effects.tasks.executors import opened
+from fixedpipe.effects.tasks.manifest import Manifest
 from fixedpipe.effects.tasks.ordered import in_order
+from fixedpipe.effects.tasks.task import Task
 from fixedpipe.pipeline.commands import Draw, MakeCurrent, Mesh, TexImage
 from fixedpipe.pipeline.description.describe import describe
 from fixedpipe.pipeline.enums import PrimitiveType
@@ -26,6 +28,7 @@ from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.state import PassState
 from fixedpipe.pipeline.validation.walk import UnsupportedState
 from fixedpipe.raster.kernel import is_cold
+from tests.support.inputs import inputs_here
 from tests.support.random_frames import random_frame
 from tests.support.run_reference import run_reference
 
@@ -339,36 +342,38 @@ def fuzz(seconds=None, frames=None, first_seed=0, wide=False):
 FRAMES_OF_A_CALL = 50
 
 
-def fuzz_by(workers, seconds=None, frames=None, first_seed=0, wide=False):
-    """``fuzz`` by the workers of an executor (``fixedpipe.effects.tasks``), some frames each, a few more than
-    were asked for. Returns a Tally; raises Mismatch's words as AssertionError.
+def fuzz_by(workers, manifest=None, seconds=None, frames=None, first_seed=0, wide=False):
+    """``fuzz`` by the Workers of an executor (``fixedpipe.effects.tasks``), some frames each, a few more than
+    were asked for. Frames that the Manifest has are counted and not drawn again. Returns a Tally; raises
+    Mismatch's words as AssertionError.
     """
-    tally, begin = Tally(), time.monotonic()
+    tally, begin, inputs = Tally(), time.monotonic(), inputs_here()
 
-    def calls():
+    def tasks():
         seed = first_seed
         while (seconds is None or time.monotonic() - begin < seconds) and (
             frames is None or seed < first_seed + frames
         ):
-            yield seed, wide
+            parameters = {"first_seed": seed, "wide": wide}
+            yield Task(fuzzed_there, parameters, f"the frames of seeds from {seed}", inputs)
             seed += FRAMES_OF_A_CALL
 
-    for count, specified, mismatch in in_order(workers, fuzzed_there, calls()):
-        if mismatch:
-            raise AssertionError(mismatch)
-        tally.frames += count
-        tally.specified += specified
+    for done in in_order(tasks(), workers, manifest):
+        if done.value["mismatch"]:
+            raise AssertionError(done.value["mismatch"])
+        tally.frames += done.value["frames"]
+        tally.specified += done.value["specified"]
     tally.seconds = time.monotonic() - begin
     return tally
 
 
 def fuzzed_there(first_seed, wide):
-    """In a worker: (frames, frames by the specification, the Mismatch in words or "")."""
+    """In a worker: how many frames, and how many by the specification; the Mismatch in words, or ""."""
     try:
         tally = fuzz(frames=FRAMES_OF_A_CALL, first_seed=first_seed, wide=wide)
     except Mismatch as mismatch:
-        return 0, 0, str(mismatch)
-    return tally.frames, tally.specified, ""
+        return {"frames": 0, "specified": 0, "mismatch": str(mismatch)}
+    return {"frames": tally.frames, "specified": tally.specified, "mismatch": ""}
 
 
 def shared_frame(seed, size):
@@ -450,6 +455,7 @@ def main(arguments=None):
         "--python-threads", type=int, default=1, help="threads that draw at once (default: 1)"
     )
     parser.add_argument("--executor", help="where: processes:N, dask:..., mpi (docs/scale.md)")
+    parser.add_argument("--manifest", help="a file: frames that were checked are not checked again")
     parser.add_argument("--wide", action="store_true", help="machines of 8 to 12 bits")
     given = parser.parse_args(arguments)
     seconds = 60.0 if given.seconds is None and given.frames is None else given.seconds
@@ -460,9 +466,10 @@ def main(arguments=None):
             print(describe(frame.commands))
             check(frame)
             print("no difference")
-        elif given.executor:
-            with opened(given.executor) as workers:
-                print(fuzz_by(workers, seconds, given.frames, given.first_seed, given.wide))
+        elif given.executor or given.manifest:
+            how = seconds, given.frames, given.first_seed, given.wide
+            with Manifest(given.manifest, "a fuzz") as manifest, opened(given.executor) as workers:
+                print(fuzz_by(workers, manifest, *how))
         elif given.python_threads > 1:
             print(fuzz_threads(given.python_threads, seconds, given.frames, given.first_seed))
         else:

@@ -19,7 +19,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import wraps
-from itertools import starmap
 
 import numpy as np
 
@@ -33,12 +32,15 @@ from fixedpipe.effects.figures.heidrich_2001 import f000_05_fresnel_mirrors as f
 from fixedpipe.effects.figures.heidrich_2001 import f000_09_bump_map_with_shadows as f000_09
 from fixedpipe.effects.scattering import turning_sun
 from fixedpipe.effects.tasks.executors import opened
+from fixedpipe.effects.tasks.manifest import Manifest
 from fixedpipe.effects.tasks.ordered import in_order
+from fixedpipe.effects.tasks.task import Task
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.enums import InternalFormat, TextureTarget
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.profiles import PROFILES
+from tests.support.inputs import inputs_here
 
 # A change of the picture from which it is wrong, 1 = full.  Inferred: a byte's rounding, which a highlight's
 # eighth power multiplies by eight (effects/acceptance/measures.py), moves a right picture as far.
@@ -380,14 +382,21 @@ def main() -> int:
     )
     parser.add_argument("--named", action="store_true", help="the strangers' own alone")
     parser.add_argument("--executor", help="where: processes:N, dask:..., mpi (docs/scale.md)")
+    parser.add_argument("--manifest", help="a file: figures that are done are not done again")
     options = parser.parse_args()
-    survived = 0
-    with opened(options.executor) as workers:
-        calls = [(figure_id, options.named) for figure_id in options.figures]
-        found = in_order(workers, results_there, calls) if workers else starmap(_results, calls)
-        for figure_id, results in zip(options.figures, found, strict=True):
-            survived += _printed(figure_id, results)
+    if not (options.executor or options.manifest):
+        return bool(sum(_printed(f, _results(f, options.named)) for f in options.figures))
+    survived, about = 0, "wrong pictures"
+    with Manifest(options.manifest, about) as manifest, opened(options.executor) as workers:
+        tasks = [_task(figure_id, options.named) for figure_id in options.figures]
+        for figure_id, done in zip(options.figures, in_order(tasks, workers, manifest), strict=True):
+            survived += _printed(figure_id, done.value)
     return bool(survived)
+
+
+def _task(figure_id, named):
+    parameters = {"figure_id": figure_id, "named": named}
+    return Task(results_there, parameters, f"wrong pictures of {figure_id}", inputs_here())
 
 
 def _results(figure_id, named):

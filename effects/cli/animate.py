@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from fixedpipe.effects.cli.executors import executor_option, workers_of
+from fixedpipe.effects.cli.executors import executor_option, kept_work, manifest_option
 from fixedpipe.effects.cli.options import (
     changes_of,
     machine_of,
@@ -40,8 +40,22 @@ from fixedpipe.effects.cli.options import (
 @set_option
 @threads_option
 @executor_option
+@manifest_option
 def animate(
-    figure_id, list_only, moves, bits, count, out, fps, loop, profile, size, settings, threads, executor
+    figure_id,
+    list_only,
+    moves,
+    bits,
+    count,
+    out,
+    fps,
+    loop,
+    profile,
+    size,
+    settings,
+    threads,
+    executor,
+    manifest,
 ):
     """Draw figure ID, or the FIGURE in your FILE.py, while a parameter changes, or the width of its numbers;
     without either as declared.
@@ -60,6 +74,7 @@ def animate(
     from fixedpipe.effects.reports.figure_record import variant_name
     from fixedpipe.effects.reports.files import writable_file, written_whole
     from fixedpipe.effects.reports.own_figures import figure_of
+    from fixedpipe.effects.tasks.arrays import unpacked
     from fixedpipe.effects.tasks.ordered import in_order
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -71,8 +86,9 @@ def animate(
         return
     if figure_id is None:
         raise Refusal("Name a figure; fixedpipe animate --list has those that move by themselves.")
-    if executor:
-        refuse_ignored(context, ("limit", "fill"), "workers read files as they are; leave --executor out")
+    if executor or manifest:
+        said = "workers read files as they are; leave --executor and --manifest out"
+        refuse_ignored(context, ("limit", "fill"), said)
     figure = figure_of(figure_id)
     key = profile or figure.machines[0]
     with refusals():
@@ -103,17 +119,19 @@ def animate(
     check_edges(name, width, height)
     path = writable_file(name)
     announce_compiling(None if executor else "vector")
+    about = f"an animation of {figure.id}"
     with (
-        workers_of(executor, threads) as workers,
+        kept_work(executor, manifest, about, threads) as (workers, known),
         progress(len(frames)) as step,
         refusals(),
         written_whole(path) as temporary,
     ):
 
         def drawn():
-            if workers:
-                calls = ((figure_id, key, frame, size, settings) for frame in frames)
-                pictures = in_order(workers, picture_there, calls, lambda *call: call[2].said)
+            if workers or known is not None:
+                tasks = _tasks(figure_id, figure, key, frames, size, settings)
+                done = in_order(tasks, workers, known)
+                pictures = (unpacked(outcome.files[_PICTURE]) for outcome in done)
             else:
                 pictures = pictures_of(
                     figure, machine, frames, size, method=method, threads=threads, changes=changes
@@ -129,16 +147,43 @@ def animate(
     )
 
 
-def picture_there(figure_id, key, frame, size, settings):
-    """In a worker: a frame's picture, uint8 [h, w, 3]. ``settings``: the texts of --set."""
-    from fixedpipe.effects.presentation.variation import picture_of
+_PICTURE = "picture"
+
+
+def _tasks(figure_id, figure, key, frames, size, settings):
+    """A Task for each frame; arguments as of ``picture_there``, and the Figure."""
+    from fixedpipe.effects.tasks.environment import file_digests, whole_inputs
+    from fixedpipe.effects.tasks.task import Task
+
+    values = (setting.partition("=")[2].strip() for setting in settings)
+    inputs = whole_inputs(*file_digests((figure_id, *values)))
+    for frame in frames:
+        parameters = {
+            "figure_id": figure_id,
+            "key": key,
+            "changes": dict(frame.changes),
+            "bits": frame.bits,
+            "size": size,
+            "settings": settings,
+        }
+        yield Task(picture_there, parameters, f"{figure.id} {frame.said} on {key}", inputs)
+
+
+def picture_there(figure_id, key, changes, bits, size, settings):
+    """A frame, drawn by a worker: no value, and as a file its picture, uint8 [h, w, 3], packed.
+
+    changes, bits  as of a ``variation.Frame``
+    settings       the texts of --set
+    """
+    from fixedpipe.effects.presentation.variation import Frame, picture_of
     from fixedpipe.effects.reports.own_figures import figure_of
+    from fixedpipe.effects.tasks.arrays import packed
     from fixedpipe.pipeline.profiles import PROFILES
 
     figure = figure_of(figure_id)
     method = figure.method(key)
-    changes = changes_of(settings, figure, (method,))
-    return picture_of(figure, PROFILES[key], frame, size, method, None, changes)
+    frame, others = Frame(changes, bits, ""), changes_of(settings, figure, (method,))
+    return None, {_PICTURE: packed(picture_of(figure, PROFILES[key], frame, size, method, None, others))}
 
 
 def _tracks(moves, figure, method):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from fixedpipe.effects.cli.executors import executor_option, workers_of
+from fixedpipe.effects.cli.executors import executor_option, kept_work, manifest_option
 from fixedpipe.effects.cli.options import given_options, refuse_beside
 from fixedpipe.effects.cli.progress import error_console
 
@@ -33,6 +33,7 @@ _HOW = (
 )
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Short for --executor processes:N.")
 @executor_option
+@manifest_option
 @click.option(
     "--other", metavar="DIR", help="Another renderer's pictures, DIR/SUITE/CASE.png, counted beside ours."
 )
@@ -59,6 +60,7 @@ def conformance(
     threads,
     jobs,
     executor,
+    manifest,
     other,
     page_file,
     answers,
@@ -107,6 +109,8 @@ def conformance(
     other = _folder_of_other(other)
     if (jobs is not None) + (threads is not None) + (executor is not None) > 1:
         raise Refusal("--jobs, --threads and --executor all say how many cases at a time; give one of them.")
+    if manifest and threads:
+        raise Refusal("With --manifest --threads is of no use; give --executor processes:N, or leave it out.")
     executor = f"processes:{jobs}" if jobs else executor
 
     announce_compiling()
@@ -114,6 +118,7 @@ def conformance(
     from fixedpipe.effects.conformance.redraw import known_suites
     from fixedpipe.effects.conformance.run import Totals, compare_all
     from fixedpipe.effects.conformance.scoreboard import reader, row_of
+    from fixedpipe.effects.conformance.tasks import compare_by
     from fixedpipe.effects.reports.conformance import Page, record_of
     from fixedpipe.effects.reports.scoreboard import score_record, scoreboard_html, scoreboard_text
     from fixedpipe.effects.reports.scoreboard_page import ScoreboardPage
@@ -122,10 +127,10 @@ def conformance(
     warnings.simplefilter("ignore", DisabledTexture)  # captures are what a chip drew of it
     modules, inputs = known_suites(), Inputs(inputs)
     if discriminates:
-        if html_file or other or explain or executor or threads:
+        if html_file or other or explain or executor or threads or manifest:
             raise Refusal(
                 "--discriminates counts pixels by two rules, one case at a time; --html, --other, --explain, "
-                "--jobs, --threads and --executor are of no use to it. Leave them out."
+                "--jobs, --threads, --executor and --manifest are of no use to it. Leave them out."
             )
         from fixedpipe.effects.cli.conformance_rules import tell_distinctions
 
@@ -134,8 +139,12 @@ def conformance(
     page, records, total, failed = Page() if html_path else None, [], Totals(), 0
     rows, read = {}, reader(other) if other else None
     published = ScoreboardPage(other.resolve().name) if page_path else None
-    with workers_of(executor) as workers, _progress(len(captures)) as (say, step):
-        comparisons = compare_all(captures, modules, inputs, threads, executor=workers)
+    kept = kept_work(executor, manifest, "captures of the NV2A")
+    with kept as (workers, known), _progress(len(captures)) as (say, step):
+        if workers or known is not None:
+            comparisons = compare_by(workers, known, captures, inputs)
+        else:
+            comparisons = compare_all(captures, modules, inputs, threads)
         for suite, cases in groupby(comparisons, lambda c: c.suite):
             of_suite = Totals()
             for case in cases:

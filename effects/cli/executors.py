@@ -1,8 +1,10 @@
-"""The option --executor, which everything long takes: where it is computed."""
+"""The options of long work: --executor, where it is computed, and --manifest, where it is kept."""
 
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 import click
+
+from fixedpipe.pipeline.messages import count
 
 executor_option = click.option(
     "--executor",
@@ -10,6 +12,31 @@ executor_option = click.option(
     help="Where it is computed: processes:N, dask:local, dask:tcp://HOST:PORT, mpi or loky:N "
     "(docs/scale.md). The results are the same.",
 )
+
+
+manifest_option = click.option(
+    "--manifest",
+    metavar="FILE",
+    help="Keep what is finished there, and go on from there when the command is given again.",
+)
+
+
+@contextmanager
+def kept_work(executor, manifest, about, threads=None):
+    """(Workers or None, Manifest or None) while the block runs.
+
+    executor, manifest  as the options have them
+    about               what work it is, in words, which the manifest holds
+
+    Raises Refusal as ``workers_of`` and ``Manifest``.
+    """
+    from fixedpipe.effects.tasks.manifest import Manifest
+
+    with ExitStack() as held:
+        known = held.enter_context(Manifest(manifest, about, with_files=True)) if manifest else None
+        if known is not None and len(known):
+            click.echo(f"{manifest} has {count(len(known), 'finished task')}.", err=True)
+        yield held.enter_context(workers_of(executor, threads)), known
 
 
 @contextmanager

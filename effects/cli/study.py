@@ -1,11 +1,11 @@
 """``fixedpipe study``: an artefact of the hardware, measured: a table, what it says, and a plot."""
 
 import sys
-from itertools import starmap
+from importlib import metadata
 
 import click
 
-from fixedpipe.effects.cli.executors import executor_option, workers_of
+from fixedpipe.effects.cli.executors import executor_option, kept_work, manifest_option
 from fixedpipe.effects.cli.options import machine_of, refuse_ignored
 from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 
@@ -22,7 +22,8 @@ from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 @click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
 @click.option("--csv", "csv_file", metavar="FILE", help="Write the table of a study as CSV as well.")
 @executor_option
-def study(study_ids, profile, check, out, json_file, csv_file, executor):
+@manifest_option
+def study(study_ids, profile, check, out, json_file, csv_file, executor, manifest):
     """Measure the studies with the given IDs, or all, on the emulated machines. Without an ID
     their names are printed; --check without an ID measures all.
 
@@ -40,7 +41,7 @@ def study(study_ids, profile, check, out, json_file, csv_file, executor):
     if not study_ids and not check:
         refuse_ignored(
             click.get_current_context(),
-            ("profile", "out", "json_file", "csv_file", "executor"),
+            ("profile", "out", "json_file", "csv_file", "executor", "manifest"),
             "without an ID studies are named, not measured; give IDs, or all",
         )
         for s in STUDIES.values():
@@ -59,11 +60,15 @@ def study(study_ids, profile, check, out, json_file, csv_file, executor):
         announce_compiling()
 
     records, missed, without_plot = [], 0, False
-    calls = [(s.id, key, check) for s, key in zip(chosen, machines, strict=True)]
-    with workers_of(executor) as workers:
-        found = in_order(workers, measured_there, calls) if workers else starmap(measured_there, calls)
-        for number, (s, (printed, record, picture)) in enumerate(zip(chosen, found, strict=True)):
-            click.echo("\n" * bool(number) + printed)
+    tasks = [_task(s, key, check) for s, key in zip(chosen, machines, strict=True)]
+    with kept_work(executor, manifest, "studies") as (workers, known):
+        if workers or known is not None:
+            found = ((done.value, done.files) for done in in_order(tasks, workers, known))
+        else:
+            found = (measured_there(**task.parameters) for task in tasks)
+        for number, (s, (value, files)) in enumerate(zip(chosen, found, strict=True)):
+            record, picture = value["record"], files.get(_PLOT)
+            click.echo("\n" * bool(number) + value["printed"])
             missed += _print_checks(record["checks"])
             without_plot |= picture is None
             if picture is not None:
@@ -87,13 +92,32 @@ def study(study_ids, profile, check, out, json_file, csv_file, executor):
         sys.exit(1)
 
 
+_PLOT = "plot.png"
+
+
+def _task(s, key, check):
+    from importlib.util import find_spec
+
+    from fixedpipe.effects.reports.figure_inputs import inputs_of
+    from fixedpipe.effects.studies import STUDIES
+    from fixedpipe.effects.tasks.task import Task
+
+    parameters = {"study_id": s.id, "key": key, "check": check}
+    plots = metadata.version("matplotlib") if find_spec("matplotlib") else None
+    inputs = inputs_of(STUDIES.module_of(s.id), ("study", plots))
+    return Task(measured_there, parameters, f"{s.id} on {key}" if key else s.id, inputs)
+
+
 def measured_there(study_id, key, check):
-    """In a worker: what the terminal shows of a study, its record, and its plot's bytes or None."""
+    """A study, measured by a worker: what the terminal shows, its record, and as a file its plot, if
+    matplotlib is installed.
+    """
     from fixedpipe.effects.studies import STUDIES
 
     s = STUDIES[study_id]
     table, record = measured(s, key, check)
-    return _printed(s, key, table), record, plotted(s, table)
+    picture = plotted(s, table)
+    return {"printed": _printed(s, key, table), "record": record}, {_PLOT: picture} if picture else {}
 
 
 def _machine(s, profile, check):

@@ -29,7 +29,8 @@ def _check(path):
         raise Refusal(f"{path} has {size[0]}x{size[1]} pixels; a capture has {WIDTH}x{HEIGHT}.")
 
 
-def _read(path):
+def read(path):
+    """A capture's pixels, uint8 [HEIGHT, WIDTH, 4]. Raises Refusal."""
     import numpy as np
     from PIL import Image
 
@@ -68,4 +69,4 @@ def find_captures(folder, suites=(), text=""):
         raise Refusal(f"No case in {folder} has a name with {text!r} in it.")
     for _, path in chosen:
         _check(path)
-    return [Capture(suite, path.stem, partial(_read, path)) for suite, path in chosen]
+    return [Capture(suite, path.stem, partial(read, path), path) for suite, path in chosen]

@@ -1,75 +1,72 @@
 """Compare many captures, several at a time, in order. An error in one case does not stop the others."""
 
-import warnings
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields
-from functools import cache
+from pathlib import Path
 
 import numpy as np
 
-from fixedpipe.effects.conformance.redraw import Comparison, compare, known_suites
-from fixedpipe.effects.tasks.executors import of_user
-from fixedpipe.effects.tasks.ordered import in_order
+from fixedpipe.effects.conformance.redraw import Comparison, compare
 from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles import NV2A
-from fixedpipe.pipeline.validation.walk import DisabledTexture
+
+# Cases for each thread that are drawn, or wait for those before them: each holds its pictures.
+_CASES_OF_A_THREAD = 3
 
 
 @dataclass(frozen=True, eq=False)
 class Capture:
-    """A capture by its names; ``read()`` gives its pixels, uint8 [HEIGHT, WIDTH, 4]."""
+    """A capture by its names; ``read()`` gives the pixels of its file ``path``, uint8 [HEIGHT, WIDTH, 4]."""
 
     suite: str
     name: str
     read: Callable[[], np.ndarray]
+    path: Path
 
 
-def _compare(capture, suite, inputs, profile):
-    theirs = capture.read()
+def compared(suite, name, theirs, known, inputs, profile):
+    """The Comparison of a capture ``theirs``; arguments as of ``redraw.compare``. What a case raises is its
+    note.
+    """
     try:
-        return compare(capture.suite, suite, capture.name, theirs, inputs, 1, profile)
+        return compare(suite, known, name, theirs, inputs, 1, profile)
     # A case is a program of its own: whatever stops it, the other cases' results are worth having.
     except Exception as error:
         note = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        return Comparison(suite=capture.suite, name=capture.name, theirs=theirs, failed=True, note=note)
+        return Comparison(suite=suite, name=name, theirs=theirs, failed=True, note=note)
 
 
-def compare_all(captures, suites, inputs, threads=None, profile=NV2A, executor=None):
+def compare_all(captures, suites, inputs, threads=None, profile=NV2A):
     """Yield the Comparison of every Capture, in their order.
 
-    suites    by name (``known_suites()``)
-    inputs    an Inputs
-    threads   cases at a time; None: one per processor
-    profile   the machine
-    executor  a ``concurrent.futures.Executor`` in place of threads; its workers find the suites themselves,
-              and the captures' ``read`` has to be picklable
+    suites   by name (``known_suites()``)
+    inputs   an Inputs
+    threads  cases at a time; None: one per processor
+    profile  the machine
 
-    The bits are the same for any number and any executor. What ``read`` raises is raised here; what a case
-    raises is its Comparison's note. Raises Refusal as ``tasks.ordered.in_order``.
+    The bits are the same for any number. What ``read`` raises is raised here; what a case raises is its
+    Comparison's note.
     """
-    if executor is None:
-        with ThreadPoolExecutor(threads or default_threads(), "fixedpipe-case") as pool:
-            cases = ((c, suites.get(c.suite), inputs, profile) for c in captures)
-            yield from in_order(of_user(pool), _compare, cases)
-        return
-    cases = ((c, inputs, profile) for c in captures)
-    yield from in_order(of_user(executor), _compare_there, cases, _said)
+    threads = threads or default_threads()
 
+    def case(capture):
+        known = suites.get(capture.suite)
+        return compared(capture.suite, capture.name, capture.read(), known, inputs, profile)
 
-def _said(capture, *_):
-    return f"{capture.suite}/{capture.name}"
-
-
-@cache
-def _suites():
-    """Of a process that compares cases."""
-    warnings.simplefilter("ignore", DisabledTexture)  # captures are what a chip drew of it
-    return known_suites()
-
-
-def _compare_there(capture, inputs, profile):
-    return _compare(capture, _suites().get(capture.suite), inputs, profile)
+    pending: deque = deque()
+    with ThreadPoolExecutor(threads, "fixedpipe-case") as pool:
+        try:
+            for capture in captures:
+                pending.append(pool.submit(case, capture))
+                if len(pending) >= _CASES_OF_A_THREAD * threads:
+                    yield pending.popleft().result()
+            while pending:
+                yield pending.popleft().result()
+        finally:
+            for future in pending:
+                future.cancel()
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """What is computed at one point of a sweep: pure functions at the top of a module, which tasks name."""
 
-import hashlib
 import math
 from functools import cache
 from pathlib import Path
@@ -13,6 +12,7 @@ from fixedpipe.effects.reports.figure_record import variant_name
 from fixedpipe.effects.reports.own_figures import figure_of
 from fixedpipe.effects.studies import STUDIES
 from fixedpipe.effects.sweeps.scripts import script_of
+from fixedpipe.effects.tasks.environment import file_digest
 from fixedpipe.pipeline.execution.machine import execute
 from fixedpipe.pipeline.framebuffers.pictures import png
 from fixedpipe.pipeline.golden.digests import digest
@@ -24,11 +24,6 @@ _FULL = 255.0  # errors are in 1/255 of full intensity
 
 class OtherFile(RuntimeError):  # noqa: N818 (it names what is there)
     """A worker has another file under a name than the client."""
-
-
-def file_digest(path):
-    """SHA-256 of a file's bytes. Raises OSError."""
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
 @cache  # a worker reads a file once

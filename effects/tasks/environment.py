@@ -9,6 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.tasks.task import canonical
 
 # Packages whose version could change a result.
 _PACKAGES = ("numpy", "scipy", "numba", "llvmlite", "pillow")
@@ -36,6 +37,26 @@ def environment():
                 sources.update(hashlib.sha256(path.read_bytes()).digest())
     found["the sources of fixedpipe"] = sources.hexdigest()[:16]
     return found
+
+
+def whole_inputs(*more):
+    """The ``Task.inputs`` of work that may import anything of fixedpipe: the environment, and ``more`` that
+    JSON can hold.
+    """
+    return canonical([environment(), *more]).decode()
+
+
+_LONGEST_NAME = 4096  # bytes. Source: PATH_MAX of Linux, limits.h
+
+
+def file_digests(texts):
+    """The digests of those texts that name files, whose content a result depends on. Raises OSError."""
+    return [file_digest(text) for text in texts if len(text) < _LONGEST_NAME and Path(text).is_file()]
+
+
+def file_digest(path):
+    """SHA-256 of a file's bytes. Raises OSError."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
 def name_of_worker():

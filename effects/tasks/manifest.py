@@ -23,21 +23,25 @@ CREATE TABLE IF NOT EXISTS done (
     digest TEXT PRIMARY KEY, value TEXT NOT NULL, refused TEXT NOT NULL, seconds REAL NOT NULL,
     worker TEXT NOT NULL, files TEXT NOT NULL
 ) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS contents (
+    digest TEXT NOT NULL, name TEXT NOT NULL, data BLOB NOT NULL, PRIMARY KEY (digest, name)
+);
 """
 
 
 class Manifest:
     """Finished tasks: their Outcomes by digest.
 
-    path   of the file, made if it is missing; None: kept in memory alone
-    about  what work it is of, in words; the file of other work is refused
+    path        of the file, made if it is missing; None: kept in memory alone
+    about       what work it is of, in words; the file of other work is refused
+    with_files  whether it holds the bytes of the tasks' files too; without, their names alone
 
     One client at a time has the file open. Raises Refusal for a file that another client has open, that
     cannot be read or written, that is damaged or something else, or that is of other work.
     """
 
-    def __init__(self, path, about):
-        self.path = None if path is None else Path(path)
+    def __init__(self, path, about, *, with_files=False):
+        self.path, self._with_files = None if path is None else Path(path), with_files
         try:
             self._file = sqlite3.connect(":memory:" if path is None else path, timeout=0)
             self._file.execute("PRAGMA locking_mode = EXCLUSIVE")
@@ -83,15 +87,19 @@ class Manifest:
         return Refusal(f"{self.path} cannot be written: {said}. What was done before is kept in it.")
 
     def find(self, digest):
-        """The Outcome of a finished task, its files by name without their bytes; None: it is not done."""
+        """The Outcome of a finished task, its files by name, without their bytes where the manifest does not
+        hold them; None: it is not done.
+        """
         row = self._file.execute(
             "SELECT value, refused, seconds, worker, files FROM done WHERE digest = ?", (digest,)
         ).fetchone()
         if row is None:
             return None
         value, refused, seconds, worker, files = row
-        names = dict.fromkeys(json.loads(files), b"")
-        return Outcome(json.loads(value), refused, "", seconds, worker, names)
+        found = dict.fromkeys(json.loads(files), b"")
+        if self._with_files:
+            found |= dict(self._file.execute("SELECT name, data FROM contents WHERE digest = ?", (digest,)))
+        return Outcome(json.loads(value), refused, "", seconds, worker, found)
 
     def keep(self, digest, outcome):
         """Keep an Outcome that did not fail. Raises Refusal where the file cannot be written."""
@@ -105,6 +113,9 @@ class Manifest:
         )
         try:
             self._file.execute("INSERT OR REPLACE INTO done VALUES (?, ?, ?, ?, ?, ?)", row)
+            if self._with_files:
+                contents = [(digest, name, data) for name, data in outcome.files.items()]
+                self._file.executemany("INSERT OR REPLACE INTO contents VALUES (?, ?, ?)", contents)
             if time.monotonic() - self._committed >= _SECONDS_BETWEEN_COMMITS:
                 self.commit()
         except sqlite3.Error as error:
@@ -114,6 +125,7 @@ class Manifest:
         """Keep nothing of what was done. Raises Refusal where the file cannot be written."""
         try:
             self._file.execute("DELETE FROM done")
+            self._file.execute("DELETE FROM contents")
             self.commit()
         except sqlite3.Error as error:
             raise self._refusal(error) from error

@@ -1,56 +1,77 @@
-"""Results of calls in the calls' order, whoever computes them."""
+"""Outcomes of tasks in the tasks' order, whoever computes them."""
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError
-from typing import Any
 
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.tasks.executors import Workers
+from fixedpipe.effects.tasks.manifest import Manifest
+from fixedpipe.effects.tasks.task import Outcome, Task
+from fixedpipe.effects.tasks.worker import batch
 
 # Calls for each worker that are sent, computed, or wait for those before them: each holds its result.
 _CALLS_OF_A_WORKER = 3
-# How often a call is sent whose worker ends. Assumed: memory may end a worker because of a neighbour, but
+# How often a task is sent whose worker ends. Assumed: memory may end a worker because of a neighbour, but
 # not three times.
 _TRIES = 3
 
 
 def in_order(
-    workers: Workers,
-    function: Callable[..., Any],
-    calls: Iterable[tuple[Any, ...]],
-    said: Callable[..., str] = lambda *arguments: ", ".join(map(str, arguments)),
-) -> Iterator[Any]:
-    """The results of ``function(*arguments)`` for each of ``calls``, in their order.
+    tasks: Iterable[Task], workers: Workers | None = None, manifest: Manifest | None = None
+) -> Iterator[Outcome]:
+    """The Outcomes of tasks, in their order; each has a value.
 
-    A function at the top of a module, and arguments, that can be pickled. ``calls`` are asked for a few ahead
-    of the results that were taken. ``said``: what a call is called in a Refusal.
+    tasks     asked for a few ahead of the Outcomes that were taken
+    workers   None: computed here, one after the other
+    manifest  where finished tasks are found, with their files, and kept; None: nowhere
 
-    Raises what the function raises, and Refusal for a call whose worker ended three times.
+    Raises Refusal, which names the task, for one that is refused, fails, or whose worker ended three times.
     """
     pending: deque = deque()
+    most = 1 if workers is None else _CALLS_OF_A_WORKER * max(workers.workers(), 1)
     try:
-        for arguments in calls:
-            pending.append((arguments, workers.submit(function, *arguments)))
-            if len(pending) >= _CALLS_OF_A_WORKER * max(workers.workers(), 1):
-                yield _result(workers, function, *pending.popleft(), said)
+        for task in tasks:
+            known = None if manifest is None else manifest.find(task.digest)
+            pending.append((task, known, None if known or workers is None else _sent(workers, task)))
+            if len(pending) >= most:
+                yield _outcome(workers, manifest, *pending.popleft())
         while pending:
-            yield _result(workers, function, *pending.popleft(), said)
+            yield _outcome(workers, manifest, *pending.popleft())
     finally:
-        for _, future in pending:
-            future.cancel()
+        for _, _, future in pending:
+            if future is not None:
+                future.cancel()
+        if manifest is not None:
+            manifest.commit()
 
 
-def _result(workers, function, arguments, future, said):
-    for _ in range(_TRIES - 1):
-        try:
-            return future.result()
-        except (BrokenExecutor, CancelledError):
-            try:
-                future = workers.submit(function, *arguments)
-            except RuntimeError as error:  # the executor itself has ended
-                raise Refusal(f"The executor ended while it computed {said(*arguments)}: {error}") from error
+def _sent(workers, task):
     try:
-        return future.result()
-    except (BrokenExecutor, CancelledError) as error:
-        raise Refusal(f"The worker that computed {said(*arguments)} ended, {_TRIES} times.") from error
+        return workers.submit(batch, [(task.work, dict(task.parameters))])
+    except RuntimeError as error:  # the executor itself has ended; a BrokenExecutor, too
+        raise Refusal(f"The executor ended before {task.said}: {error}") from error
+
+
+def _outcome(workers, manifest, task, known, future):
+    if known is None:
+        known = batch([(task.work, task.parameters)])[0] if future is None else _came(workers, task, future)
+        if manifest is not None and not known.failed:
+            manifest.keep(task.digest, known)
+    if known.refused:
+        raise Refusal(known.refused)
+    if known.failed:
+        raise Refusal(f"{task.said} failed: {known.failed}")
+    return known
+
+
+def _came(workers, task, future):
+    """The Outcome of a call, which is sent again where its worker ends."""
+    for tries in range(1, _TRIES + 1):
+        try:
+            return future.result()[0]
+        except (BrokenExecutor, CancelledError) as error:
+            if tries == _TRIES:
+                raise Refusal(f"The worker that computed {task.said} ended, {_TRIES} times.") from error
+            future = _sent(workers, task)
+    return None

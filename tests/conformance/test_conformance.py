@@ -17,11 +17,13 @@ from click.testing import CliRunner
 from PIL import Image
 
 from fixedpipe.effects.cli import main
-from fixedpipe.effects.conformance import redraw, run
+from fixedpipe.effects.conformance import redraw, run, tasks
 from fixedpipe.effects.conformance.captures import find_captures
 from fixedpipe.effects.conformance.case import HEIGHT, WIDTH, Case, Exclusion, Inputs, MissingInput, Suite
 from fixedpipe.effects.conformance.run import compare_all
 from fixedpipe.effects.reports.conformance import difference_picture
+from fixedpipe.effects.tasks.executors import opened
+from fixedpipe.effects.tasks.manifest import Manifest
 from fixedpipe.pipeline.commands import Clear
 from fixedpipe.pipeline.profiles import NV2A
 from fixedpipe.pipeline.validation.validate import validate
@@ -431,6 +433,51 @@ def test_any_number_of_threads_gives_the_cases_in_their_order(suites, tmp_path, 
     found = list(compare_all(find_captures(tmp_path), suites, Inputs(None), threads))
     assert [c.name for c in found] == names
     assert all(c.exact for c in found)
+
+
+def same(a, b):
+    pictures = ("theirs", "ours", "compared", "equal")
+    return (a.suite, a.name, a.note, a.failed) == (b.suite, b.name, b.note, b.failed) and all(
+        np.array_equal(getattr(a, name), getattr(b, name)) for name in pictures
+    )
+
+
+def test_a_manifest_gives_the_comparisons_again(suites, tmp_path, monkeypatch):
+    tasks._suites.cache_clear()
+    monkeypatch.setattr(tasks, "known_suites", lambda: suites)
+    save(tmp_path / "all", "Plain", "Red", ((1, 2), BLUE))
+    save(tmp_path / "all", "Broken", "Red")
+    save(tmp_path / "all", "Unheard_of", "Red")
+    captures, inputs = find_captures(tmp_path / "all"), Inputs(None)
+    expected = list(compare_all(captures, suites, inputs, 1))
+    drawn, compared = [], tasks.compared
+
+    def counted(suite, *given):
+        drawn.append(suite)
+        return compared(suite, *given)
+
+    monkeypatch.setattr(tasks, "compared", counted)
+    for number in (2, 3, 3):
+        with Manifest(tmp_path / "m", "captures", with_files=True) as manifest:
+            found = list(tasks.compare_by(None, manifest, captures[:number], inputs))
+        assert all(map(same, found, expected[:number])) and len(found) == number
+    assert drawn == ["Broken", "Plain", "Unheard_of"]
+    # Another picture under the same name is another task.
+    save(tmp_path / "all", "Plain", "Red")
+    with Manifest(tmp_path / "m", "captures", with_files=True) as manifest:
+        *_, again, _ = tasks.compare_by(None, manifest, captures, inputs)
+    assert again.exact and drawn[3:] == ["Plain"]
+    tasks._suites.cache_clear()
+
+
+def test_processes_find_the_suites_themselves(tmp_path):
+    for suite, known in sorted(SUITES.items())[:2]:
+        save(tmp_path, suite, known.names()[0])
+    save(tmp_path, "Unheard_of", "Red")
+    captures, inputs = find_captures(tmp_path), Inputs(None)
+    with opened("processes:1") as workers:
+        found = list(tasks.compare_by(workers, None, captures, inputs))
+    assert all(map(same, found, compare_all(captures, SUITES, inputs, 1))) and len(found) == 3
 
 
 def test_a_difference_is_seen_and_what_is_not_compared_is_told_apart():

@@ -68,3 +68,17 @@ def test_checks_that_stop_have_refused():
 
     figure = replace(FIGURES["F001-14"], acceptance=stops)
     assert first_failed(figure, figure.machines[0]) == "the checks stop: ZeroDivisionError: nothing is lit"
+
+
+def test_figures_that_a_manifest_has_are_not_measured_again(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(wrong_pictures, "results_of", lambda figure_id: [("dark", None), ("flat", "a check")])
+    monkeypatch.setattr("sys.argv", ["", "F001-14", "--manifest", str(tmp_path / "m")])
+    assert wrong_pictures.main()
+    monkeypatch.setattr(wrong_pictures, "results_of", lambda figure_id: pytest.fail("it was measured again"))
+    assert wrong_pictures.main()
+    expected = [
+        "F001-14: dark: SURVIVED",
+        "F001-14: flat: a check",
+        "F001-14: 1 of 2 wrong pictures are refused",
+    ]
+    assert capsys.readouterr().out.splitlines() == expected * 2

@@ -4,6 +4,7 @@ import pytest
 from click.testing import CliRunner
 
 from fixedpipe.effects.cli import main
+from fixedpipe.effects.presentation import variation
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.reports import figure_tasks
 from fixedpipe.effects.reports.figure_pool import Order
@@ -58,6 +59,43 @@ def test_studies(tmp_path):
     two = run("study", "P32", "P26", "--out", tmp_path / "two", *BY_TWO)
     assert one.stdout.replace("/one", "/two") == two.stdout
     assert contents(tmp_path / "one") == contents(tmp_path / "two")
+
+
+def test_what_is_finished_of_an_animation_is_not_drawn_again(tmp_path, monkeypatch):
+    moves = "animate", "K12", "--vary", "depth=0:0.4:3", "--size", "16", "--out"
+    run(*moves, tmp_path / "whole.png")
+    kept, picture = ("--manifest", tmp_path / "m"), variation.picture_of
+    drawn = []
+
+    def ends(figure, profile, frame, *more):
+        drawn.append(frame.changes["depth"])
+        if len(drawn) == 2:
+            raise MemoryError("no room")
+        return picture(figure, profile, frame, *more)
+
+    monkeypatch.setattr(variation, "picture_of", ends)
+    failed = run(*moves, tmp_path / "a.png", *kept, status=2)
+    assert "K12 depth=0.2 on GEFORCE_256 failed: MemoryError: no room (" in failed.stderr
+    assert not (tmp_path / "a.png").exists()
+    found = run(*moves, tmp_path / "a.png", *kept)
+    assert "has 1 finished task." in found.stderr and drawn == [0.0, 0.2, 0.2, 0.4]
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "whole.png").read_bytes()
+    other = run("animate", "K02", "--precision", "6:7", *moves[-3:], tmp_path / "b.png", *kept, status=2)
+    assert "is the manifest of an animation of K12, and this is an animation of K02" in other.stderr
+
+
+def test_what_is_finished_of_studies_is_not_measured_again(tmp_path, monkeypatch):
+    studies, kept = ("study", "P32", "P26", "--out"), ("--manifest", tmp_path / "m")
+    one = run(*studies, tmp_path / "one")
+    run("study", "P32", "--out", tmp_path / "two", *kept)
+    both = run(*studies, tmp_path / "two", *kept)
+    monkeypatch.setattr(
+        "fixedpipe.effects.cli.study.measured", lambda *_: pytest.fail("it was measured again")
+    )
+    again = run(*studies, tmp_path / "three", *kept)
+    assert "has 1 finished task." in both.stderr and "has 2 finished tasks." in again.stderr
+    assert one.stdout == again.stdout.replace("/three", "/one") == both.stdout.replace("/two", "/one")
+    assert contents(tmp_path / "one") == contents(tmp_path / "two") == contents(tmp_path / "three")
 
 
 @pytest.mark.parametrize(

@@ -72,6 +72,15 @@ def test_the_command_line_checks_one_seed(capsys):
     assert "no difference" in capsys.readouterr().out
 
 
+def test_frames_that_a_manifest_has_are_not_drawn_again(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(fuzz, "FRAMES_OF_A_CALL", 2)
+    some = "--frames", "4", "--first-seed", "20000", "--manifest", str(tmp_path / "m")
+    assert fuzz.main(some) == 0
+    monkeypatch.setattr(fuzz, "check", lambda frame: pytest.fail("it was drawn again"))
+    assert fuzz.main(some) == 0
+    assert [line.split(" in ")[0] for line in capsys.readouterr().out.splitlines()] == ["4 frames"] * 2
+
+
 def run(frames, first_seed, *options, **environment):
     """The fuzz in a process of its own: under another processor, or with every index checked."""
     arguments = "--frames", frames, "--first-seed", first_seed, *options
