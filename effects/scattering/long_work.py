@@ -6,24 +6,34 @@ half of a file never appears. After an error, a signal or a power cut, the work 
 in the manifest. In the end the bytes are the same, however often the work was stopped and however many
 processors it ran on.
 
-One run at a time may work in a folder.
+One run at a time works in a folder; another is refused, where the system can lock folders.
 """
 
 import hashlib
 import io
 import json
 import os
-from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from collections import Counter
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, wait
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 
 from fixedpipe.effects.refusal import Refusal
 
+try:
+    import fcntl
+except ImportError:  # where folders are not locked
+    fcntl = None
+
 MANIFEST = "manifest.json"
 _FORMAT = 1
 # What files are called while they are written.
 _PARTIAL = ".partial-"
+# How often a piece is computed whose worker ends. Assumed: memory may end a worker because of a neighbour,
+# but not three times.
+_TRIES = 3
 
 
 def digest(parameters):
@@ -63,15 +73,33 @@ def _array_bytes(array):
     return stream.getvalue()
 
 
+def _locked(folder):
+    """Lock a folder against other runs: its descriptor, None where folders are not locked. Raises Refusal."""
+    if fcntl is None:
+        return None
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(descriptor)
+        raise Refusal(
+            f"{folder} is in use by another process; wait for it, or give another folder."
+        ) from error
+    except OSError:  # a file system without locks
+        pass
+    return descriptor
+
+
 class Folder:
-    """The finished pieces of one work.
+    """The finished pieces of one work, for one run at a time: a context.
 
     path        the folder; it is made if it is missing
     parameters  the work's parameters, a dict that JSON can hold
     pieces      how many pieces there are
 
-    Raises Refusal for a folder that cannot be written, a manifest or a piece that is damaged, a manifest with
-    other parameters, and pieces without a manifest. The folder's contents then stay unchanged.
+    Raises Refusal for a folder that cannot be written or that another run has, a manifest or a piece that is
+    damaged, a manifest with other parameters, and pieces without a manifest. The folder's contents then stay
+    unchanged.
     """
 
     def __init__(self, path, parameters, pieces):
@@ -85,6 +113,23 @@ class Folder:
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise Refusal(f"The folder {self.path} cannot be made: {reason}.") from error
+        self._lock = _locked(self.path)
+        try:
+            self._begin()
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        """Let another run have the folder."""
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+
+    def _begin(self):
         if self._manifest.exists():
             self.done = self._read()
         elif any(self.path.glob("piece-*.npy")):
@@ -189,10 +234,18 @@ def run(tasks, work, *, folder=None, parameters=None, executor: Executor | None 
     executor    a concurrent.futures.Executor; None: one after the other, here
     progress    None, or a function that is called with how many are done, first those that were there
 
-    Raises Refusal as ``Folder`` does, and what ``work`` or the executor raise: pieces done until then stay.
+    A piece whose worker ends is computed again. Raises Refusal as ``Folder`` does and for a piece whose
+    worker ended three times, and what ``work`` or the executor raise: pieces done until then stay.
     """
     tasks = list(tasks)
-    kept = None if folder is None else Folder(folder, parameters or {}, len(tasks))
+    with ExitStack() as held:
+        kept = None
+        if folder is not None:
+            kept = held.enter_context(Folder(folder, parameters or {}, len(tasks)))
+        return _run(tasks, work, kept, executor, progress)
+
+
+def _run(tasks, work, kept, executor, progress):
     found = {} if kept is None else {piece: kept.piece(piece) for piece in kept.done}
 
     def came(piece, array):
@@ -214,22 +267,37 @@ def run(tasks, work, *, folder=None, parameters=None, executor: Executor | None 
 
 
 def _share(missing, tasks, work, executor, came):
-    waiting = {}
+    waiting, lost = {}, Counter()
     try:
         for piece in missing:
             waiting[executor.submit(work, tasks[piece])] = piece
         while waiting:
             done, _ = wait(waiting, return_when=FIRST_COMPLETED)
-            failed = None
+            failed, again = None, []
             # Those that came with one that failed are kept before it is said.
             for future in sorted(done, key=waiting.get):
                 piece = waiting.pop(future)
-                if future.exception() is None:
+                error = future.exception()
+                if error is None:
                     came(piece, future.result())
-                else:
-                    failed = failed or future.exception()
+                    continue
+                if isinstance(error, BrokenExecutor):
+                    lost[piece] += 1
+                    if lost[piece] < _TRIES:
+                        again.append(piece)
+                        continue
+                    error = _ended(piece, error)
+                failed = failed or error
             if failed is not None:
                 raise failed
+            for piece in again:
+                waiting[executor.submit(work, tasks[piece])] = piece
     finally:
         for future in waiting:
             future.cancel()
+
+
+def _ended(piece, error):
+    refusal = Refusal(f"The worker that computed piece {piece} ended, {_TRIES} times; what is done is kept.")
+    refusal.__cause__ = error
+    return refusal

@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
 import numpy as np
@@ -87,6 +87,44 @@ def test_what_was_stopped_goes_on_where_it_was(tmp_path, whole, count, on_submit
     first = 0 if on_submit else count
     assert asked == TASKS[first:]
     assert done == list(range(first, len(TASKS) + 1))
+
+
+class Loses(Executor):
+    """Loses each of the first ``count`` calls for the third task, as a pool does whose process ends."""
+
+    def __init__(self, count):
+        self.left = count
+
+    def submit(self, work, task):
+        future = Future()
+        if task == 2 and self.left:
+            self.left -= 1
+            future.set_exception(BrokenExecutor("a process ended"))
+        else:
+            future.set_result(work(task))
+        return future
+
+
+def test_a_piece_whose_worker_ends_is_computed_again(tmp_path, whole):
+    done_in(tmp_path / "f", executor=Loses(2))
+    assert files(tmp_path / "f") == whole
+    with pytest.raises(
+        Refusal, match=r"The worker that computed piece 2 ended, 3 times; what is done is kept"
+    ):
+        done_in(tmp_path / "g", executor=Loses(3))
+    assert len(list((tmp_path / "g").glob("piece-*"))) == 5
+
+
+@pytest.mark.skipif(os.name != "posix", reason="folders are not locked")
+def test_a_second_run_in_a_folder_is_refused_and_the_first_goes_on(tmp_path, whole):
+    def meanwhile(done):
+        if done == 3:
+            with pytest.raises(Refusal, match="is in use by another process; wait for it, or give another"):
+                done_in(tmp_path / "f")
+
+    done_in(tmp_path / "f", progress=meanwhile)
+    assert files(tmp_path / "f") == whole
+    done_in(tmp_path / "f")
 
 
 KILLED = """
