@@ -20,13 +20,13 @@ from fixedpipe.effects.reports.figure_inputs import inputs_of
 from fixedpipe.effects.reports.own_figures import KIND, figure_of
 from fixedpipe.effects.studies import STUDIES
 from fixedpipe.effects.sweeps.grid import BITS, Axis, at, axis, bits_axis, kind_of_texts, points
-from fixedpipe.effects.sweeps.points import figure_point, file_digest, script_point, study_point
+from fixedpipe.effects.sweeps.points import figure_point, script_point, study_point
 from fixedpipe.effects.sweeps.scripts import script_of
-from fixedpipe.effects.tasks.environment import environment
+from fixedpipe.effects.tasks.environment import file_digest, file_digests, whole_inputs
 from fixedpipe.effects.tasks.executors import of_user
 from fixedpipe.effects.tasks.manifest import Manifest
 from fixedpipe.effects.tasks.run import run
-from fixedpipe.effects.tasks.task import Outcome, Task, canonical
+from fixedpipe.effects.tasks.task import Outcome, Task
 from fixedpipe.pipeline.profiles import PROFILES
 
 MACHINE, TASK = "machine", "task"
@@ -215,8 +215,9 @@ def _of_figure(asked, checks, reference, pictures):
                 for name, text in (asked.settings | texts).items()
             }
             figure.accepted(known, parsed)
-    files = _contents(asked.settings.values(), axes)
-    inputs = _inputs(files) if own_file else inputs_of(FIGURES.module_of(figure.id), ("sweep", *files))
+    varied = (text for one in axes for text in one.texts if one.values == one.texts)
+    files = file_digests([*asked.settings.values(), *varied])
+    inputs = whole_inputs(*files) if own_file else inputs_of(FIGURES.module_of(figure.id), ("sweep", *files))
     flags = {"checks": checks, "reference": reference, "picture": pictures}
 
     def task_of(values, texts):
@@ -254,17 +255,6 @@ def _with_parameters(asked, figure, machines):
     if not kept:
         raise Refusal(left_out[0].partition(": ")[2])
     return Axis(MACHINE, tuple(kept), tuple(kept)), tuple(left_out)
-
-
-def _contents(settings, axes):
-    """The digests of files among values, whose content a result depends on."""
-    texts = [*settings, *(text for one in axes for text in one.texts if one.values == one.texts)]
-    return [file_digest(text) for text in texts if len(text) < 4096 and Path(text).is_file()]
-
-
-def _inputs(files):
-    """The inputs of what a user's file draws, which may import anything of fixedpipe."""
-    return canonical([environment(), *files]).decode()
 
 
 def _of_study(asked, checks, more):
@@ -321,7 +311,7 @@ def _of_script(asked, more, pictures):
     points(axes)
     names = [one.name for one in axes if one.name not in (MACHINE, BITS)]
     script.check({name: None for name in names})
-    inputs = _inputs(())
+    inputs = whole_inputs()
 
     def task_of(values, texts):
         parameters = {
@@ -361,6 +351,7 @@ def sweep(
     machines: Sequence[str] = (PAPER,),
     *,
     executor: Executor | None = None,
+    workers: int | None = None,
     manifest: str | Path | None = None,
     **more: Any,
 ) -> Swept:
@@ -368,15 +359,16 @@ def sweep(
 
     what, varied, machines, more  as ``sweep_of`` takes them, without pictures
     executor                      any ``concurrent.futures.Executor``; None: here, one point after the other
+    workers                       how many workers it has, where it does not say so (``of_user``)
     manifest                      the file where finished points are found and kept; None: in memory
 
     Raises Refusal as ``sweep_of``, ``Manifest`` and ``run`` do.
     """
     asked = sweep_of(what, varied, machines, **more)
     done = Swept(asked, Manifest(manifest, asked.about))
-    workers = None if executor is None else of_user(executor)
-    count = workers.workers if workers else lambda: 1
-    for task, outcome in run(asked.tasks(), workers, done.manifest, workers=count):
+    by = None if executor is None else of_user(executor, workers)
+    count = by.workers if by else lambda: 1
+    for task, outcome in run(asked.tasks(), by, done.manifest, workers=count):
         if outcome.failed:
             done.failed[task.digest] = f"{task.said}: {outcome.failed}"
     return done

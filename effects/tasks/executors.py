@@ -9,9 +9,9 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from fixedpipe.effects.refusal import Refusal, no_such
-from fixedpipe.effects.tasks.environment import UnfitWorker, check_environment, environment
+from fixedpipe.effects.tasks.environment import UnfitWorker, environment
 from fixedpipe.effects.tasks.processes import Processes
-from fixedpipe.effects.tasks.worker import at_worker, process
+from fixedpipe.effects.tasks.worker import at_worker, process, unfit
 from fixedpipe.pipeline.native.threads import default_threads
 
 # What may be named, in words.
@@ -45,15 +45,17 @@ class Workers(Executor):
         self.inner.shutdown(wait=wait, **({"cancel_futures": True} if cancel_futures else {}))
 
 
-def of_user(executor: Executor) -> Workers:
+def of_user(executor: Executor, workers: int | None = None) -> Workers:
     """A user's own executor with checked workers.
 
-    How many these are is what the executor calls ``_max_workers`` (those of Python's library do), or one for
-    each processor.
+    workers  how many they are; None: the threads of Dask's cluster; what the executor calls ``_max_workers``,
+             as those of Python's library, loky and mpi4py do; or one for each processor
     """
     if isinstance(executor, Workers):
         return executor
-    count = getattr(executor, "_max_workers", None) or default_threads()
+    if type(executor).__module__.partition(".")[0] == "distributed" and not workers:
+        return _of_dask(executor._client, executor._kwargs.get("workers"), 1)
+    count = workers or getattr(executor, "_max_workers", None) or default_threads()
     return Workers(executor, lambda: count)
 
 
@@ -186,47 +188,62 @@ def _dask(held, text, threads, say):
             f"No scheduler of dask answers at {text} ({type(error).__name__}: {error}); begin one by "
             "dask scheduler, and give the address that it prints."
         ) from error
-    fit = _fit(client, say)
-    pool = client.get_executor(pure=False, **({} if fit is None else {"workers": fit}))
-    held.callback(pool.shutdown, wait=False)
+    threads = threads or 1
+    fit = _fit(client, threads, say)
+    found = _of_dask(client, fit, threads)
+    held.callback(found.shutdown, wait=False)
+    return found
 
+
+def _of_dask(client, among, threads):
+    """A Dask client's Workers; ``among``: the addresses of those that may compute, None: all."""
+    # A call is not pure to Dask: one that was lost is sent again, and is not to be found as it ended.
+    pool = client.get_executor(pure=False, **({} if among is None else {"workers": among}))
     counted, count_at = 0, -_SECONDS_BETWEEN_COUNTS
 
     def count_of():
         nonlocal counted, count_at
         if time.monotonic() - count_at >= _SECONDS_BETWEEN_COUNTS:  # each asks the scheduler
             known = client.scheduler_info(n_workers=-1)["workers"]
-            counted = sum(worker["nthreads"] for name, worker in known.items() if fit is None or name in fit)
+            counted = sum(w["nthreads"] for name, w in known.items() if among is None or name in among)
             count_at = time.monotonic()
         return counted
 
-    return Workers(pool, count_of, threads or 1)
+    return Workers(pool, count_of, threads)
 
 
 _LOST_WORKERS = 3  # of one call, before dask gives it up
 _ADDRESS = re.compile(r"(tcp|tls|ws|wss)://[^/]+:\d{1,5}")
 
 
-def _fit(client, say):
+def _fit(client, threads, say):
     """The addresses of the workers that compute as this client does; None: all. The others are named, and
     left out. Raises UnfitWorker where none is left.
     """
-    unfit = {a: said for a, said in client.run(_unfit, environment(), on_error="return").items() if said}
-    for address, said in unfit.items():
+    there = client.scheduler_info(n_workers=-1)["workers"]
+    # In a thread of each, since kernels may have to be compiled there, while it answers the scheduler.
+    asked = {
+        address: client.submit(unfit, environment(), threads, workers=[address], pure=False)
+        for address in there
+    }
+    left_out = {address: said for address, call in asked.items() if (said := _said(client, address, call))}
+    for address, said in left_out.items():
         say(f"{address} is left out. {said}")
-    fit = [address for address in client.scheduler_info(n_workers=-1)["workers"] if address not in unfit]
-    if not fit:
-        raise UnfitWorker("Every worker has other versions than this client, so none is left.")
-    return fit if unfit else None
+    if len(left_out) == len(there):
+        raise UnfitWorker("No worker is left: each has other versions or other bits than this client.")
+    return [address for address in there if address not in left_out] if left_out else None
 
 
-def _unfit(client):
-    """In a worker: the sentence that says what differs, or None."""
-    try:
-        check_environment(client)
-    except UnfitWorker as error:
-        return str(error)
-    return None
+def _said(client, address, call):
+    while True:
+        try:
+            error = call.exception(timeout=_SECONDS_BETWEEN_COUNTS)
+        except TimeoutError:  # it compiles, or it has ended, and the call waits for it for ever
+            if address not in client.scheduler_info(n_workers=-1)["workers"]:
+                call.cancel()
+                return "It has ended."
+        else:  # the error of a worker that has no fixedpipe, or another Python
+            return call.result() if error is None else f"{type(error).__name__}: {error}"
 
 
 _KINDS = {"processes": _processes, "dask": _dask, "mpi": _mpi, "loky": _loky}

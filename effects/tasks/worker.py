@@ -7,7 +7,12 @@ import traceback
 from os import getpid
 
 from fixedpipe.effects.refusal import Refusal
-from fixedpipe.effects.tasks.environment import check_bits, check_environment, name_of_worker
+from fixedpipe.effects.tasks.environment import (
+    UnfitWorker,
+    check_bits,
+    check_environment,
+    name_of_worker,
+)
 from fixedpipe.effects.tasks.task import Outcome, canonical
 
 _prepared = False
@@ -34,16 +39,16 @@ def at_worker(client, environment, threads, function, arguments, keywords):
 
 
 def _prepare(environment, threads):
-    """Once in a process: compare versions, compile what the cache lacks, draw the self-test.
+    """Compare versions, and once in a process compile what the cache lacks, and draw the self-test.
 
     All workers of a host may begin at once: a kernel's lock lets one of them compile it, and the others read
     it then from the cache (``fixedpipe.raster.kernel``).
     """
     global _prepared
+    check_environment(environment)  # of each client: a worker may outlive its first
     with _lock:
         if _prepared:
             return
-        check_environment(environment)
         from fixedpipe.pipeline.native.background_compiling import make_ready
         from fixedpipe.pipeline.native.compiling import watch_compiling
         from fixedpipe.pipeline.native.threads import limit_threads
@@ -54,6 +59,15 @@ def _prepare(environment, threads):
             make_ready(engine)
         check_bits()
         _prepared = True
+
+
+def unfit(environment, threads):
+    """Prepare this worker: the sentence that says why it does not compute as the client does, or ""."""
+    try:
+        _prepare(environment, threads)
+    except UnfitWorker as error:
+        return str(error)
+    return ""
 
 
 def batch(tasks):

@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -13,9 +14,12 @@ from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.tasks import environment as environments
 from fixedpipe.effects.tasks.environment import UnfitWorker, check_bits, check_environment, environment
 from fixedpipe.effects.tasks.executors import Workers, of_user, opened
+from fixedpipe.effects.tasks.manifest import Manifest
 from fixedpipe.effects.tasks.ordered import in_order
 from fixedpipe.effects.tasks.processes import Processes
 from fixedpipe.effects.tasks.run import run
+from fixedpipe.effects.tasks.worker import unfit
+from fixedpipe.pipeline.native.threads import default_threads
 from tests.effects.tasks import works
 from tests.effects.tasks.works import tasks_of
 from tests.layers import ROOT
@@ -97,22 +101,17 @@ def test_dask_with_two_workers_of_which_one_is_killed(tmp_path):
         assert [outcome.value for outcome in outcomes] == SQUARES
         assert (tmp_path / "deaths.txt").read_text() == "+"
         assert {outcome.worker.split(":")[1] for outcome in outcomes}.isdisjoint({str(os.getpid())})
-        # Those with other versions are named and left out, and here no other is left.
-        changed = {**environment(), "numba": "0.1"}
-        said = workers.inner._client.run(environments.name_of_worker)
-        found = workers.inner._client.run(_difference, changed)
-        for address, name in said.items():
-            assert (
-                f"The worker {name} has numba {environment()['numba']}, and this client 0.1" in found[address]
-            )
-
-
-def _difference(client):
-    try:
-        check_environment(client)
-    except UnfitWorker as error:
-        return str(error)
-    return ""
+        # A user's own executor of this client has as many workers, and computes again what was lost.
+        own = of_user(workers.inner._client.get_executor())
+        assert own.workers() == 2
+        tasks = tasks_of(works.dies, folder=str(tmp_path), times=2, of=4)
+        assert [outcome.value for outcome in results(own, tasks)] == SQUARES
+        # A worker that one client found fit is asked again by another, with other versions.
+        names = workers.inner._client.run(environments.name_of_worker)
+        found = workers.inner._client.run(unfit, {**environment(), "numba": "0.1"}, 1)
+        for address, name in names.items():
+            said = f"The worker {name} has numba {environment()['numba']}, and this client 0.1"
+            assert said in found[address]
 
 
 def test_loky():
@@ -163,6 +162,12 @@ def test_a_worker_with_another_version_is_refused_by_name():
         check_environment(own, {})
 
 
+def test_a_users_executor_has_as_many_workers_as_it_or_the_user_says():
+    with ThreadPoolExecutor(3) as threads, Executor() as unknown:
+        counts = of_user(threads), of_user(threads, 5), of_user(unknown), of_user(unknown, 7)
+        assert [found.workers() for found in counts] == [3, 5, default_threads(), 7]
+
+
 def test_a_process_with_another_version_ends_the_work():
     pool = Processes(1)
     try:
@@ -186,20 +191,45 @@ def test_a_worker_with_other_bits_is_refused_by_name(monkeypatch):
 # ------------------------------------------------------------------------------------------------ in order
 
 
-def test_results_come_in_order_though_a_worker_is_killed(tmp_path):
+def test_outcomes_come_in_order_though_a_worker_is_killed(tmp_path):
+    tasks = tasks_of(works.dies, folder=str(tmp_path), times=1, of=3)
     with opened("processes:2") as workers:
-        calls = [(n, str(tmp_path), 1, 3) for n in range(6)]
-        assert list(in_order(workers, works.dies, calls)) == SQUARES
+        assert [outcome.value for outcome in in_order(tasks, workers)] == SQUARES
 
 
-def test_a_call_whose_workers_end_is_named():
+def test_a_task_whose_workers_end_is_named(tmp_path):
+    tasks = tasks_of(works.dies, 1, folder=str(tmp_path), times=99, of=0)
     pool = Processes(1)
     try:
-        found = in_order(of_user(pool), works.kills_itself, [()], lambda: "the square of 7")
-        with pytest.raises(Refusal, match=r"The worker that computed the square of 7 ended, 3 times"):
-            list(found)
+        with pytest.raises(Refusal, match=r"The worker that computed the square of 0 ended, 3 times"):
+            list(in_order(tasks, of_user(pool)))
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def test_in_order_what_is_done_is_found_again_with_its_files(tmp_path):
+    tasks = tasks_of(works.counted_with_file, folder=str(tmp_path))
+    for number in (2, 6, 6):
+        with Manifest(tmp_path / "m", "squares", with_files=True) as manifest:
+            outcomes = list(in_order(tasks[:number], None, manifest))
+        assert [outcome.value for outcome in outcomes] == SQUARES[:number]
+        assert [outcome.files for outcome in outcomes] == [{"n": str(n).encode()} for n in range(number)]
+    assert all((tmp_path / f"{n}.txt").read_text() == "computed\n" for n in range(6))
+
+
+@pytest.mark.parametrize(
+    ("work", "said"),
+    [
+        (works.refuses, r"^There is no square of 2\.$"),
+        (works.fails, r"^the square of 2 failed: MemoryError: no room \(works\.py, line \d+\)$"),
+    ],
+)
+def test_in_order_an_error_ends_the_work_and_what_is_done_stays(tmp_path, work, said):
+    tasks = tasks_of(work)
+    with Manifest(tmp_path / "m", "squares") as manifest:
+        with pytest.raises(Refusal, match=said):
+            list(in_order(tasks, None, manifest))
+        assert [manifest.find(task.digest).value for task in tasks[:2]] == SQUARES[:2]
 
 
 CLIENT = """

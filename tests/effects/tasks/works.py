@@ -20,6 +20,11 @@ def counted(number, folder):
     return {"square": number * number}
 
 
+def counted_with_file(number, folder):
+    """As ``counted``, and a file."""
+    return counted(number, folder), {"n": str(number).encode()}
+
+
 def dies(number, folder, times, of):
     """A square; the number ``of`` ends its process, the first ``times`` times."""
     mark = Path(folder) / "deaths.txt"
