@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import os
 import re
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from fixedpipe.effects.studies import STUDIES
 from fixedpipe.effects.sweeps import points
 from fixedpipe.effects.sweeps.sweep import sweep
 from fixedpipe.effects.sweeps.tables import columns_of
+from fixedpipe.effects.tasks.manifest import Manifest
 from fixedpipe.pipeline.golden.digests import digest
 from fixedpipe.pipeline.profiles import GEFORCE_256
 
@@ -259,3 +261,11 @@ def test_a_failure_is_named_and_tried_again(tmp_path, monkeypatch):
     assert "K12 on GEFORCE_256: MemoryError: no room (" in done.stderr
     run("sweep", "K12", "--size", "8", "--out", tmp_path / "a.csv")
     assert json.dumps(table(tmp_path / "a.csv")[0]["failed"]) == '""'
+
+
+def test_a_second_client_of_a_manifest_is_refused(tmp_path):
+    with Manifest(tmp_path / "a.csv.manifest", "a sweep of K12"):
+        said = refusal("sweep", "K12", "--size", "8", "--out", tmp_path / "a.csv")
+    assert re.search(
+        rf"a\.csv\.manifest is in use by the process .+:{os.getpid()}; wait for it, or give", said
+    )
