@@ -1,6 +1,7 @@
 """What tasks cost beside their work, how two processes share them, and a thousand cores by simulation.
 
 ``python -m bench.tasks overhead --executor processes:2`` measures what a task and a call cost the client.
+``python -m bench.tasks drawing`` measures the frames of a sweep, and how long a process takes until them.
 ``python -m bench.tasks share`` draws a sweep's frames in one process and in two, in turns.
 ``python -m bench.tasks simulate`` computes how long a sweep takes on many cores, from such numbers.
 """
@@ -77,12 +78,40 @@ def _nothings(count, turn):
     return (Task(nothing, {"number": n}, "nothing", str(turn)) for n in range(count))
 
 
-def measure_share(figure: str, size: int, points: int, turns: int) -> dict[int, float]:
-    """Wall seconds of a sweep's frames in one process and in two: the least of some turns, one after the
+def processor_seconds(work=None, parameters=None):
+    """In a worker: the seconds of a processor that a task's function takes; without one, those that the
+    process has taken since it began.
+    """
+    begun = 0.0
+    if work is not None:
+        begun = time.process_time()
+        work(**parameters)
+    return time.process_time() - begun
+
+
+def _frames(figure, vary, size):
+    """The tasks of a sweep; ``vary``: NAME=VALUES, as --vary takes it."""
+    name, _, values = vary.partition("=")
+    return list(sweep_of(figure, {name: values}, size=size).tasks())
+
+
+def measure_drawing(figure: str, vary: str, size: int | None) -> tuple[float, list[float]]:
+    """(Seconds until a new process may draw, its kernels being compiled; seconds of each frame of a sweep),
+    of a processor, so that neighbours do not count. The first frame, which imports modules, is left out.
+    """
+    tasks = _frames(figure, vary, size)
+    with opened("processes:1", threads=1) as workers:
+        start = workers.submit(processor_seconds).result()
+        calls = [workers.submit(processor_seconds, task.work, dict(task.parameters)) for task in tasks]
+        return start, [call.result() for call in calls][1:]
+
+
+def measure_share(figure: str, vary: str, size: int | None, turns: int) -> dict[int, float]:
+    """Wall seconds of a sweep's frames in one process and in two: the median of some turns, one after the
     other, so that both meet the same neighbours.
     """
-    tasks = list(sweep_of(figure, {"depth": f"0:0.4:{points}"}, size=size).tasks())
-    best: dict[int, float] = {}
+    tasks = _frames(figure, vary, size)
+    taken: dict[int, list[float]] = {1: [], 2: []}
     for _ in range(turns):
         for count in (1, 2):
             with opened(f"processes:{count}", threads=1) as workers:
@@ -93,9 +122,8 @@ def measure_share(figure: str, size: int, points: int, turns: int) -> dict[int, 
                 begun = time.perf_counter()
                 for _ in run(iter(tasks), workers, workers=workers.workers):
                     pass
-                taken = time.perf_counter() - begun
-            best[count] = min(taken, best.get(count, taken))
-    return best
+                taken[count].append(time.perf_counter() - begun)
+    return {count: statistics.median(seconds) for count, seconds in taken.items()}
 
 
 @dataclass(frozen=True)
@@ -152,12 +180,12 @@ def simulate(
 def main(arguments: list[str] | None = None) -> None:
     """Measure or simulate, and print."""
     parser = argparse.ArgumentParser(prog="python -m bench.tasks", description=__doc__.split("\n\n")[0])
-    parser.add_argument("what", choices=("overhead", "share", "simulate"))
+    parser.add_argument("what", choices=("overhead", "drawing", "share", "simulate"))
     parser.add_argument("--executor", default="processes:2", help="of overhead")
     parser.add_argument("--tasks", type=int, default=2000, help="of overhead")
-    parser.add_argument("--figure", default="K12", help="of share: a figure with the parameter depth")
-    parser.add_argument("--size", type=int, default=128, help="of share: pixels an edge of a panel")
-    parser.add_argument("--points", type=int, default=40, help="of share")
+    parser.add_argument("--figure", default="K12", help="of drawing and share")
+    parser.add_argument("--vary", default="depth=0:0.4:40", help="of drawing and share: the frames")
+    parser.add_argument("--size", type=int, help="of drawing and share: pixels an edge of a panel")
     parser.add_argument("--turns", type=int, default=3, help="of share")
     parser.add_argument("--frames", type=int, default=1_000_000, help="of simulate")
     parser.add_argument("--cores", type=int, default=1000, help="of simulate")
@@ -173,10 +201,16 @@ def main(arguments: list[str] | None = None) -> None:
             f"{1e3 * costs.task:.3f} ms for a task, {costs.row:.0f} bytes of the manifest for a row"
         )
     elif given.what == "share":
-        best = measure_share(given.figure, given.size, given.points, given.turns)
+        half = measure_share(given.figure, given.vary, given.size, given.turns)
         busy = f"{os.getloadavg()[0]:.0f} processes ready on {os.cpu_count()} processors"
         print(
-            f"1 process {best[1]:.2f} s, 2 processes {best[2]:.2f} s: {best[1] / best[2]:.2f} times ({busy})"
+            f"1 process {half[1]:.2f} s, 2 processes {half[2]:.2f} s: {half[1] / half[2]:.2f} times ({busy})"
+        )
+    elif given.what == "drawing":
+        start, frames = measure_drawing(given.figure, given.vary, given.size)
+        quarters = (f"{q:.3f}" for q in (min(frames), *statistics.quantiles(frames), max(frames)))
+        print(
+            f"{start:.1f} s until the first frame; {len(frames)} frames: {', '.join(quarters)} s (quartiles)"
         )
     else:
         drawing, costs = json.loads(f"[{given.drawing}]"), Costs(given.call, given.task, 0.0)
