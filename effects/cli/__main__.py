@@ -2,4 +2,5 @@
 
 from fixedpipe.effects.cli import main
 
-main(prog_name="fixedpipe")
+if __name__ == "__main__":  # the ranks that work for mpi4py.futures import this under another name
+    main(prog_name="fixedpipe")

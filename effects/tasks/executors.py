@@ -241,7 +241,7 @@ def _said(client, address, call):
         except TimeoutError:  # it compiles, or it has ended, and the call waits for it for ever
             if address not in client.scheduler_info(n_workers=-1)["workers"]:
                 call.cancel()
-                return "It has ended."
+                return ""  # another may take its place
         else:  # the error of a worker that has no fixedpipe, or another Python
             return call.result() if error is None else f"{type(error).__name__}: {error}"
 

@@ -1,4 +1,4 @@
-"""The jobs of docs/examples/cluster, with programs of the names of Slurm's, Dask's and MPI's in their place."""
+"""The jobs of docs/examples/cluster, with programs named as those of Slurm, Dask and MPI in their place."""
 
 import os
 import re

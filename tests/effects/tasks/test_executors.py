@@ -12,6 +12,7 @@ import pytest
 
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.tasks import environment as environments
+from fixedpipe.effects.tasks import executors
 from fixedpipe.effects.tasks.environment import UnfitWorker, check_bits, check_environment, environment
 from fixedpipe.effects.tasks.executors import Workers, of_user, opened
 from fixedpipe.effects.tasks.manifest import Manifest
@@ -255,3 +256,19 @@ def test_no_worker_of_dask_outlives_a_client_that_is_killed(tmp_path):
         assert client.stdout.readline() == "ready\n"
         client.send_signal(signal.SIGKILL)
         assert client.stdout.read() == ""  # the pipe ends with the last process that has it
+
+
+def test_a_worker_of_dask_that_ends_while_it_is_prepared_is_not_waited_for():
+    class Call:
+        def exception(self, timeout):
+            raise TimeoutError
+
+        def cancel(self):
+            self.cancelled = True
+
+    class Client:
+        def scheduler_info(self, n_workers):
+            return {"workers": {"tcp://another:1": {}}}
+
+    call = Call()
+    assert executors._said(Client(), "tcp://gone:1", call) == "" and call.cancelled
