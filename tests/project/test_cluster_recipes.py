@@ -9,6 +9,7 @@ import pytest
 
 from fixedpipe.effects.cli import _COMMANDS
 from tests.layers import ROOT
+from tests.support.waiting import HANGS
 
 FOLDER = ROOT / "docs" / "examples" / "cluster"
 # Each notes how it was called. A scheduler writes its file, and what serves goes on until it is ended.
@@ -35,7 +36,9 @@ def job(folder, name, **more):
     own |= {"SLURM_NTASKS": "2", "SLURM_JOB_ID": "7", "SLURM_SUBMIT_DIR": str(folder / "job"), **more}
     command = "bash", FOLDER / name, *SWEEP
     # Its output ends with the last process that it began.
-    done = subprocess.run(command, cwd=folder / "job", env=os.environ | own, capture_output=True, timeout=300)
+    done = subprocess.run(
+        command, cwd=folder / "job", env=os.environ | own, capture_output=True, timeout=HANGS
+    )
     assert not list((folder / "job").iterdir())
     return done.returncode, [line.split("|")[:-1] for line in (folder / "notes").read_text().splitlines()]
 

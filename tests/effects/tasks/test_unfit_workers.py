@@ -13,6 +13,7 @@ from fixedpipe.effects.tasks.run import run
 from tests.effects.tasks import works
 from tests.effects.tasks.works import tasks_of
 from tests.layers import ROOT
+from tests.support.waiting import HANGS
 
 # What Python imports as it starts, where PYTHONPATH has it.
 OTHERS = {
@@ -53,7 +54,7 @@ def test_unfit_workers_are_named_and_the_others_compute(tmp_path, sound):
             for name, other in {**OTHERS, **dict.fromkeys(["sound"][:sound], "")}.items():
                 workers[name] = worker(cluster.scheduler_address, tmp_path / name, other)
             with distributed.Client(cluster, set_as_default=False) as client:
-                client.wait_for_workers(len(workers), timeout=300)
+                client.wait_for_workers(len(workers), timeout=HANGS)
             address = f"dask:{cluster.scheduler_address}"
             if sound:
                 with opened(address, say=said.append) as found:
