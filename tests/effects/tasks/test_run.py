@@ -117,6 +117,13 @@ def test_short_tasks_go_together(seconds, size):
     assert told.calls[:2] == [1, 1] and set(told.calls[2:-1]) == {size} and sum(told.calls) == 1000
 
 
+def test_calls_are_longer_where_there_are_many_workers():
+    told = Told(0.25)
+    assert len(list(run(tasks_of(works.squared, 9000), told, workers=lambda: 1000))) == 9000
+    # As many calls as 1000 workers have at once were sent before one had come.
+    assert told.calls[:2000] == [1] * 2000 and set(told.calls[2000:-1]) == {16}
+
+
 def test_tasks_are_asked_for_when_they_are_needed():
     asked = []
 
