@@ -96,17 +96,14 @@ def test_dask_with_two_workers_of_which_one_is_killed(tmp_path):
     pytest.importorskip("distributed")
     with opened("dask:local:2") as workers:
         assert workers.workers() == 2
+        # A user's own executor of this client has as many.
+        assert of_user(workers.inner._client.get_executor()).workers() == 2
         assert [o.value for o in results(workers, tasks_of(works.squared))] == SQUARES
         tasks = tasks_of(works.dies, folder=str(tmp_path), times=1, of=3)
         outcomes = results(workers, tasks)
         assert [outcome.value for outcome in outcomes] == SQUARES
         assert (tmp_path / "deaths.txt").read_text() == "+"
         assert {outcome.worker.split(":")[1] for outcome in outcomes}.isdisjoint({str(os.getpid())})
-        # A user's own executor of this client has as many workers, and computes again what was lost.
-        own = of_user(workers.inner._client.get_executor())
-        assert own.workers() == 2
-        tasks = tasks_of(works.dies, folder=str(tmp_path), times=2, of=4)
-        assert [outcome.value for outcome in results(own, tasks)] == SQUARES
         # A worker that one client found fit is asked again by another, with other versions.
         names = workers.inner._client.run(environments.name_of_worker)
         found = workers.inner._client.run(unfit, {**environment(), "numba": "0.1"}, 1)
