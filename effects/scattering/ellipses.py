@@ -10,6 +10,11 @@ on, so walking through these values in order finds the best. The best radius has
 inside, less the shadowed ones inside. Among equally good radii it takes the middle of the widest range. The
 count never falls, so the search ends.
 
+A free direction may count as several shadowed ones (``free_weight``). Where the weight is w, moving the
+edge inwards pays only where at least w shadowed directions leave for each free one. So of the directions that
+a radius shuts out, 1 / (1 + w) at most are free: half with the plain count, a quarter with 3
+(docs/decisions/0036).
+
 The caller decides how to count a direction from which the texel faces away (BACK). Either it is shadowed
 (A-G01), or it takes no part, because its cosine is zero in any case (``counted``; erratum E002.9).
 
@@ -52,6 +57,9 @@ LARGEST_RADIUS = 2.0
 # The ellipse of a texel that nothing reaches. E1 is (0.5, 0, 2), at least 1.5 on the unit disc, and its
 # numbers may be stored as halves. Assumed: a tiny one has larger numbers and is no farther outside.
 _NOWHERE, _NOWHERE_RADIUS = -4.0, 2.0
+# Assumed: of some hundred directions a ridge hides a few; with a larger weight it would have no shadow as
+# soon as one free direction lies among them.
+LARGEST_FREE_WEIGHT = 16.0
 # How often both radii are searched. Measured: of random ridges' directions the first search has 98 % of what
 # ten have, four have 99.9 %.
 _ROUNDS = 4
@@ -98,8 +106,8 @@ def tested(e1, e2, x, y):
 def _best_radius(found, count, which, other, smallest):
     """The radius along axis ``which`` that is best with the ``other`` one across.
 
-    found  float64 [5, n]: squares of both coordinates in the ellipse's frame, 1 of a free direction and -1 of
-           a shadowed one, and room for two sorted lists
+    found  float64 [5, n]: squares of both coordinates in the ellipse's frame, the weight of a free direction
+           and -1 of a shadowed one, and room for two sorted lists
     """
     least, largest = smallest * smallest, LARGEST_RADIUS * LARGEST_RADIUS
     across = 1.0 / (other * other)
@@ -129,14 +137,17 @@ def _best_radius(found, count, which, other, smallest):
 
 
 @kernel(
-    "void(int8[:, :, ::1], float64[:, :, :, ::1], float64, int64, int64, float64[:, ::1], float64[:, :, ::1])"
+    "void(int8[:, :, ::1], float64[:, :, :, ::1], UniTuple(float64, 2), int64, int64, float64[:, ::1], "
+    "float64[:, :, ::1])"
 )
-def _fit(counts, xy, smallest, first, last, found, out):
+def _fit(counts, xy, settings, first, last, found, out):
     """Ellipses of rows ``first`` to ``last``: centre, axis, radii into ``out`` [rows, columns, 6].
 
-    counts  [n, rows, columns]: 1 free, -1 shadowed, 0 neither
-    xy      [n, rows or 1, columns or 1, 2]
+    counts    [n, rows, columns]: 1 free, -1 shadowed, 0 neither
+    xy        [n, rows or 1, columns or 1, 2]
+    settings  the smallest radius, and what a free direction weighs
     """
+    smallest, weight = settings
     n, _, columns = counts.shape
     for row in range(first, last):
         for column in range(columns):
@@ -178,7 +189,7 @@ def _fit(counts, xy, smallest, first, last, found, out):
                     u, v = xy[i, r, c, 0] - x, xy[i, r, c, 1] - y
                     along, across = a * u + b * v, a * v - b * u
                     found[0, count], found[1, count] = along * along, across * across
-                    found[2, count] = float(counts[i, row, column])
+                    found[2, count] = weight if counts[i, row, column] == 1 else -1.0
                     count += 1
             r1 = 2.0 * np.sqrt(mean + root)
             r2 = 2.0 * np.sqrt(max(mean - root, 0.0))
@@ -195,16 +206,18 @@ def _fit(counts, xy, smallest, first, last, found, out):
             out[row, column, 4], out[row, column, 5] = r1, r2
 
 
-def fit(free, xy, counted=None, least_radius=LEAST_RADIUS):
+def fit(free, xy, counted=None, least_radius=LEAST_RADIUS, free_weight=1.0):
     """The Ellipses of directions that are seen from above as points ``xy``.
 
     free     bool [n, rows, columns]: whether nothing is in the way
     xy       float64 [n, 2], or [n, rows, columns, 2] where they are another at every texel
     counted  bool [n, rows, columns]: which take part; None: all
     least_radius  of both axes, 1/4 to 1
+    free_weight   as how many shadowed directions a free one counts, 1 to 16: one is the paper's
 
-    Raises ValueError for arrays that do not fit each other, coordinates that are not finite, and for fewer
-    than three directions: directions below the horizon alone say nothing of light from above.
+    Raises ValueError for arrays that do not fit each other, coordinates that are not finite, numbers beyond
+    their ranges, and for fewer than three directions: directions below the horizon alone say nothing of light
+    from above.
     """
     free = np.ascontiguousarray(free, bool)
     points = np.asarray(xy, np.float64)
@@ -224,6 +237,11 @@ def fit(free, xy, counted=None, least_radius=LEAST_RADIUS):
         )
     if not LEAST_RADIUS <= least_radius <= 1.0:
         raise ValueError(f"The least radius is {least_radius!r}; give a number from {LEAST_RADIUS} to 1.")
+    if not 1.0 <= free_weight <= LARGEST_FREE_WEIGHT:
+        raise ValueError(
+            f"A free direction counts as {free_weight!r} shadowed ones; give a number from 1 to "
+            f"{LARGEST_FREE_WEIGHT:g}."
+        )
     if not (np.abs(points) <= LARGEST_RADIUS).all():
         raise ValueError(
             "The directions hold NaN or infinity, or numbers far beyond the unit disc; give x and y of unit "
@@ -236,29 +254,32 @@ def fit(free, xy, counted=None, least_radius=LEAST_RADIUS):
     rows = free.shape[1]
     out = np.empty((*free.shape[1:], 6))
     step = max(1, rows // (4 * default_threads()))
+    settings = float(least_radius), float(free_weight)
 
     def some(first):
         room = np.empty((5, len(free)))
-        _fit(counts, points, float(least_radius), first, min(first + step, rows), room, out)
+        _fit(counts, points, settings, first, min(first + step, rows), room, out)
 
     with ThreadPoolExecutor(default_threads()) as threads:
         list(threads.map(some, range(0, rows, step)))
     return Ellipses(*(np.ascontiguousarray(out[..., k : k + 2]) for k in (0, 2, 4)))
 
 
-def of_visibility(visibility, turned_away_counts=False, least_radius=LEAST_RADIUS):
+def of_visibility(visibility, turned_away_counts=False, least_radius=LEAST_RADIUS, free_weight=1.0):
     """The Ellipses of a Visibility, by its directions above the horizon.
 
     turned_away_counts  whether a direction from which a texel is turned away is shadowed; else it takes no
                         part: its light is zero
     least_radius        as for ``fit``
+    free_weight         as for ``fit``
 
-    Raises ValueError where fewer than three directions lie above the horizon.
+    Raises ValueError where fewer than three directions lie above the horizon, and for numbers beyond their
+    ranges.
     """
     upper = visibility.directions[:, 2] > 0.0
     seen = visibility.seen[upper]
     counted = None if turned_away_counts else seen != BACK
-    return fit(seen == FREE, visibility.directions[upper, :2], counted, least_radius)
+    return fit(seen == FREE, visibility.directions[upper, :2], counted, least_radius, free_weight)
 
 
 def aligned(ellipses, reference):

@@ -15,7 +15,7 @@ from fixedpipe.effects.geometry.vectors import cosine, dot, sine, unit_vector
 from fixedpipe.effects.geometry.views import Light, orthographic_view, panel_of, row_of_panels
 from fixedpipe.effects.passes.draws import FIRST_PASS, REPLACE, draw, unit
 from fixedpipe.effects.passes.encoding import factor_texels, vector_texels
-from fixedpipe.effects.scattering import ellipse_passes, visibility
+from fixedpipe.effects.scattering import ellipse_passes, ellipses, visibility
 from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.textures.images import texture_2d
@@ -41,7 +41,7 @@ def _texels(size):
 def _land(size, p):
     """The Terrain of the figure's parameters."""
     own = p["height_field"], p["height_scale"]
-    shape = p["relief"], p["lake"], p["seed"], p["directions"], p["smoothing"]
+    shape = p["relief"], p["lake"], p["seed"], p["directions"], p["smoothing"], p["free_weight"]
     return land.terrain(p["texels"] or _texels(size), *shape, *own)
 
 
@@ -265,7 +265,7 @@ FIGURE = Figure(
     parameters={
         "sun": word.of(
             word.DIRECTION_KIND,
-            (-0.80, 0.16, 0.40),
+            (0.45, 0.78, 0.44),
             "The direction towards the sun: x to the right, y away from the viewer, z up.",
         ),
         "texels": word.FITTED_TEXELS(None, "The edge of the bump map and of the ellipses' textures."),
@@ -288,6 +288,12 @@ FIGURE = Figure(
         ),
         "smoothing": word.of(
             word.Whole(0, 8), 1, "How often the ellipses' forms are filtered before they are stored."
+        ),
+        "free_weight": word.NUMBER(
+            3.5,
+            "As how many directions in shadow a free one counts where ellipses are fitted; the paper's is 1.",
+            low=1.0,
+            high=ellipses.LARGEST_FREE_WEIGHT,
         ),
         "eye": word.POSITION((0.1, 0.56, 1.2), "Where the camera is; the terrain's half edge is 1, y is up."),
         "target": word.POSITION((-0.02, 0.06, -0.2), "What it looks at."),

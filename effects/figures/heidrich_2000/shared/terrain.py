@@ -70,7 +70,7 @@ class Terrain:
 
 
 @lru_cache(4)
-def terrain(texels, relief, lake, seed, directions, smoothing=1, own=None, scale=0.0):
+def terrain(texels, relief, lake, seed, directions, smoothing=1, free_weight=1.0, own=None, scale=0.0):
     """The Terrain of a seed, or of a user's heights.
 
     texels      along an edge
@@ -78,6 +78,7 @@ def terrain(texels, relief, lake, seed, directions, smoothing=1, own=None, scale
     lake        where the water stands, as a share of that
     directions  over the whole sphere; those above the horizon are cast
     smoothing   passes of ``ellipses.smoothed``
+    free_weight as how many shadowed directions a free one counts (``ellipses.fit``)
     own, scale  heights of a user's own (``own_maps``), and their relief, which have no lake
     """
     if own is None:
@@ -89,7 +90,8 @@ def terrain(texels, relief, lake, seed, directions, smoothing=1, own=None, scale
     field = height_field(heights)
     found = sphere.spiral(directions)
     seen = visibility.precompute(field, found[found[:, 2] > 0.0])
-    forms = ellipses.rooted(ellipses.of_visibility(seen, least_radius=0.5))
+    fitted = ellipses.of_visibility(seen, least_radius=0.5, free_weight=free_weight)
+    forms = ellipses.rooted(fitted)
     forms = ellipses.smoothed(forms, smoothing)
     return Terrain(field, _colors(shares, level, field.normals), forms)
 
