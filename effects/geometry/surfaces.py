@@ -179,10 +179,42 @@ def sphere(slices: int = 50, stacks: int = 26) -> Surface:
     )
 
 
-def torus(around: int = 64, across: int = 32, radius: float = 0.7, tube_radius: float = 0.3) -> Surface:
+# Of a part of the tube that faces a point, or is turned away, the least half: the cosine of 26 degrees. Where
+# a tube has less, or no silhouette at all, its segments are no narrower.
+_NARROWEST = 0.9
+
+
+def _from_silhouette(shares, outwards, up, tube_radius):
+    """Angles round the tube, of vertices at ``shares`` of it, 0 to 1, so that 0 and 1/2 are the silhouette
+    from a point: outwards from the tube's centre, and up, both in the tube's own plane.
+
+    A normal at the angle a from the way to the point is at right angles to what is seen there where cos a is
+    the tube's radius over the point's distance.
+    """
+    towards = np.arctan2(np.broadcast_to(up, outwards.shape), outwards)
+    distance = np.sqrt(outwards * outwards + up * up)
+    half = np.arccos(np.minimum(tube_radius / np.maximum(distance, tube_radius), _NARROWEST))
+    facing = towards + half * (4.0 * shares - 1.0)
+    turned_away = towards + half + (math.pi - half) * (4.0 * shares - 2.0)
+    return np.where(shares <= 0.5, facing, turned_away)
+
+
+def torus(
+    around: int = 64,
+    across: int = 32,
+    radius: float = 0.7,
+    tube_radius: float = 0.3,
+    seen_from: tuple[float, float, float] | None = None,
+) -> Surface:
     """A torus about the y axis: 2 around across triangles; s runs round the axis, t round the tube.
 
-    ``radius``: of the circle of tube centres. s = 1/2 faces +z; t = 1/2 is the outer equator.
+    radius     of the circle of tube centres; s = 1/2 faces +z, and t = 1/2 is the outer equator
+    seen_from  a point, for instance of a light: then its silhouette on the torus lies along edges of the
+               mesh, so that it has no zigzag. Half of the ``across`` segments, an even number, face the
+               point. A point so low that its rays run along the silhouette somewhere sees a zigzag there.
+               t goes from any number to one more. None: segments of one size, and t from 0 to 1.
+
+    Raises ValueError for counts or radii that give no torus.
     """
     _check_count(around, 3, "The torus's number of segments around the axis")
     _check_count(across, 3, "The torus's number of segments across the tube")
@@ -193,7 +225,15 @@ def torus(around: int = 64, across: int = 32, radius: float = 0.7, tube_radius: 
     grid = np.meshgrid(np.arange(around + 1) / around, np.arange(across + 1) / across)
     s, t = (coordinate.ravel() for coordinate in grid)
     longitude, angle = 2.0 * math.pi * (s - 0.5), 2.0 * math.pi * (t - 0.5)
-    sin_lon, cos_lon, sin_a, cos_a = sine(longitude), cosine(longitude), sine(angle), cosine(angle)
+    sin_lon, cos_lon = sine(longitude), cosine(longitude)
+    if seen_from is not None:
+        if across % 2:
+            raise ValueError(f"The torus has {across} segments across the tube; give an even number.")
+        outwards = seen_from[0] * sin_lon + seen_from[2] * cos_lon - radius
+        # The last row of vertices is the first, a turn farther on.
+        angle = _from_silhouette(t % 1.0, outwards, seen_from[1], tube_radius)
+        t = angle / (2.0 * math.pi) + 0.5 + np.floor(t)
+    sin_a, cos_a = sine(angle), cosine(angle)
     normals = np.stack([cos_a * sin_lon, sin_a, cos_a * cos_lon], axis=-1)
     tangents = np.stack([cos_lon, 0.0 * s, -sin_lon], axis=-1)
     binormals = np.stack([-sin_a * sin_lon, cos_a, -sin_a * cos_lon], axis=-1)

@@ -14,6 +14,7 @@ SURFACES = {
     "plane": surfaces.plane(3, 2),
     "sphere": surfaces.sphere(),
     "torus": surfaces.torus(24, 12),
+    "torus seen from a point": surfaces.torus(48, 12, seen_from=(2.0, 3.0, -1.0)),
     "turned sphere": surfaces.sphere(12, 6).rotated(rotation("x", 33.0)),
 }
 
@@ -111,6 +112,21 @@ def test_the_sphere_faces_the_viewer_with_the_middle_of_its_texture():
     assert np.array_equal(np.stack([tangent, binormal, normal]), np.eye(3))
 
 
+@pytest.mark.parametrize("point", [(2.0, 3.0, -1.0), (-3.0, -4.0, 0.5), (0.0, 5.0, 0.0)])
+def test_the_silhouette_of_a_torus_lies_along_edges_of_the_mesh_that_is_made_for_it(point):
+    around, across = 96, 16
+    made, plain = (surfaces.torus(around, across, 0.62, 0.2, seen) for seen in (point, None))
+    rows = np.arange(len(made.triangles)).reshape(across, around, 2)
+    faced = []
+    for surface in (made, plain):
+        corners, face = faces(surface)
+        faced.append((dot(face, np.array(point) - corners[:, 0]) > 0.0)[rows])
+    # Half of the strips face the point, each of them as a whole.
+    assert faced[0][: across // 2].all() and not faced[0][across // 2 :].any()
+    if point[0]:
+        assert any(0 < strip.sum() < strip.size for strip in faced[1])
+
+
 def test_vertex_coordinates_are_multiples_of_the_trigonometry_step_squared():
     scaled = surfaces.sphere(17, 9).positions / TRIGONOMETRY_STEP**2
     assert np.array_equal(scaled, np.round(scaled))
@@ -123,6 +139,7 @@ def test_vertex_coordinates_are_multiples_of_the_trigonometry_step_squared():
         (lambda: surfaces.sphere(2, 4), "slices is 2; give at least 3"),
         (lambda: surfaces.sphere(8, 1), "stacks is 1; give at least 2"),
         (lambda: surfaces.torus(8, 8, 0.3, 0.5), "give one between 0 and the torus's radius"),
+        (lambda: surfaces.torus(8, 9, seen_from=(0.0, 2.0, 0.0)), "9 segments across the tube; give an even"),
     ],
 )
 def test_a_surface_that_cannot_be_is_refused_in_a_sentence(make, what):

@@ -11,6 +11,7 @@ from fixedpipe.effects.data_files import figure_data
 from fixedpipe.effects.diagrams import drawing
 from fixedpipe.effects.figures import parameters as word
 from fixedpipe.effects.figures.figure import Figure, Method
+from fixedpipe.effects.figures.zwicker_2016.shared import lit_rings
 from fixedpipe.effects.figures.zwicker_2016.shared.counted_volumes import (
     count_checks,
     known_counts,
@@ -33,19 +34,24 @@ _RAYS = (0.97, 0.90, 0.70)
 _FLOOR = (0.62, 0.60, 0.56)
 
 
-def solids(detail):
+def solids(detail, light):
     """A cube that stands on a floor and a torus that floats above it."""
     cube = surfaces.box(1.15, 1.15, 1.15).rotated(rotation("y", 31.0)).moved(-0.85, 0.575, 0.1)
-    # So fine that its silhouette, which follows triangles' edges, is no zigzag where it can be seen.
-    around, across = (detail, detail // 2) if detail < 24 else (3 * detail, 5 * detail // 2)
-    ring = surfaces.torus(around, across, 0.62, 0.2).rotated(rotation("x", 34.0))
+    around, across = (detail, detail // 4 * 2) if detail < 24 else (3 * detail, detail * 2 // 5 * 2)
+    ring = lit_rings.ring(
+        around,
+        across,
+        0.62,
+        0.2,
+        turns=(rotation("x", 34.0), rotation("y", -20.0)),
+        place=(0.75, 1.2, 0.0),
+        light=light,
+    )
     return Scene(
         (
             Object("floor", floor(9.5, 4 if detail < 16 else 24), _FLOOR, closed=False),
             Object("cube", cube, (0.34, 0.50, 0.62), 0.1),
-            Object(
-                "torus", ring.rotated(rotation("y", -20.0)).moved(0.75, 1.2, 0.0), (0.80, 0.42, 0.20), 0.5
-            ),
+            Object("torus", ring, (0.80, 0.42, 0.20), 0.5),
         )
     )
 
@@ -59,7 +65,7 @@ def camera(panel):
 def scene(profile, size, *, light, volume_color, volume_alpha, background):
     """Silhouettes, volumes, shadows, from left to right."""
     left, middle, right = (camera(panel) for panel in row_of_panels(3, size))
-    objects, lamp = solids(detail_of(size)), lamp_without_frustum(light)
+    objects, lamp = solids(detail_of(size), light), lamp_without_frustum(light)
     volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
     loops = [
         volume.positions[loop][:, :3]
@@ -122,7 +128,7 @@ def _sides_over(tinted, plain, color, alpha):
 def _known(size, light):
     """``known_counts`` of the figure on a panel of ``size``: rays through thousands of sides, seconds."""
     view = camera(Panel(0, 0, size, size))
-    return known_counts(solids(detail_of(size)), view, lamp_without_frustum(light))
+    return known_counts(solids(detail_of(size), light), view, lamp_without_frustum(light))
 
 
 def panel_checks(figure, renderer, truth, counts, volumes):
@@ -163,7 +169,7 @@ def checks(figure, renderer):
     """Closed loops, closed volumes, counts, and what the panels show."""
     size = 384
     light = figure.values["light"]
-    for name, objects in (("cube and torus", solids(40)), ("the still life", still_life(40))):
+    for name, objects in (("cube and torus", solids(40, light)), ("the still life", still_life(40))):
         for lamp in (lamp_without_frustum(light), lamp_without_frustum(light, infinite=True)):
             volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
             kind = "a light at infinity" if lamp.infinite else "a point light"
@@ -174,7 +180,7 @@ def checks(figure, renderer):
                 name=name,
                 kind=kind,
             )
-    known, objects, lamp = _known(size, light), solids(detail_of(size)), lamp_without_frustum(light)
+    known, objects, lamp = _known(size, light), solids(detail_of(size), light), lamp_without_frustum(light)
     reason = "the catalogue's; vertices snapped to sixteenths of a pixel move edges"
     yield from count_checks(renderer, camera(Panel(0, 0, size, size)), objects, lamp, 0.999, reason, known)
     volumes = shadow_volumes.shadow_volumes(objects, lamp.homogeneous)
@@ -183,7 +189,7 @@ def checks(figure, renderer):
 
 def reference(size, *, light, background, **_):
     """The third panel's shadows by rays; the others have no reference."""
-    objects, view = solids(detail_of(size)), camera(Panel(0, 0, size, size))
+    objects, view = solids(detail_of(size), light), camera(Panel(0, 0, size, size))
     shot = shadow_reference.Shot(objects, view, (lamp_without_frustum(light),), background)
     return shadow_reference.row(size, [None, None, shot])
 
