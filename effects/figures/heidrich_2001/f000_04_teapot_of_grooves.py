@@ -104,7 +104,7 @@ def lacquer(surface, view, light, strength):
 def shown_grooves(panel, blue, red, angle):
     """Commands that draw four grooves, as a mesh that is lit from the viewer's side."""
     rise = math.tan(math.radians(angle)) * 0.5
-    view = perspective_view(panel, (0.5, 2.8, 4.4), (0.0, 0.2 * rise, 0.0), 50.0, radius=4.0)
+    view = perspective_view(panel, (0.5, 2.8, 4.4), (-0.07, 0.2 * rise, 0.0), 58.0, radius=4.0)
     places, colors = [], []
     for x in range(-2, 2):
         for low, high, color in (((x, 0.0), (x + 0.5, rise), blue), ((x + 1.0, 0.0), (x + 0.5, rise), red)):
@@ -214,7 +214,13 @@ def checks(figure, renderer):
             _cell(window, large).min(-1).max(),
             on,
         )
-        flanks = _cell(window, inset)[the.covered(_cell(window, inset))]
+        grooves_there = the.covered(_cell(window, inset))
+        yield DATA.check(
+            "pixels of the grooves in the outermost columns of their view",
+            float(grooves_there[:, [0, -1]].sum()),
+            on,
+        )
+        flanks = _cell(window, inset)[grooves_there]
         for name, main in (("blue", 2), ("red", 0)):
             yield DATA.check(
                 "share of the grooves' pixels that are {name}",
