@@ -13,14 +13,20 @@ from fixedpipe.effects.technique import Technique
 TECHNIQUES = (Technique("G22", "the height field as geometry, lit by textures of its light", "2, 6"),)
 
 
-def relief(field):
+def relief(field, level_border=False):
     """One period of a HeightField as a Surface, a vertex at each texel's centre: x and y from -1 to 1, z as
     many times as high; texture coordinates are the texels'.
+
+    level_border  whether vertices along the border are as low as the lowest: then a bump that reaches the
+                  border leaves its outline straight, and no background is seen below it
     """
     flat = plane(field.columns, field.rows)
     rows, columns = np.arange(field.rows + 1) % field.rows, np.arange(field.columns + 1) % field.columns
     positions = flat.positions.copy()
-    positions[:, 2] = 2.0 * field.heights[np.ix_(rows, columns)].ravel()
+    heights = field.heights[np.ix_(rows, columns)]
+    if level_border:
+        heights[[0, -1]] = heights[:, [0, -1]] = heights.min()
+    positions[:, 2] = 2.0 * heights.ravel()
     half = np.array([0.5 / field.columns, 0.5 / field.rows])
     return Surface(
         positions,

@@ -41,8 +41,8 @@ def _texels(size):
 def _land(size, p):
     """The Terrain of the figure's parameters."""
     own = p["height_field"], p["height_scale"]
-    shape = p["relief"], p["lake"], p["seed"], p["directions"], p["smoothing"], p["free_weight"]
-    return land.terrain(p["texels"] or _texels(size), *shape, *own)
+    shape = p["relief"], p["lake"], p["seed"], p["directions"], p["smoothing"]
+    return land.terrain(p["texels"] or _texels(size), *shape, *own, free_weight=p["free_weight"])
 
 
 def _toward(sun):

@@ -42,7 +42,7 @@ def _light(texels, domes, height, albedo, directions, bounces, light):
 def _surfaces(field):
     """The field as geometry, and the plane of its mean height, with the same texels at the same places."""
     mean = replace(field, heights=np.full(field.heights.shape, float(field.heights.mean())))
-    return relief(field), relief(mean)
+    return relief(field, level_border=True), relief(mean)
 
 
 def _made(size, texels, exposure, *, domes, height, albedo, directions, bounces, light):

@@ -27,6 +27,19 @@ def test_every_vertex_is_a_texel_and_the_last_ones_repeat_the_first():
     np.testing.assert_allclose(texel, np.rint(texel), atol=1e-12)
 
 
+def test_a_level_border_is_as_low_as_the_lowest_texel_and_nothing_else_moves(field):
+    plain, level = (
+        relief(field, level_border).positions.reshape(field.rows + 1, field.columns + 1, 3)
+        for level_border in (False, True)
+    )
+    np.testing.assert_array_equal(level[1:-1, 1:-1], plain[1:-1, 1:-1])
+    np.testing.assert_array_equal(level[..., :2], plain[..., :2])
+    border = np.ones(plain.shape[:2], bool)
+    border[1:-1, 1:-1] = False
+    assert (level[border][:, 2] == 2.0 * field.heights.min()).all()
+    assert plain[border][:, 2].max() > 2.0 * field.heights.min()
+
+
 def test_the_diagonals_run_from_lower_left_to_upper_right(field):
     surface = relief(field)
     corners = surface.texture_coordinates[surface.triangles] * (field.columns, field.rows)

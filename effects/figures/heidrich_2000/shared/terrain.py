@@ -70,7 +70,7 @@ class Terrain:
 
 
 @lru_cache(4)
-def terrain(texels, relief, lake, seed, directions, smoothing=1, free_weight=1.0, own=None, scale=0.0):
+def terrain(texels, relief, lake, seed, directions, smoothing=1, own=None, scale=0.0, *, free_weight=1.0):
     """The Terrain of a seed, or of a user's heights.
 
     texels      along an edge
@@ -78,8 +78,8 @@ def terrain(texels, relief, lake, seed, directions, smoothing=1, free_weight=1.0
     lake        where the water stands, as a share of that
     directions  over the whole sphere; those above the horizon are cast
     smoothing   passes of ``ellipses.smoothed``
-    free_weight as how many shadowed directions a free one counts (``ellipses.fit``)
     own, scale  heights of a user's own (``own_maps``), and their relief, which have no lake
+    free_weight  as how many shadowed directions a free one counts (``ellipses.fit``)
     """
     if own is None:
         shares, level = _mountains(texels, seed), lake
