@@ -339,4 +339,14 @@ def unlock_arrays(gl):
     gl.arrays.locked = None
 
 
-no_effect("VertexArrayRange", "FlushVertexArrayRange", compiled=False)
+@entry("TestFence", compiled=False)
+def test_fence(gl, name):
+    """Whether what came before a fence is done (NV_fence, APPLE_fence): it is."""
+    gl.tally.add("no effect", gl.called)
+    return True
+
+
+no_effect(
+    "VertexArrayRange", "FlushVertexArrayRange", "PixelDataRange", "FlushPixelDataRange", compiled=False
+)
+no_effect("GenFences", "DeleteFences", "SetFence", "FinishFence", "IsFence", "GetFenceiv", compiled=False)

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Any
 
 from fixedpipe.pipeline.opengl import tokens
+from fixedpipe.pipeline.opengl.capabilities import NOTIFIED
 from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.lighting import settle_materials
 from fixedpipe.pipeline.opengl.outcomes import GLError
@@ -107,6 +108,8 @@ def pop_attrib(gl):
     keys, saved, beside = _pop(gl, "attribute stack")
     settle_materials(gl)  # the group of enables may end what colours follow, and has no materials
     for key, value in zip(keys, saved, strict=True):
+        if key in NOTIFIED and gl.values[key] is not value:
+            NOTIFIED[key](gl, value)
         gl.values.set(key, value)
     for restore, kept in beside:
         restore(gl, kept)

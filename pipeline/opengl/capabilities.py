@@ -10,15 +10,15 @@ from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.opengl.values import VALUES, declare
 
 _OF_UNITS: set[int] = set()
-# Called with the Context and the new value, before it is set.
-_NOTIFIED = {}
+# By a capability's key: what is called with the Context and the new value, before it is set.
+NOTIFIED = {}
 
 
 def capability(token: int, groups: int = 0, *, initial: bool = False, notify=None) -> None:
     """Declare a capability. ``notify(gl, enabled)`` is called before it changes."""
     declare(("enabled", token), initial, groups | tokens.ENABLE_BIT)
     if notify is not None:
-        _NOTIFIED[token] = notify
+        NOTIFIED["enabled", token] = notify
 
 
 def unit_capability(token: int) -> None:
@@ -44,8 +44,8 @@ def _set(gl, token, enabled):
         return
     key = key_of(gl, token)
     if gl.values[key] is not enabled:
-        if token in _NOTIFIED:
-            _NOTIFIED[token](gl, enabled)
+        if key in NOTIFIED:
+            NOTIFIED[key](gl, enabled)
         gl.values.set(key, enabled)
 
 

@@ -21,6 +21,7 @@ from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.capabilities import capability
 from fixedpipe.pipeline.opengl.entry_points import entry, no_effect
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
+from fixedpipe.pipeline.opengl.parameters import numbers_of
 from fixedpipe.pipeline.opengl.values import declare, section
 from fixedpipe.pipeline.state import (
     AlphaTest,
@@ -211,6 +212,12 @@ def polygon_offset(gl, factor, units):
     gl.values.set("polygon_offset", (float(factor), float(units)))
 
 
+@entry("PolygonOffsetEXT")
+def polygon_offset_ext(gl, factor, bias):
+    """The depth offset, whose bias is a depth from 0 to 1 (EXT_polygon_offset)."""
+    polygon_offset(gl, factor, bias * ((1 << gl.profile.widest_depth) - 1))
+
+
 @entry("ShadeModel")
 def shade_model(gl, mode):
     """FLAT or SMOOTH."""
@@ -368,6 +375,33 @@ def stencil_op(gl, *operations):
     gl.values.set("stencil_operations", (fail, depth_fail, depth_pass))
 
 
+def _of_both_faces(face):
+    """Refuse a stencil state of one face: no machine here has EXT_stencil_two_side."""
+    if member(FACES, face) is not Face.FRONT_AND_BACK:
+        raise Refused("a stencil state of one face alone: no machine here has EXT_stencil_two_side")
+
+
+@entry("StencilFuncSeparate")
+def stencil_func_separate(gl, face, function, reference, mask):
+    """The stencil test of both faces (OpenGL 2.0)."""
+    _of_both_faces(face)
+    stencil_func(gl, function, reference, mask)
+
+
+@entry("StencilOpSeparate")
+def stencil_op_separate(gl, face, *operations):
+    """What becomes of stencil values under both faces (OpenGL 2.0)."""
+    _of_both_faces(face)
+    stencil_op(gl, *operations)
+
+
+@entry("StencilMaskSeparate")
+def stencil_mask_separate(gl, face, mask):
+    """Which bits of stencil values both faces write (OpenGL 2.0)."""
+    _of_both_faces(face)
+    stencil_mask(gl, mask)
+
+
 @entry("StencilMask")
 def stencil_mask(gl, mask):
     """Which bits of stencil values are written."""
@@ -412,6 +446,14 @@ def blend_equation(gl, equation):
     gl.values.set("blend_equation", equation)
 
 
+@entry("BlendEquationSeparate")
+def blend_equation_separate(gl, equation, alpha_equation):
+    """EXT_blend_equation_separate. Refused where the two differ: no machine here has it."""
+    if equation != alpha_equation:
+        raise Refused("blending alpha by another equation than colours: no machine here does so")
+    blend_equation(gl, equation)
+
+
 @entry("BlendColor")
 def blend_color(gl, *color):
     """The constant blend colour."""
@@ -451,6 +493,16 @@ def draw_buffer(gl, buffer):
     if buffer not in _BUFFERS:
         raise GLError(tokens.INVALID_OPERATION, f"the window has no buffer {tokens.name_of(buffer)}")
     gl.values.set("draw_buffer", buffer)
+
+
+@entry("DrawBuffers")
+def draw_buffers(gl, count, buffers):
+    """One colour buffer that is written (ARB_draw_buffers); several are refused."""
+    if count < 0:
+        raise GLError(tokens.INVALID_VALUE)
+    if count > 1:
+        raise Refused(f"drawing into {count} buffers by fragment programs, which no machine here has")
+    draw_buffer(gl, numbers_of(buffers)[0] if count else tokens.NONE)
 
 
 @entry("ReadBuffer")
@@ -522,10 +574,13 @@ def clear(gl, mask):
 @entry("Accum")
 def accum(gl, operation, value):
     """Move colours to and from the accumulation buffer (section 4.2.4)."""
+    chosen = member(ACCUM_OPERATIONS, operation)
+    if gl.values["render_mode"] != tokens.RENDER:  # section 5.2: nothing changes the framebuffer
+        return
     gl.commands.append(
         Accum(
             label=f"{gl.called} (call {gl.tally.call})",
-            operation=member(ACCUM_OPERATIONS, operation),
+            operation=chosen,
             value=float(value),
             scissor=gl.values.section("scissor section"),
             color_mask=gl.values.section("color_mask section"),
@@ -533,5 +588,6 @@ def accum(gl, operation, value):
     )
 
 
-no_effect("ClearIndex", "IndexMask", "SampleCoverage")
+no_effect("ClearIndex", "IndexMask", "SampleCoverage", "SampleMask", "SamplePattern")
 no_effect("Finish", "Flush", compiled=False)
+no_effect("AddSwapHintRect", "FlushRaster", "ResizeBuffers", "TextureRange", compiled=False)

@@ -285,6 +285,23 @@ def _expect_smaller(gl, texture, level):
                     texture.images[face, above] = zeros_like(image, size)
 
 
+@entry("GenerateMipmap", compiled=False)
+def generate_mipmap(gl, target):
+    """Make the levels above the base level once (EXT_framebuffer_object)."""
+    if target not in TARGETS or target == tokens.TEXTURE_RECTANGLE_NV:
+        raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(target)} has no mipmaps")
+    texture = bound_object(gl, target)
+    texture.settle()
+    level = texture.parameters.base_level
+    if texture.level(level) is None:
+        if target == tokens.TEXTURE_CUBE_MAP:
+            raise GLError(tokens.INVALID_OPERATION, "the cube map's faces are missing or differ")
+        return
+    _expect_smaller(gl, texture, level)
+    texture.settle()
+    mark_changed(gl, texture)
+
+
 # -------------------------------------------------------------------------------------------------- proxies
 
 

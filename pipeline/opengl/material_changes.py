@@ -68,12 +68,14 @@ def _of_each(changes, count):
 
 def _draw_run(gl, mode, vertices, materials: list[_Both]):
     """Draw vertices in the best of the three ways."""
+    two_side = gl.values["two_side"] and mode not in _LINES_AND_POINTS
+    if not two_side:  # back materials are not read, so that they may not make vertices differ
+        materials = [(front, materials[0][1]) for front, _ in materials]
     if len(set(materials)) == 1:
         front, back = materials[0]
         with _changed(gl, {"material front": front, "material back": back}):
             draw_vertices(gl, mode, vertices)
         return
-    two_side = gl.values["two_side"] and mode not in _LINES_AND_POINTS
     if not _draw_tracking(gl, mode, vertices, materials, two_side):
         _draw_lit(gl, mode, vertices, materials, two_side)
 

@@ -250,7 +250,7 @@ def viewport(gl, x, y, width, height):
     gl.values.set("viewport", (int(x), int(y), int(width), int(height)))
 
 
-@entry("DepthRange")
+@entry("DepthRange", "DepthRangef")
 def depth_range(gl, near, far):
     """The depths of the near and far plane, clamped to [0, 1]."""
     gl.values.set("depth_range", (min(max(float(near), 0.0), 1.0), min(max(float(far), 0.0), 1.0)))

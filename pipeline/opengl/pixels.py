@@ -8,6 +8,7 @@ Client memory is bytes, a bytes-like object, a NumPy array, or a list of numbers
 bound it is an offset. Words are little-endian. Assumed: programs ran on x86.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -53,7 +54,8 @@ def pixel_store(gl, name, value):
     if name not in STORE_PARAMETERS:
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(name)} is no parameter of pixel store")
     side, field = STORE_PARAMETERS[name]
-    value = bool(value) if field in ("swap_bytes", "lsb_first") else int(value)
+    # Section 3.6.1: a call for floats gives the nearest integer.
+    value = bool(value) if field in ("swap_bytes", "lsb_first") else math.floor(value + 0.5)
     if value < 0 or (field == "alignment" and value not in (1, 2, 4, 8)):
         raise GLError(tokens.INVALID_VALUE, f"{tokens.name_of(name)} cannot be {value}")
     gl.values.set(side, gl.values[side]._replace(**{field: value}))

@@ -8,6 +8,7 @@ What the machine's driver did not know (a wrap mode, an environment) is an error
 state as it was. A draw that reads more units than the machine has is refused.
 """
 
+import math
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -45,7 +46,7 @@ from fixedpipe.pipeline.state import (
     TexGen,
     TextureUnit,
 )
-from fixedpipe.pipeline.textures.images import DEPTH_TEXELS, FORMATS_OF_WORDS
+from fixedpipe.pipeline.textures.images import BASE_FORMAT, DEPTH_TEXELS, FORMATS_OF_WORDS
 
 _TEXTURE = tokens.TEXTURE_BIT
 _UNITS = range(COORDINATE_SETS)
@@ -235,9 +236,10 @@ def _parameter_changes(gl, target, name, given: Parameter, held: Parameters) -> 
     if name == tokens.TEXTURE_BORDER_COLOR:
         return {"border_color": clamped(*given.color())}
     if name in _LEVELS:
-        if given.number() < 0 or (rectangle and given.number() != 0):
+        level = math.floor(given.number() + 0.5)
+        if level < 0 or (rectangle and level):
             raise GLError(tokens.INVALID_VALUE)
-        return {_LEVELS[name]: int(given.number())}
+        return {_LEVELS[name]: level}
     if name == tokens.TEXTURE_MAX_ANISOTROPY_EXT:
         if gl.profile.textures.max_anisotropy <= 1:
             unknown_value(gl, "anisotropic filter")
@@ -414,7 +416,21 @@ def _unit_keys(unit):
         ("lod_bias", unit),
         ("coord_replace", unit),
         *TEXTURE_TABLE,
+        ("enabled", tokens.REGISTER_COMBINERS_NV),
     )
+
+
+def _passes(found, environment):
+    """Whether a unit passes fragments' colours on as they are: DECAL of a texture without RGB.
+
+    Source: NV_texture_shader (tables 3.18 and 3.19), which says so where OpenGL 1.2.1 (table 3.23) leaves it
+    undefined. Assumed: drivers without that extension did the same, as Mesa does.
+    """
+    if environment.mode != tokens.DECAL:
+        return False
+    if found.format in DEPTH_TEXELS:
+        return True
+    return BASE_FORMAT.get(found.format, BaseFormat.RGBA) not in (BaseFormat.RGB, BaseFormat.RGBA)
 
 
 def _of_unit(unit):
@@ -434,10 +450,13 @@ def _of_unit(unit):
     @section(f"texture unit {unit}", *_unit_keys(unit), also=usable)
     def build(gl, *parts):
         enables, (shaders, stage), rest = parts[:5], parts[5:7], parts[12:]
-        generates, (held, matrices, environment, bias, replaced, tables, table) = rest[:4], rest[4:]
+        generates, (held, matrices, environment, bias, replaced, *others) = rest[:4], rest[4:]
+        tables, table, combiners = others
         takes_part, target = _read_target(gl, unit, enables, shaders, stage)
         found = usable(gl) if target is not None else None
         if not takes_part or (target is not None and found is None):
+            return None
+        if not (shaders or combiners) and found is not None and _passes(found, environment):
             return None
         has_table = tables and gl.profile.textures.texture_color_table
         most = gl.profile.textures.max_lod_bias

@@ -264,3 +264,14 @@ def test_attachments_can_be_asked_for(gl):
     assert ask(F, COLOR, T.FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE_EXT) == T.TEXTURE
     assert ask(F, COLOR, T.FRAMEBUFFER_ATTACHMENT_OBJECT_NAME_EXT) == 1
     assert ask(F, DEPTH, T.FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE_EXT) == T.NONE
+
+
+def test_mipmaps_of_what_was_drawn(gl):
+    texture(gl, 1, levels=4)
+    gl.TexParameteri(T.TEXTURE_2D, T.TEXTURE_MAX_LEVEL, 3)
+    object_of(gl, 1, 1)
+    clear(gl, GREEN)
+    gl.BindFramebuffer(F, 0)
+    gl.GenerateMipmap(T.TEXTURE_2D)
+    gl.TexParameteri(T.TEXTURE_2D, T.TEXTURE_BASE_LEVEL, 2)
+    assert (textured(gl, 1) == BYTES[GREEN]).all()

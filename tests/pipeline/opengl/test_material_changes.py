@@ -81,6 +81,16 @@ def test_a_colour_that_changes_becomes_the_vertices_colour():
     assert gl.GetIntegerv(t.COLOR_MATERIAL_PARAMETER) == t.AMBIENT_AND_DIFFUSE
 
 
+@pytest.mark.parametrize("mode", [t.TRIANGLE_STRIP, t.TRIANGLES, t.LINE_STRIP])
+def test_back_materials_that_nobody_sees_are_no_change(mode):
+    """Only lighting of two sides reads the back material."""
+    gl = lit_context()
+    commands = draw(gl, mode, lambda gl, i: gl.Materialfv(t.BACK, t.DIFFUSE, SHADES[i]))
+    assert len(commands) == 1
+    assert gl.GetMaterialfv(t.BACK, t.DIFFUSE) == SHADES[-1]
+    assert counted(gl, "lit here") == counted(gl, "refused") == []
+
+
 def test_a_colour_that_follows_the_current_one_is_no_change():
     gl = lit_context()
     gl.ColorMaterial(t.FRONT, t.DIFFUSE)

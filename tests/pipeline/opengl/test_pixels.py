@@ -243,6 +243,13 @@ def test_pixel_store_refuses_what_opengl_refuses(name, value, kind):
     assert gl.values["unpack"] == before
 
 
+def test_pixel_store_takes_the_nearest_integer_of_a_float():
+    gl = context()
+    gl.PixelStoref(GL.UNPACK_ALIGNMENT, 1.75)
+    gl.PixelStoref(GL.UNPACK_ROW_LENGTH, 4.25)
+    assert gl.values["unpack"] == Store(alignment=2, row_length=4)
+
+
 def test_pixel_store_keeps_both_sides():
     gl = context()
     for name, value in ((GL.UNPACK_ROW_LENGTH, 5), (GL.PACK_ALIGNMENT, 8), (GL.UNPACK_LSB_FIRST, 3)):

@@ -288,6 +288,23 @@ def test_smaller_levels_are_made_from_the_base_level_when_it_changes():
     assert len(gl.state().texture_units) == 1
 
 
+def test_smaller_levels_are_made_once_by_generate_mipmap():
+    gl, image = context(), _image(8, 4)
+    _define(gl, image)
+    gl.GenerateMipmapEXT(GL.TEXTURE_2D)
+    levels = pyramid(image[None])
+    gl.TexSubImage2D(GL.TEXTURE_2D, 0, 0, 0, 1, 1, GL.RGBA, GL.UNSIGNED_BYTE, bytes(4))
+    for found, made in zip(_stored(gl).levels[1:], levels[1:], strict=True):
+        np.testing.assert_array_equal(found, made)
+    assert not _stored(gl).levels[0][0, 0, 0].any()
+    gl.GenerateMipmap(GL.TEXTURE_1D)  # it has no image: nothing happens
+    assert gl.GetError() == 0
+    gl.GenerateMipmap(GL.TEXTURE_CUBE_MAP)
+    assert gl.GetError() == GL.INVALID_OPERATION
+    gl.GenerateMipmap(GL.TEXTURE_RECTANGLE_NV)
+    assert gl.GetError() == GL.INVALID_ENUM
+
+
 def test_a_texture_that_cannot_be_halved_is_refused_its_mipmaps():
     gl = context("IDEAL")
     gl.TexParameteri(GL.TEXTURE_2D, GL.GENERATE_MIPMAP, 1)
@@ -629,6 +646,11 @@ def test_palettes_give_indices_their_colours():
     _shows(screen, palettes[1][indices])
     gl.ColorSubTableEXT(GL.SHARED_TEXTURE_PALETTE_EXT, 3, 2, GL.RGBA, GL.UNSIGNED_BYTE, bytes(8))
     palettes[1][3:5] = 0
+    _shows(screen, palettes[1][indices])
+    gl.PushAttrib(GL.TEXTURE_BIT)
+    gl.Disable(GL.SHARED_TEXTURE_PALETTE_EXT)
+    _shows(screen, palettes[0][indices & 15])
+    gl.PopAttrib()
     _shows(screen, palettes[1][indices])
     gl.Disable(GL.SHARED_TEXTURE_PALETTE_EXT)
     gl.TexSubImage2D(GL.TEXTURE_2D, 0, 0, 0, 1, 1, GL.COLOR_INDEX, GL.UNSIGNED_BYTE, b"\x05")

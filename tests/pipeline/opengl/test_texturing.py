@@ -336,6 +336,42 @@ def test_environments_of_opengl_1_0():
     assert not refusals(gl)
 
 
+@pytest.mark.parametrize("internal", [GL.ALPHA, GL.LUMINANCE, GL.LUMINANCE_ALPHA, GL.INTENSITY])
+@pytest.mark.parametrize("profile", ["OPENGL_1_2", "GEFORCE_256", "GEFORCE_3"])
+def test_a_decal_without_colours_passes_the_fragments_own(profile, internal):
+    """As NV_texture_shader defines it."""
+    gl = context(profile, 4, 4)
+    _texture(gl, internal=internal)
+    gl.Enable(GL.TEXTURE_2D)
+    gl.TexEnvi(_ENV, GL.TEXTURE_ENV_MODE, GL.DECAL)
+    gl.Color4f(1.0, 0.6, 0.2, 0.4)
+    gl.Rectf(-1.0, -1.0, 1.0, 1.0)
+    picture = Machine(gl.profile, 4, 4).run(gl.take_commands()).image()
+    assert picture.reshape(-1, 4).tolist() == [[255, 153, 51, 102]] * 16
+    gl.TexEnvi(_ENV, GL.TEXTURE_ENV_MODE, GL.MODULATE)
+    assert len(gl.state().texture_units) == 1
+    assert not refusals(gl)
+
+
+def test_combiners_read_a_texture_whatever_its_environment():
+    gl = context()
+    _texture(gl, internal=GL.LUMINANCE)
+    gl.Enable(GL.TEXTURE_2D)
+    gl.TexEnvi(_ENV, GL.TEXTURE_ENV_MODE, GL.DECAL)
+    assert gl.state().texture_units == ()
+    gl.Enable(GL.REGISTER_COMBINERS_NV)
+    assert len(gl.state().texture_units) == 1
+
+
+def test_levels_are_the_nearest_integers_of_floats():
+    gl = context()
+    gl.TexParameterf(GL.TEXTURE_2D, GL.TEXTURE_BASE_LEVEL, 1.75)
+    gl.TexParameterf(GL.TEXTURE_2D, GL.TEXTURE_MAX_LEVEL, -0.25)
+    assert gl.GetTexParameteriv(GL.TEXTURE_2D, GL.TEXTURE_BASE_LEVEL) == 2
+    assert gl.GetTexParameteriv(GL.TEXTURE_2D, GL.TEXTURE_MAX_LEVEL) == 0
+    assert not refusals(gl)
+
+
 def test_a_combine_environment():
     gl = context("GEFORCE_3")
     _texture(gl)
