@@ -17,6 +17,7 @@ from fixedpipe.pipeline.enums import (
     ComparisonFunction,
     TexGenMode,
     TextureCompareMode,
+    TextureEnvironmentMode,
     TextureFilter,
     TextureShaderOperation,
     TextureTarget,
@@ -26,7 +27,14 @@ from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.capabilities import unit_capability
 from fixedpipe.pipeline.opengl.current import COORDINATE_SETS, texture_unit_number
 from fixedpipe.pipeline.opengl.entry_points import entry, register
-from fixedpipe.pipeline.opengl.environments import environment_of, lod_bias, unknown_value, with_member
+from fixedpipe.pipeline.opengl.environments import (
+    Environment,
+    Half,
+    environment_of,
+    lod_bias,
+    unknown_value,
+    with_member,
+)
 from fixedpipe.pipeline.opengl.fragments import COMPARISONS, clamped, member, words
 from fixedpipe.pipeline.opengl.matrices import times_inverse_modelview
 from fixedpipe.pipeline.opengl.outcomes import GLError, Refused
@@ -420,6 +428,12 @@ def _unit_keys(unit):
     )
 
 
+_PREVIOUS = Half(tokens.REPLACE, (tokens.PREVIOUS,) * 3, (tokens.SRC_ALPHA,) * 3)
+_PASSING = Environment(
+    tokens.COMBINE, rgb=_PREVIOUS._replace(operands=(tokens.SRC_COLOR,) * 3), alpha=_PREVIOUS
+)
+
+
 def _passes(found, environment):
     """Whether a unit passes fragments' colours on as they are: DECAL of a texture without RGB.
 
@@ -457,7 +471,9 @@ def _of_unit(unit):
         if not takes_part or (target is not None and found is None):
             return None
         if not (shaders or combiners) and found is not None and _passes(found, environment):
-            return None
+            if TextureEnvironmentMode.COMBINE not in gl.profile.combiners.texture_environment_modes:
+                return None
+            environment = _PASSING  # another unit may read this one's texture
         has_table = tables and gl.profile.textures.texture_color_table
         most = gl.profile.textures.max_lod_bias
         biased = bias if found is None else min(max(bias + found.parameters.lod_bias, -most), most)

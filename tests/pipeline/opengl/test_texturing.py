@@ -358,9 +358,9 @@ def test_combiners_read_a_texture_whatever_its_environment():
     _texture(gl, internal=GL.LUMINANCE)
     gl.Enable(GL.TEXTURE_2D)
     gl.TexEnvi(_ENV, GL.TEXTURE_ENV_MODE, GL.DECAL)
-    assert gl.state().texture_units == ()
+    assert gl.state().texture_units[0].environment.mode is TextureEnvironmentMode.COMBINE
     gl.Enable(GL.REGISTER_COMBINERS_NV)
-    assert len(gl.state().texture_units) == 1
+    assert gl.state().texture_units[0].environment.mode is TextureEnvironmentMode.DECAL
 
 
 def test_levels_are_the_nearest_integers_of_floats():
