@@ -447,6 +447,8 @@ def test_random_gestures_raise_no_error(visit, capfd):
     assert said == []
 
 
+# Some gestures give a brush an alpha below what the GeForce 256 stores. The terminal says so; it is drawn.
+@pytest.mark.filterwarnings("ignore::fixedpipe.effects.reflectance.material_textures.StoredAlpha")
 @pytest.mark.slow  # memory shows after many frames
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_a_thousand_random_gestures_keep_no_memory(visit, capfd):
