@@ -14,11 +14,13 @@ from fixedpipe.raster.kernel import bits_of, float_of, kernel
 
 EXPONENT = int64(floats.EXPONENT)
 FRACTION = int64(floats.FRACTION)
-KEEP_12, KEEP_15, KEEP_24, KEEP_29 = (
-    int64(floats.kept(bits)) for bits in (12, 15, 24, 29)
+KEEP_12, KEEP_14, KEEP_15, KEEP_24, KEEP_29 = (
+    int64(floats.kept(bits)) for bits in (12, 14, 15, 24, 29)
 )  # significant bits
 # What rounds a pattern to so many bits; of twelve, a half and 2**-9 more of the last (``reciprocal_24``).
-HALF_OF_15, HALF_OF_12 = int64(1 << 37), int64((1 << 40) + (1 << 32))
+HALF_OF_15, HALF_OF_14, HALF_OF_12 = int64(1 << 37), int64(1 << 38), int64((1 << 40) + (1 << 32))
+# The last bit of a Newton step's remainder, in ``reciprocal_24`` and in ``reciprocal_29``.
+REST_OF_24, REST_OF_29 = 2.0**-24, 2.0**-30
 
 
 @kernel
@@ -48,12 +50,6 @@ def clamp(value, low, high):
 
 
 @kernel
-def is_power_of_two(value):
-    """Whether a positive float64 is 2**k."""
-    return (bits_of(value) & FRACTION) == int64(0)
-
-
-@kernel
 def truncate_24(value):
     """A float64 truncated to 24 significant bits.
 
@@ -69,14 +65,29 @@ def power_below(value):
 
 
 @kernel
-def reciprocal_29(inverse):
-    """1/D to 29 significant bits, from ``inverse``, the float64 nearest to it: a power of two is exact,
-    anything else is reduced by 2**21 units of the float64 and truncated.
+def newton_step(total, x, last):
+    """x + x (1 - total x), with the remainder rounded to a multiple of ``last``, halves toward zero."""
+    rest = (1.0 - total * x) * (1.0 / last)
+    return x + x * ((np.ceil(rest - 0.5) if rest > 0.0 else np.floor(rest + 0.5)) * last)
 
-    Measured: 90676 of 90676 and 887880 of 887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures), which
-    allow for 1.4 to 4.3 million units; simply truncated, 28 bits lose 32 pixels and 29 bits 34.
+
+@kernel
+def seed_29(total):
+    """What ``reciprocal_29`` starts from: 1/total to the nearest 14 bits, halves up."""
+    return float_of((bits_of(1.0 / total) + HALF_OF_14) & KEEP_14)
+
+
+@kernel
+def reciprocal_29(total):
+    """1/total, cut to 29 significant bits before and after, as the chip makes it for depths: fourteen bits
+    of the reciprocal and one Newton step, whose remainder is rounded to 2**-30, halves toward zero.
+
+    Measured: 32 of the 33 sums that show in W_buffering's, Depth_buffer's and
+    Depth_buffer_fixed_function's depths (docs/numbers.md, N5.2). The other, 765952, would start from the
+    fourteen bits below. With a remainder of 29 or 31 bits, one or two sums more are missed.
     """
-    return float_of((bits_of(inverse) - int64(0 if is_power_of_two(inverse) else 1 << 21)) & KEEP_29)
+    total = float_of(bits_of(total) & KEEP_29)
+    return float_of(bits_of(newton_step(total, seed_29(total), REST_OF_29)) & KEEP_29)
 
 
 @kernel
@@ -90,9 +101,7 @@ def reciprocal_24(total):
     """
     near = float_of((bits_of(total) + HALF_OF_15) & KEEP_15)
     x = float_of((bits_of(1.0 / near) + HALF_OF_12) & KEEP_12)
-    rest = (1.0 - total * x) * 2.0**24
-    rest = (np.ceil(rest - 0.5) if rest > 0.0 else np.floor(rest + 0.5)) * 2.0**-24
-    return truncate_24(x + x * rest)
+    return truncate_24(newton_step(total, x, REST_OF_24))
 
 
 @kernel

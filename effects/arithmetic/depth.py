@@ -204,8 +204,8 @@ def _depths(chance):
 
 _SLIVER = [325.0, 325.0, 58.0]  # w of W_buffering's TriH
 _SUM = (
-    "base + q d + q d; base has the largest exponent of e; q = T24(e r) with r = 1/D a bit low, in "
-    "29 bits; terms are cut to the last of the largest's 29 bits"
+    "base + q d + q d; base has the largest exponent of e; q = T24(e r), r = 1/D: x = 1/D in 14 bits, "
+    "t = 1 - D x to 2^-30, r = x + x t in 29 bits; terms are cut to the last of the largest's 29 bits"
 )
 DEPTHS = (
     Rule(

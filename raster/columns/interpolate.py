@@ -11,7 +11,6 @@ from fixedpipe.raster import codes as C
 from fixedpipe.raster import float_depths
 from fixedpipe.raster.floats import (
     EXPONENT,
-    FRACTION,
     LARGEST_SINGLE,
     LEAST_Q,
     LEAST_SINGLE,
@@ -295,12 +294,16 @@ def cut_sum(*terms):
 # ------------------------------------------------------------------------------------------------- depth
 
 
-def _low_reciprocal(total, less, dropped):
-    """1/total, exact for powers of two, else ``less`` units of the float64 low and without its last bits."""
-    inverse = 1.0 / total
-    patterns = inverse.view(np.int64)
-    low = ((patterns - less) & np.int64(-1 << dropped)).view(np.float64)
-    return np.where((patterns & FRACTION) == 0, inverse, low)
+def _reciprocal_29(total):
+    """1/total, cut to 29 significant bits before and after: fourteen bits to nearest, halves up, then a
+    Newton step whose remainder is rounded to 2^-30, halves toward zero (docs/numbers.md, N5.2).
+    """
+    total = cut(total, 29)
+    half, exponent = np.frexp(1.0 / total)
+    seed = np.ldexp(np.floor(half * 2.0**14 + 0.5), exponent - 14)
+    rest = (1.0 - total * seed) * 2.0**30
+    rest = np.copysign(np.ceil(np.abs(rest) - 0.5), rest) / 2.0**30
+    return cut(seed + seed * rest, 29)
 
 
 def depth_difference(a, b):
@@ -327,7 +330,7 @@ def iterate_w(q0, q2, w):
 def iterate_depth(n, depths):
     """Depths of fragments before offset and limits, float64 [k]; ``depths`` [k, 3], singles (section 5)."""
     e = [cut(n_i.astype(np.float64), WEIGHT_BITS) for n_i in n]
-    reciprocal = _low_reciprocal((e[0] + e[1]) + e[2], 1 << 21, 24)
+    reciprocal = _reciprocal_29((e[0] + e[1]) + e[2])
     q = np.stack([cut(e_i * reciprocal, WEIGHT_BITS) for e_i in e], axis=1)
     exponents = [np.ascontiguousarray(e_i).view(np.int64) & EXPONENT for e_i in e]
     base = np.where(exponents[0] > exponents[1], 0, 1)

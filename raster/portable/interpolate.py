@@ -86,7 +86,7 @@ def emit_depth(floats, position, count, n, step, z, offset):
     for i in range(count):
         k = float64(int32(i))
         e0, e1, e2 = truncate_24(n0 + k * step0), truncate_24(n1 + k * step1), truncate_24(n2 + k * step2)
-        reciprocal = reciprocal_29(1.0 / ((e0 + e1) + e2))
+        reciprocal = reciprocal_29((e0 + e1) + e2)
         q0 = truncate_24(e0 * reciprocal)
         q1 = truncate_24(e1 * reciprocal)
         q2 = truncate_24(e2 * reciprocal)

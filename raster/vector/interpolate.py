@@ -19,16 +19,19 @@ from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import THREE, type_of
 from fixedpipe.raster.fixed import (
     EXPONENT,
-    FRACTION,
     HALF_OF_12,
+    HALF_OF_14,
     HALF_OF_15,
     KEEP_12,
+    KEEP_14,
     KEEP_15,
     KEEP_24,
     KEEP_29,
-    power_below,
+    REST_OF_24,
+    REST_OF_29,
     reciprocal_24,
     reciprocal_29,
+    seed_29,
 )
 from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, REST_STEP, REST_STEPS, SMALLEST
 from fixedpipe.raster.kernel import kernel, separate_function, separate_loop
@@ -102,13 +105,38 @@ def rest_to_largest(q0, q1, q2):
 
 
 @kernel
+def keep_29(x):
+    """Lanes cut to 29 significant bits."""
+    return floats_of_lanes(bits_of_lanes(x) & KEEP_29)
+
+
+@kernel
+def newton_steps(total, x, last):
+    """``fixed.newton_step`` of each lane."""
+    rest = (1.0 - total * x) * (1.0 / last)
+    return x + x * (select(rest > 0.0, 0.0 - floored(0.5 - rest), floored(rest + 0.5)) * last)
+
+
+@kernel
 def reciprocals_24(total):
     """``fixed.reciprocal_24`` of each lane."""
     near = floats_of_lanes((bits_of_lanes(total) + HALF_OF_15) & KEEP_15)
     x = floats_of_lanes((bits_of_lanes(1.0 / near) + HALF_OF_12) & KEEP_12)
-    rest = (1.0 - total * x) * 2.0**24
-    nearest = select(rest > 0.0, 0.0 - floored(0.5 - rest), floored(rest + 0.5))
-    return keep_24(x + x * (nearest * 2.0**-24))
+    return keep_24(newton_steps(total, x, REST_OF_24))
+
+
+@kernel
+def reciprocals_29_from(total, seed):
+    """``fixed.reciprocal_29`` of each lane from its seed."""
+    total = keep_29(total)
+    return keep_29(newton_steps(total, seed, REST_OF_29))
+
+
+@kernel
+def reciprocals_29(total):
+    """``fixed.reciprocal_29`` of each lane."""
+    seed = floats_of_lanes((bits_of_lanes(1.0 / keep_29(total)) + HALF_OF_14) & KEEP_14)
+    return reciprocals_29_from(total, seed)
 
 
 @kernel
@@ -252,17 +280,14 @@ def fixed_depth(z, offset, low, high):
 
 
 @kernel
-def reciprocal_beside(total, area, inverse):
-    """``reciprocal_29`` of sixteen sums of edge functions without a division, and whether it is decided.
+def shared_seed(area):
+    """(``seed_29`` of an area, whether it is that of all sums of its edge functions).
 
-    A sum of three integers, each cut to 24 bits, lies below the integer ``area`` by a part d < 2**-23 of it.
-    ``inverse`` is 1/area to nearest. The first two terms of 1/total = inverse (1 + d + d d + ...) are taken.
-    The others are below 2**-46 of it, and the operations err by less than 2**-50. So the pattern is less than
-    2**8 units from that of the nearest float64. Its upper 29 bits are the same unless its lower 24, lessened
-    by 2**21, lie that near to either end of their range. No total may be a power of two.
+    A sum of three integers, each cut to 24 bits, lies below their area by less than 2**-23 of it; cut to 29
+    bits, by less than 2**-22. The seed never grows with the sum.
     """
-    pattern = bits_of_lanes(inverse + inverse * ((area - total) * inverse)) - int64(1 << 21)
-    return all_lanes(((pattern + int64(256)) & int64(0xFFFE00)) != int64(0)), pattern & KEEP_29
+    seed = seed_29(area)
+    return seed, seed_29(area - area * 2.0**-22) == seed
 
 
 class Depths(NamedTuple):
@@ -302,23 +327,18 @@ def run_depth(words, position, count, n, right, depths):
     of_vertices, differences = vertex_depths(depths)
     area = (n0 + n1) + n2
     if area < 2.0**24:  # then every edge function has 24 bits, and their sum is the area
-        reciprocal = f64x16(reciprocal_29(1.0 / area))
+        reciprocal = f64x16(reciprocal_29(area))
         for i in range(0, count, 16):
             z = depth_of((a0, a1, a2), reciprocal, of_vertices, differences)
             store(words, position + i, fixed_depth(z, offset, low, high))
             a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
         return
-    whole = f64x16(1.0 / area)
-    odd = area - power_below(area) > area * 2.0**-22  # then no sum below is a power of two
+    seed, shared = shared_seed(area)
     for i in range(0, count, 16):
         e0, e1, e2 = keep_24(a0), keep_24(a1), keep_24(a2)
         total = (e0 + e1) + e2
-        decided, lessened = reciprocal_beside(total, area, whole)
-        if not (odd and decided):
-            inverse = bits_of_lanes(1.0 / total)
-            exact = (inverse & FRACTION) == int64(0)
-            lessened = select(exact, inverse, inverse - int64(1 << 21)) & KEEP_29
-        z = depth_of((e0, e1, e2), floats_of_lanes(lessened), of_vertices, differences)
+        reciprocal = reciprocals_29_from(total, f64x16(seed)) if shared else reciprocals_29(total)
+        z = depth_of((e0, e1, e2), reciprocal, of_vertices, differences)
         store(words, position + i, fixed_depth(z, offset, low, high))
         a0, a1, a2 = a0 + step0, a1 + step1, a2 + step2
 
@@ -329,7 +349,7 @@ def triangle_depth(floats, words, position, count, depths, area):
     separate_loop()
     _vertices, offset, low, high = depths
     n0, n1, n2 = floats[R.N0], floats[R.N1], floats[R.N2]
-    reciprocal = f64x16(reciprocal_29(1.0 / area))
+    reciprocal = f64x16(reciprocal_29(area))
     of_vertices, differences = vertex_depths(depths)
     for i in range(position, position + count, 16):
         edges = load_f64x16(n0, i), load_f64x16(n1, i), load_f64x16(n2, i)
@@ -364,7 +384,7 @@ def spread_depth(floats, position, count, depths, area):
     """A small triangle's numbers for ``mixed_depth``."""
     separate_function()
     (z0, z1, z2), offset, _low, _high = depths
-    spread(floats[R.Z_RECIPROCAL], position, count, reciprocal_29(1.0 / area))
+    spread(floats[R.Z_RECIPROCAL], position, count, reciprocal_29(area))
     spread(floats[R.Z0], position, count, z0)
     spread(floats[R.Z1], position, count, z1)
     spread(floats[R.Z2], position, count, z2)

@@ -8,7 +8,6 @@ integers, and the same float64 operations in the same order (``fixedpipe.raster.
 from numba import float64, int32, int64, types, uint32, uint64
 
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.fixed import FRACTION, KEEP_29
 from fixedpipe.raster.floats import LEAST_SINGLE
 from fixedpipe.raster.kernel import kernel, separate_function
 from fixedpipe.raster.portable.interpolate import coordinate_difference, weight_factors
@@ -22,15 +21,14 @@ from fixedpipe.raster.vector.colors import (
 from fixedpipe.raster.vector.interpolate import (
     keep_24,
     reciprocals_24,
+    reciprocals_29,
     spread,
 )
 from fixedpipe.raster.vector.lanes import (
     absolute,
-    bits_of_lanes,
     count_bits,
     f64x8,
     f64x16,
-    floats_of_lanes,
     i32x16,
     largest_lane,
     load_f64x16,
@@ -191,7 +189,6 @@ def set_up(job, members, first, top, bottom, scratch):
                     numbers[at + 1, lane] = coordinate_difference(other, base)
                     numbers[at + 2, lane] = coordinate_difference(third, base)
     areas = to_float64(load_i32x16(lanes[R.LANE_AREA], 0))
-    inverse = f64x16(1.0) / areas
     if needs_weights and not perspective:
         store(numbers[w], 0, reciprocals_24(areas))
     if needs_depth:
@@ -200,10 +197,7 @@ def set_up(job, members, first, top, bottom, scratch):
         store(numbers[R.Z10 - R.WEIGHT_FACTOR0], 0, difference_of(z1, z0))
         store(numbers[R.Z20 - R.WEIGHT_FACTOR0], 0, difference_of(z2, z0))
         store(numbers[R.Z21 - R.WEIGHT_FACTOR0], 0, difference_of(z2, z1))
-        pattern = bits_of_lanes(inverse)
-        exact = (pattern & FRACTION) == int64(0)
-        pattern = select(exact, pattern, pattern - int64(1 << 21)) & KEEP_29
-        store(numbers[R.Z_RECIPROCAL - R.WEIGHT_FACTOR0], 0, floats_of_lanes(pattern))
+        store(numbers[R.Z_RECIPROCAL - R.WEIGHT_FACTOR0], 0, reciprocals_29(areas))
         if not draw[R.POLYGON_OFFSET]:
             store(numbers[R.Z_OFFSET - R.WEIGHT_FACTOR0], 0, f64x16(0.0))
     return found

@@ -83,26 +83,10 @@ def keep_significant_bits(value, bits):
     return from_pattern(to_pattern(value) >> dropped << dropped)
 
 
-def is_power_of_two(value):
-    """Whether a positive float64 is 2^k. Source: IEEE 754."""
-    return math.frexp(value)[0] == 0.5
-
-
 def round_significant_bits(value, bits):
     """A float64 to the nearest of ``bits`` significant bits, ties to even. Source: IEEE 754."""
     mantissa, exponent = math.frexp(value)
     return math.ldexp(round(math.ldexp(mantissa, bits)), exponent - bits)
-
-
-def low_reciprocal(inverse):
-    """1/D cut to 29 significant bits, from the float64 nearest to it, reduced by 2^21 of its units; exact
-    where D is 2^k.
-
-    Measured: 90676 and 887880 pixels (DepthFmt_z24, ZBuf24D_FloorQuad captures).
-    """
-    if is_power_of_two(inverse):
-        return inverse
-    return keep_significant_bits(from_pattern(to_pattern(inverse) - 2**21), 29)
 
 
 def floor_float(value):

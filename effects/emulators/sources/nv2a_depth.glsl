@@ -21,6 +21,21 @@ uvec2 nv2a_depth_sum(uvec2 middle, uvec2 first, uvec2 last) {
     return nv2a_f64_cut(sum, 24);
 }
 
+// 1/sum in 29 bits, of positive numbers: 14 bits, and a Newton step whose remainder is rounded to 2^-30.
+uvec2 nv2a_reciprocal_29(uvec2 sum) {
+    uvec2 one = uvec2(0x0u, 0x3ff00000u);
+    uvec2 x = nv2a_f64_cut(sum, 29);
+    uvec2 seed = nv2a_u64_left(nv2a_u64_right(nv2a_u64_add(nv2a_f64_divide(one, x), uvec2(0x0u, 0x40u)), 39), 39);
+    uvec2 rest = nv2a_f64_subtract(one, nv2a_f64_multiply(x, seed));
+    uvec2 nearest = nv2a_f64_multiple(rest, -30);
+    uvec2 left = nv2a_f64_magnitude(nv2a_f64_subtract(rest, nearest));
+    uvec2 step = nv2a_f64_less(rest, uvec2(0x0u, 0x0u)) != 0 ? uvec2(0x0u, 0xbe100000u) : uvec2(0x0u, 0x3e100000u);
+    if (nv2a_f64_less(uvec2(0x0u, 0x3e000000u), left) != 0) {
+        nearest = nv2a_f64_add(nearest, step);
+    }
+    return nv2a_f64_cut(nv2a_f64_add(seed, nv2a_f64_multiply(seed, nearest)), 29);
+}
+
 // The depth of a fragment from edge functions as doubles and three vertices' depths.
 uvec2 nv2a_depth_of_edges(uvec2 n[3], uvec2 z[3]) {
     uvec2 e[3];
@@ -30,10 +45,7 @@ uvec2 nv2a_depth_of_edges(uvec2 n[3], uvec2 z[3]) {
         e[k] = nv2a_f64_cut(n[k], 24);
         total = nv2a_f64_add(total, e[k]);
     }
-    uvec2 by = nv2a_f64_divide(uvec2(0x0u, 0x3ff00000u), total);
-    if ((by & uvec2(0xffffffffu, 0xfffffu)) != uvec2(0x0u, 0x0u)) {
-        by = nv2a_u64_left(nv2a_u64_right(nv2a_u64_subtract(by, uvec2(0x200000u, 0x0u)), 24), 24);
-    }
+    uvec2 by = nv2a_reciprocal_29(total);
     int e0 = int(nv2a_u64_right(e[0], 52).x) & 2047;
     int e1 = int(nv2a_u64_right(e[1], 52).x) & 2047;
     int e2 = int(nv2a_u64_right(e[2], 52).x) & 2047;

@@ -21,6 +21,18 @@ static inline uint64_t nv2a_depth_sum(uint64_t middle, uint64_t first, uint64_t 
     return nv2a_f64_cut(sum, 24);
 }
 
+/* 1/sum in 29 bits, of positive numbers: 14 bits, and a Newton step whose remainder is rounded to 2^-30. */
+static inline uint64_t nv2a_reciprocal_29(uint64_t sum) {
+    uint64_t one = 0x3ff0000000000000ull, x = nv2a_f64_cut(sum, 29);
+    uint64_t seed = (nv2a_f64_divide(one, x) + 0x4000000000ull) >> 39 << 39;
+    uint64_t rest = nv2a_f64_subtract(one, nv2a_f64_multiply(x, seed));
+    uint64_t nearest = nv2a_f64_multiple(rest, -30);
+    uint64_t left = nv2a_f64_magnitude(nv2a_f64_subtract(rest, nearest));
+    uint64_t step = nv2a_f64_less(rest, 0ull) ? 0xbe10000000000000ull : 0x3e10000000000000ull;
+    if (nv2a_f64_less(0x3e00000000000000ull, left)) nearest = nv2a_f64_add(nearest, step);
+    return nv2a_f64_cut(nv2a_f64_add(seed, nv2a_f64_multiply(seed, nearest)), 29);
+}
+
 /* The depth of a fragment from edge functions as doubles and three vertices' depths. */
 static inline uint64_t nv2a_depth_of_edges(const uint64_t n[3], const uint64_t z[3]) {
     uint64_t e[3], products[2], total = 0ull;
@@ -28,8 +40,7 @@ static inline uint64_t nv2a_depth_of_edges(const uint64_t n[3], const uint64_t z
         e[k] = nv2a_f64_cut(n[k], 24);
         total = nv2a_f64_add(total, e[k]);
     }
-    uint64_t by = nv2a_f64_divide(0x3ff0000000000000ull, total);
-    if ((by & 0x000fffffffffffffull) != 0ull) by = (by - 0x200000ull) >> 24 << 24;
+    uint64_t by = nv2a_reciprocal_29(total);
     int e0 = (int)(uint32_t)(e[0] >> 52) & 2047, e1 = (int)(uint32_t)(e[1] >> 52) & 2047;
     int e2 = (int)(uint32_t)(e[2] >> 52) & 2047, base = e0 > e1 ? 0 : 1, k = 0;
     if (e2 > e0 && e2 > e1) base = 2;

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.fixed import reciprocal_29
+from fixedpipe.raster.fixed import reciprocal_29, seed_29
 from fixedpipe.raster.floats import TAU, keep_significant_bits
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.interpolate import depth_words, emit_depth
@@ -22,8 +22,8 @@ from fixedpipe.raster.vector.coordinates import (
     iterate_texels,
 )
 from fixedpipe.raster.vector.coordinates import depth_words as vector_depth_words
-from fixedpipe.raster.vector.interpolate import Depths, Listed, reciprocal_beside, run_depth
-from fixedpipe.raster.vector.lanes import f64x16, floats_of_lanes, store
+from fixedpipe.raster.vector.interpolate import Depths, Listed, reciprocals_29, run_depth, shared_seed
+from fixedpipe.raster.vector.lanes import load_f64x16, store
 from tests.reference import interpolate
 
 UNIT, COMPONENT = 1, 0
@@ -136,31 +136,39 @@ def test_depths_of_a_run_are_those_of_the_portable_engine(first, right, depths):
     assert words[:count].tolist() == expected[:count].tolist()
 
 
-@kernel("void(f8[::1],f8[::1],f8[::1],b1[::1])")
-def reciprocals(totals, areas, out, decided):
+@kernel("void(f8[::1],f8[::1])")
+def reciprocals(totals, out):
     for at in range(0, totals.shape[0], 16):
-        for k in range(16):  # one by one: each in all lanes
-            total, area = totals[at + k], areas[at + k]
-            found, pattern = reciprocal_beside(f64x16(total), area, f64x16(1.0 / area))
-            store(out, at, floats_of_lanes(pattern))
-            totals[at + k], decided[at + k] = out[at], found
+        store(out, at, reciprocals_29(load_f64x16(totals, at)))
+
+
+@kernel("boolean(f8,f8[::1])")
+def seeds(area, found):
+    found[0], shared = shared_seed(area)
+    return shared
 
 
 @settings(deadline=None, max_examples=100)
-@given(st.integers(0, 2**32), st.integers(24, 40))
-def test_reciprocals_beside_an_areas_are_decided_rightly(seed, bits):
+@given(st.integers(0, 2**32), st.integers(1, 45))
+def test_reciprocals_of_lanes_are_those_of_scalars(seed, bits):
+    totals = np.floor(np.random.default_rng(seed).uniform(2.0 ** (bits - 1), 2.0**bits, 64))
+    out = np.zeros(64)
+    reciprocals(totals, out)
+    assert out.tolist() == [reciprocal_29(total) for total in totals]
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.integers(0, 2**32), st.integers(24, 45), st.booleans())
+def test_a_shared_seed_is_that_of_every_sum_of_cut_edge_functions(seed, bits, near):
     random = np.random.default_rng(seed)
-    # Inverses of 29 bits and what is taken off them: the sums nearest to theirs are the ones in doubt.
-    inverse = (random.integers(2**28, 2**29, 512) * 2.0**24 + 2.0**21) * 2.0 ** (-52 - bits)
-    totals = np.rint(1.0 / inverse)
-    totals = totals[np.frexp(totals)[0] != 0.5]
-    totals = totals[: len(totals) // 16 * 16]
-    areas = totals + np.floor(totals * 2.0**-23 * random.random(len(totals)))
-    out, decided = np.zeros(len(totals) + 16), np.zeros(len(totals), bool)
-    expected = np.array([reciprocal_29(1.0 / total) for total in totals])
-    reciprocals(totals, areas, out, decided)
-    assert (totals == expected)[decided].all()
-    assert decided.any()  # that some are left undecided is likely of wide areas, and not certain
+    area = float(random.integers(2 ** (bits - 1), 2**bits))
+    if near:  # where the seed changes
+        area = floor(1.0 / (seed_29(area) + 2.0 ** (-15 - bits))) + 0.0
+    found = np.zeros(1)
+    shared = seeds(area, found)
+    others = {seed_29(area - floor(area * 2.0**-23 * share)) for share in random.random(64)}
+    assert found[0] == seed_29(area)
+    assert not shared or others == {found[0]}
 
 
 def quotients(seed, size, count):
