@@ -280,8 +280,8 @@ def _flat_normals():
 def _no_heights():
     right = f002_01.relief
 
-    def relief(field):
-        surface = right(field)
+    def relief(field, **border):
+        surface = right(field, **border)
         return replace(surface, positions=surface.positions * np.array((1.0, 1.0, 0.0)))
 
     return _patched(f002_01, "relief", relief)

@@ -15,6 +15,7 @@ from fixedpipe.effects.figures.figure import Figure, Method
 from fixedpipe.effects.figures.heidrich_2000.shared import texture_space
 from fixedpipe.effects.figures.heidrich_2000.shared.relief import lit_relief, oblique_view
 from fixedpipe.effects.figures.scattering_ways import MACHINES, WAYS, setup_of
+from fixedpipe.effects.geometry import height_fields
 from fixedpipe.effects.geometry.vectors import dot, normalize
 from fixedpipe.effects.geometry.views import BACKGROUND, panel_of, row_of_panels
 from fixedpipe.effects.scattering import dependent_tests, height_field, light_transport
@@ -37,11 +38,15 @@ WITHOUT = "light without scattering"
 EYE = (0.0, -2.7, 2.7)
 
 
-def _domes(size, texels, domes, height, albedo, directions):
+def _domes(size, texels, domes, height, albedo, ground, directions):
     """The field, half a panel's edge at most, so that small pictures are cheap; and its visibility."""
     edge = scattering_ways.largest_power(size // 2, texels)
     whole = tuple(map(tuple, spiral(directions).tolist()))
-    return texture_space.domes_and_visibility(edge, domes, height, albedo, whole)
+    field, visibility = texture_space.domes_and_visibility(edge, domes, height, albedo, whole)
+    # The colour ends on the ground before a dome, not on its steep rim, whose few texels are seen large.
+    on_a_dome = height_field.domes(edge, edge, domes).heights > 0.0
+    share = np.minimum(2.0 * height_fields.smooth(on_a_dome.astype(np.float64), edge // 32), 1.0)[..., None]
+    return field.with_albedo(share * np.array(albedo) + (1.0 - share) * np.array(ground)), visibility
 
 
 def scene_by(way):
@@ -54,7 +59,7 @@ def scene_by(way):
         field = replace(field, specular=specular, exponent=EXPONENT)
         setup = setup_of(profile, field, visibility, bits)
         numbers = light_transport.sequences(directions, lookups, paths)
-        surface, panels = relief(field), row_of_panels(2, size)
+        surface, panels = relief(field, level_border=True), row_of_panels(2, size)
         drawn = [
             lit_relief(f"the domes {what}", surface, oblique_view(panel, EYE), texture)
             for what, panel, texture in zip(
@@ -87,9 +92,9 @@ def scene_by(way):
 REFERENCE_DIRECTIONS = 400
 
 
-def reference(size, *, texels, domes, height, albedo, specular, lookups, light, exposure, **_):
+def reference(size, *, texels, domes, height, albedo, ground, specular, lookups, light, exposure, **_):
     """The light of many more paths in float64, shown on the same relief: RGBA, top row first."""
-    field, visibility = _domes(size, texels, domes, height, albedo, REFERENCE_DIRECTIONS)
+    field, visibility = _domes(size, texels, domes, height, albedo, ground, REFERENCE_DIRECTIONS)
     field = replace(field, specular=specular, exponent=EXPONENT)
     towards = height_field.check_light(light)
     numbers = light_transport.sequences(REFERENCE_DIRECTIONS, lookups, REFERENCE_DIRECTIONS)
@@ -116,7 +121,7 @@ def _in_float(size, field, lights):
         drawn += (
             TexImage(label=f"load {name}", texture=name, image=texture_2d(values)),
             panel.clear(BACKGROUND),
-            lit_relief(name, relief(field), oblique_view(panel, EYE), name),
+            lit_relief(name, relief(field, level_border=True), oblique_view(panel, EYE), name),
         )
     return execute_ideal(tuple(drawn), len(lights) * size, size).color[..., :3]
 
@@ -184,7 +189,7 @@ def _against_paths(renderer, way, values, lookups, accumulation, specular=0.0):
     """RMS of the passes' sum - the same paths in float64, by Answer: of 32 x 32 texels."""
     edge, directions = 32, values["directions"] if lookups == 1 else 40
     field, visibility = _domes(
-        2 * edge, edge, *(values[name] for name in ("domes", "height", "albedo")), directions
+        2 * edge, edge, *(values[name] for name in ("domes", "height", "albedo", "ground")), directions
     )
     field = replace(field, specular=specular, exponent=EXPONENT)
     numbers = light_transport.sequences(directions, lookups, directions)
@@ -310,7 +315,7 @@ def _displayed(figure, renderer, on, values):
         abs(moved[int(np.argmin(errors))]),
         on,
     )
-    names = "texels", "domes", "height", "albedo", "directions"
+    names = "texels", "domes", "height", "albedo", "ground", "directions"
     field, visibility = _domes(size, *(values[name] for name in names))
     light = height_field.check_light(values["light"])
     expected = _in_float(size, field, [values["exposure"] * _direct(field, visibility, light)])[::-1]
@@ -321,9 +326,16 @@ def _displayed(figure, renderer, on, values):
         on,
     )
     dark, ground = there & ~lit, there & (high == 0.0) & lit
-    gained = (scattered - without).mean(axis=-1)
+    gained_colors = scattered - without
+    gained = gained_colors.mean(axis=-1)
     yield DATA.check(
         "right: what pixels gain that rays leave in shadow, mean", float(gained[dark].mean()), on
+    )
+    reddened = gained_colors[dark & (high == 0.0)].mean(axis=0)
+    yield DATA.check(
+        "right: red over blue of what the white ground in shadow gains",
+        float(reddened[0] / reddened[2]),
+        on,
     )
     yield DATA.check(
         "right: what the lit ground between the domes gains, over its light on the left",
@@ -340,7 +352,7 @@ def checks(figure, renderer):
     for on in Answer:
         yield from _displayed(figure, renderer, on, values)
     yield from _sums(renderer, way, values)
-    names = "texels", "domes", "height", "albedo", "directions"
+    names = "texels", "domes", "height", "albedo", "ground", "directions"
     field, visibility = _domes(64, *(values[name] for name in names))
     light = height_field.check_light(values["light"])
     numbers = light_transport.sequences(values["directions"], 1, values["directions"])
@@ -386,7 +398,8 @@ FIGURE = Figure(
         "texels": word.of(word.Whole(4, 128, power=True), 128, "The height field's edge, at most.", "texels"),
         "domes": word.of(word.Whole(1, 8), 3, "Domes along an edge."),
         "height": word.NUMBER(0.8, "The domes' height, over half balls'.", low=0.0, high=2.0),
-        "albedo": word.COLOR((0.8, 0.6, 0.42), "The share of light that the surface scatters."),
+        "albedo": word.COLOR((0.8, 0.26, 0.18), "The share of light that the domes scatter."),
+        "ground": word.COLOR((0.84, 0.84, 0.84), "The share of light that the ground between them scatters."),
         "specular": word.NUMBER(
             0.0, "The highlights' k_s, of the exponent 8; with the albedo 1 at most.", low=0.0, high=1.0
         ),
