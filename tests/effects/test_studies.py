@@ -176,7 +176,7 @@ def test_without_an_id_the_studies_are_listed():
 
 @pytest.mark.parametrize("ids", [(), ("all",), ("P9", "all")])
 def test_all_studies_are_checked_without_an_id(ids, tmp_path, monkeypatch):
-    monkeypatch.setattr("fixedpipe.effects.studies.STUDIES", {key: STUDIES[key] for key in ("P9", "P10")})
+    monkeypatch.setattr(STUDIES, "_modules", {key: STUDIES.module_of(key) for key in ("P9", "P10")})
     result = run(*ids, "--check", "--out", tmp_path)
     assert result.exit_code == 0, result.output
     assert "2 studies in" in result.stdout and result.stdout.count("ok ") > 2
