@@ -141,12 +141,14 @@ def reciprocal(total):
 
     Measured: 32 of 33 sums that show in depth buffers (docs/numbers.md, N5.2).
     """
-    total = fixed.keep_significant_bits(total, RECIPROCAL_BITS)
-    fraction, exponent = math.frexp(1.0 / total)
-    seed = math.ldexp(math.floor(math.ldexp(fraction, SEED_BITS) + 0.5), exponent - SEED_BITS)
-    rest = math.ldexp(1.0 - total * seed, REST_BITS)
-    nearest = math.copysign(math.ceil(abs(rest) - 0.5), rest)
-    return fixed.keep_significant_bits(seed + seed * math.ldexp(nearest, -REST_BITS), RECIPROCAL_BITS)
+    fraction, exponent = math.frexp(total)
+    m = int(math.ldexp(fraction, RECIPROCAL_BITS))  # [2^28, 2^29), the mantissa times 2^28
+    one = 1 << (RECIPROCAL_BITS - 1 + SEED_BITS)  # of m and the seed
+    seed = (2 * one + m) // (2 * m)  # the nearest; no quotient lies in the middle
+    rest, dropped = one - m * seed, RECIPROCAL_BITS - 1 + SEED_BITS - REST_BITS
+    nearest = (abs(rest) + (1 << dropped - 1) - 1 >> dropped) * (1 if rest > 0 else -1)
+    best = fixed.keep_significant_bits(float(seed * ((1 << REST_BITS) + nearest)), RECIPROCAL_BITS)
+    return math.ldexp(best, -SEED_BITS - REST_BITS + 1 - exponent)
 
 
 def iterate(n, depths):

@@ -1,6 +1,6 @@
 """Iterated texture coordinates by vectors equal docs/numbers.md, section 6, in plain float64 and integers."""
 
-from math import floor
+from math import ceil, floor
 from types import SimpleNamespace
 
 import numpy as np
@@ -162,8 +162,8 @@ def test_reciprocals_of_lanes_are_those_of_scalars(seed, bits):
 def test_a_shared_seed_is_that_of_every_sum_of_cut_edge_functions(seed, bits, near):
     random = np.random.default_rng(seed)
     area = float(random.integers(2 ** (bits - 1), 2**bits))
-    if near:  # where the seed changes
-        area = floor(1.0 / (seed_29(area) + 2.0 ** (-15 - bits))) + 0.0
+    if near:  # the area lies just above where the seed changes, and some of its sums below
+        area = ceil(1.0 / (seed_29(area) + 2.0 ** (-14 - bits))) + 1.0
     found = np.zeros(1)
     shared = seeds(area, found)
     others = {seed_29(area - floor(area * 2.0**-23 * share)) for share in random.random(64)}
