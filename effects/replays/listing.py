@@ -28,6 +28,7 @@ _FUNCTIONS = {
     "ARB_transpose_matrix": ("LoadTransposeMatrix", "MultTransposeMatrix"),
     "ARB_texture_compression": ("CompressedTex",),
     "ARB_multisample": ("SampleCoverage",),
+    "ARB_vertex_array_object": ("GenVertexArrays", "BindVertexArray"),
     "ARB_vertex_buffer_object": ("BindBuffer", "BufferData", "BufferSubData", "MapBuffer", "UnmapBuffer"),
     "ARB_occlusion_query": ("BeginQuery", "EndQuery"),
     "ARB_window_pos": ("WindowPos",),

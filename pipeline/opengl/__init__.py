@@ -35,6 +35,7 @@ from fixedpipe.pipeline.opengl import (  # noqa: F401
     texture_queries,
     texturing,
     tokens,
+    vertex_array_objects,
     vertex_program_draws,
     vertex_program_objects,
     vertex_programs,

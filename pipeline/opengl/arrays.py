@@ -57,6 +57,16 @@ _ALLOWED: dict[str, tuple[tuple[int, ...], set[int]]] = {
 }
 
 
+def initial_pointers() -> dict[Kind, ArrayPointer]:
+    """Of each kind of array, where it lies initially: nowhere (table 6.6)."""
+    initial: dict[Kind, int] = {"positions": 4, "normals": 3, "colors": 4, "secondary_colors": 3}
+    initial |= dict.fromkeys(("color_indices", "fog_coordinates", "edge_flags", "weights"), 1)
+    initial |= {(TEXTURE, unit): 4 for unit in range(COORDINATE_SETS)}
+    return {
+        kind: ArrayPointer(kind, size, tokens.FLOAT, 0, None, None, 0, None) for kind, size in initial.items()
+    }
+
+
 class ClientArrays:
     """The client state of vertex arrays.
 
@@ -64,26 +74,27 @@ class ClientArrays:
     - ``enabled``: the kinds of enabled arrays.
     - ``unit``: the coordinate set that TexCoordPointer sets (ClientActiveTexture).
     - ``locked``: (first, count) of LockArrays, or None.
+    - ``bound``: the vertex array object whose pointers and enables these are; 0: none.
+    - ``objects``: the state of the others by name; of the bound one, what it was before. None: not yet.
+    - ``names``: those that are taken; ``of_buffers``: of objects whose arrays lie in buffers alone.
     """
 
     def __init__(self):
-        initial: dict[Kind, int] = {"positions": 4, "normals": 3, "colors": 4, "secondary_colors": 3}
-        initial |= dict.fromkeys(("color_indices", "fog_coordinates", "edge_flags", "weights"), 1)
-        initial |= {(TEXTURE, unit): 4 for unit in range(COORDINATE_SETS)}
-        self.pointers = {
-            kind: ArrayPointer(kind, size, tokens.FLOAT, 0, None, None, 0, None)
-            for kind, size in initial.items()
-        }
+        self.pointers = initial_pointers()
         self.enabled: set[Kind] = set()
         self.unit = 0
         self.locked: tuple[int, int] | None = None
+        self.bound = 0
+        self.objects: dict[int, tuple[Any, ...] | None] = {0: None}
+        self.names: set[int] = set()
+        self.of_buffers: set[int] = set()
 
     def values(self) -> tuple[Any, ...]:
-        """All of it, as PushClientAttrib keeps it."""
+        """What PushClientAttrib keeps: all but the objects that are not bound."""
         return dict(self.pointers), frozenset(self.enabled), self.unit, self.locked
 
     def restore(self, values: tuple[Any, ...]) -> None:
-        """Set all of it, as ``values`` gave it."""
+        """Set it, as ``values`` gave it, in the object that is bound."""
         pointers, enabled, self.unit, self.locked = values
         self.pointers, self.enabled = dict(pointers), set(enabled)
 
@@ -146,12 +157,12 @@ def _set_pointer(gl, kind, size, type_, stride, pointer, offset=0):
         raise GLError(tokens.INVALID_ENUM, f"{tokens.name_of(type_)} is no type of this array")
     if stride < 0:
         raise GLError(tokens.INVALID_VALUE, f"the stride is {stride}")
-    memory = buffer = None
-    if pointer is None or isinstance(pointer, int):
-        buffer = gl.buffers[tokens.ARRAY_BUFFER]
-        offset += pointer or 0
-    else:
-        memory = client_memory(pointer, DTYPES[type_], not stride)
+    of_client = not (pointer is None or isinstance(pointer, int))
+    buffer = None if of_client else gl.buffers[tokens.ARRAY_BUFFER]
+    if buffer is None and gl.arrays.bound in gl.arrays.of_buffers and (of_client or pointer):
+        raise GLError(tokens.INVALID_OPERATION, "a vertex array object's arrays lie in buffers")
+    memory = client_memory(pointer, DTYPES[type_], not stride) if of_client else None
+    offset += 0 if of_client else pointer or 0
     gl.arrays.pointers[kind] = ArrayPointer(kind, size, type_, stride, pointer, memory, offset, buffer)
 
 

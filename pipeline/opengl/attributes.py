@@ -13,6 +13,7 @@ from fixedpipe.pipeline.opengl.entry_points import entry
 from fixedpipe.pipeline.opengl.lighting import settle_materials
 from fixedpipe.pipeline.opengl.outcomes import GLError
 from fixedpipe.pipeline.opengl.values import VALUES, declare
+from fixedpipe.pipeline.opengl.vertex_array_objects import bind_object
 
 # Both stacks hold 16 groups (table 6.24), of which one more is a stack overflow.
 STACK_DEPTH = 16
@@ -51,7 +52,10 @@ def _restore_stores(gl, saved):
 
 
 def _restore_arrays(gl, saved):
-    arrays, buffers = saved
+    arrays, buffers, bound = saved
+    if bound not in gl.arrays.objects:
+        return  # it was deleted, and is not made again
+    bind_object(gl, bound)
     gl.arrays.restore(arrays)
     gl.buffers.restore(buffers)
 
@@ -63,7 +67,7 @@ _CLIENT_GROUPS = {
         _restore_stores,
     ),
     tokens.CLIENT_VERTEX_ARRAY_BIT: (
-        lambda gl: (gl.arrays.values(), gl.buffers.values(*_ARRAY_BUFFERS)),
+        lambda gl: (gl.arrays.values(), gl.buffers.values(*_ARRAY_BUFFERS), gl.arrays.bound),
         _restore_arrays,
     ),
 }

@@ -81,6 +81,7 @@ STATE: dict[int, Variable] = {
     tokens.TRANSPOSE_TEXTURE_MATRIX: lambda gl: _rows(_texture_matrix(gl)),
     tokens.TEXTURE_STACK_DEPTH: lambda gl: len(gl.values[("texture matrix", _unit(gl))]),
     tokens.ACTIVE_TEXTURE: lambda gl: tokens.TEXTURE0 + _unit(gl),
+    tokens.VERTEX_ARRAY_BINDING_APPLE: lambda gl: gl.arrays.bound,
     tokens.CLIENT_ACTIVE_TEXTURE: lambda gl: tokens.TEXTURE0 + gl.arrays.unit,
     # table 6.8
     tokens.FOG_COLOR: _value("fog_color"),
