@@ -46,48 +46,48 @@ _WELCOME = """\
 fixedpipe emulates the graphics hardware of 1997-2001, bit for bit.
 
 What to do next:
-  fixedpipe figures             render every figure into ./out, with a gallery: out/index.html
-  fixedpipe figures --list      which figures there are
-  fixedpipe view F004-4         it in your browser, drawn live: move its light, its camera, its machine
-  fixedpipe passes F004-4       how one is made, pass by pass
+  fixedpipe figures             draw every figure into ./out, with a gallery: out/index.html
+  fixedpipe figures --list      print which figures there are
+  fixedpipe view F004-4         show a figure live in your browser: move its light and camera, change machine
+  fixedpipe passes F004-4       print how a figure is made, pass by pass
   fixedpipe inspect F004-4 --pixel 300,200
-                                what happened to a pixel: every register, and where it parts from the ideal
-  fixedpipe pixel STATE.json    the pixel of a small state on a machine: what your own test has to expect
+                                print every register of a pixel, and where it differs from the ideal
+  fixedpipe pixel STATE.json    print the pixel that a machine draws of a small state, for your own test
   fixedpipe compare F004-4 --machines GEFORCE_256 OPENGL_1_2
-                                where two machines' pictures part: command, pixel, stage
-  fixedpipe parameters F004-4   what may be changed of it; fixedpipe figures F004-4 --set alpha_x=0.15
-  fixedpipe print F003-21       for a page: machine, ideal, reference, difference, with labels and caption
-  fixedpipe animate F004-4      a figure that moves: its light, its camera, its bits, as a lossless animation
+                                find where two machines' pictures diverge: command, pixel, stage
+  fixedpipe parameters F004-4   print what you can change; fixedpipe figures F004-4 --set alpha_x=0.15
+  fixedpipe print F003-21       put a figure on a page: machine, reference, difference, labels and caption
+  fixedpipe animate F004-4      animate a figure's light, camera or bits, without losses
   fixedpipe sweep F004-8 --vary bits=4:16 --out bits.csv
-                                a figure over a grid of values, as a table, on as many machines as you have
-  fixedpipe replay GAME.trace   what a recorded OpenGL program drew, on the machine that it was written for
-  fixedpipe nv2a FRAME.nv2a     what an emulator's log of the NV2A's registers and vertices draws
+                                compute a figure over a grid of values, as a table, on many computers
+  fixedpipe replay GAME.trace   draw what a recorded OpenGL program drew, on the machine it was written for
+  fixedpipe nv2a FRAME.nv2a     draw an emulator's log of the NV2A's registers and vertices
   fixedpipe bump sample:gravel --mesh torus --material gold --light 1,2,3 --out gravel.png
                                 bump-map a mesh with a photograph
   fixedpipe roughness sample:gravel --out gravel.npz --picture gravel.png
-                                a bump map's levels, and the roughness that filtering takes from them
+                                compute a bump map's levels, and the roughness that filtering removes
   fixedpipe material ward --mesh teapot --color 1,0.8,0.38 --environment room --out gold.png
                                 draw a mesh with any reflectance: a model, a MERL table, a simulated one
   fixedpipe shadows MESH.obj --algorithm z-fail --out shadows.png
-                                throw a mesh's shadow by an algorithm of the time, and compare it with rays
+                                draw a mesh's shadow by an algorithm of the time, and compare it with rays
   fixedpipe volume sample:engine --out engine.png
-                                an iso-surface of a volume, with shadows
+                                draw an iso-surface of a volume, with shadows
   fixedpipe brdf sample:gravel --out gravel.binary --picture gravel.png
-                                the BRDF of a height field, with light that is scattered between its bumps
+                                compute the BRDF of a height field, with light scattered between its bumps
   fixedpipe scatter sample:gravel --out scattered.png
-                                light that bumps scatter at each other, by a machine's own passes
+                                draw the light that bumps scatter onto each other, by a machine's own passes
   fixedpipe environment PANORAMA.hdr --to prefilter --exponent 100 --out glossy.png
-                                a panorama or light probe as cube, parabolic or filtered maps
-  fixedpipe combiners FILE      what a combiner program of the time (RC1.0, TS1.0, ps.1.x) sets, as equations
-  fixedpipe precision F004-4    was it the clamp or the bits? a figure's error by widths and clamps
-  fixedpipe study               artefacts of the hardware, measured; fixedpipe study P9: a table and a plot
-  fixedpipe profiles            which machines there are, and how each of their numbers is known
-  fixedpipe golden review       pictures that your tests drew and nobody has accepted: look, then accept
-  fixedpipe conformance DIR     redraw captures of a real NV2A and count the pixels that agree
-  fixedpipe selftest            does this computer draw the accepted bits, by every engine?
+                                make cube, parabolic or filtered maps of a panorama or light probe
+  fixedpipe combiners FILE      print a combiner program of the time (RC1.0, TS1.0, ps.1.x) as equations
+  fixedpipe precision F004-4    separate the error of clamps from the error of short numbers
+  fixedpipe study               list the studies of artefacts; fixedpipe study P9 measures one
+  fixedpipe profiles            list the machines; fixedpipe profiles NAME says how each value is known
+  fixedpipe golden review       look at pictures that your tests drew and nobody has accepted, and accept them
+  fixedpipe conformance DIR     redraw captures of a real NV2A, and count equal pixels
+  fixedpipe selftest            check that this computer draws the accepted bits with every engine
   fixedpipe warmup              compile all kernels now, so that nothing waits for them later
-  fixedpipe cache               where they are kept; fixedpipe cache clear removes them
-  fixedpipe --help              all commands and options"""
+  fixedpipe cache               print where the kernels are kept; fixedpipe cache clear removes them
+  fixedpipe --help              print all commands and options"""
 
 
 # Warnings of what is drawn, and of kernels that are compiled and not kept.

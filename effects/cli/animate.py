@@ -15,28 +15,39 @@ from fixedpipe.effects.cli.options import (
 )
 
 
-@click.command(short_help="Draw a figure that moves: APNG, WebP or MP4.")
+@click.command(short_help="Draw an animation of a figure: APNG, WebP or MP4.")
 @click.argument("figure_id", metavar="[ID|FILE.py]", required=False)
-@click.option("--list", "list_only", is_flag=True, help="Name the declared animations and end.")
+@click.option("--list", "list_only", is_flag=True, help="Print the declared animations, and draw nothing.")
 @click.option(
     "--vary",
     "moves",
     metavar="NAME=FROM:TO[:STEPS]",
     multiple=True,
-    help="A parameter from one value to another, as alpha_x=0.1:1 or light=1,0,1:-1,0,2:48; of values with "
-    "commas there may be more on the way. Several go together.",
-)
-@click.option("--precision", "bits", metavar="FROM:TO", help="Bits of every number, 4 to 16, as 4:16.")
-@click.option("--frames", "count", type=int, metavar="N", help="How many frames, where no STEPS says it.")
-@click.option(
-    "--out", metavar="FILE", help=".png (APNG), .webp or .mp4; otherwise an APNG named by figure and machine."
+    help="Change a parameter from one value to another, such as alpha_x=0.1:1 or light=1,0,1:-1,0,2:48. A "
+    "value with commas may pass through more than two. Several parameters change together.",
 )
 @click.option(
-    "--fps", type=int, metavar="N", help="Frames a second, 1 to 60; otherwise 15, or 2 of --precision alone."
+    "--precision", "bits", metavar="FROM:TO", help="Change the bits of every number, 4 to 16, such as 4:16."
 )
-@click.option("--loop/--no-loop", default=True, show_default=True, help="Whether players begin again.")
-@click.option("--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own.")
-@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of the figure's panels, pixels.")
+@click.option("--frames", "count", type=int, metavar="N", help="How many frames, if --vary has no STEPS.")
+@click.option(
+    "--out",
+    metavar="FILE",
+    help="A .png (APNG), .webp or .mp4 file. Default: an APNG named after figure and machine.",
+)
+@click.option(
+    "--fps",
+    type=int,
+    metavar="N",
+    help="Frames per second, 1 to 60. Default: 15, or 2 with --precision alone.",
+)
+@click.option(
+    "--loop/--no-loop", default=True, show_default=True, help="Whether players repeat the animation."
+)
+@click.option("--profile", metavar="NAME", help="The machine, or IDEAL. Default: the figure's own.")
+@click.option(
+    "--size", type=click.IntRange(min=1), metavar="N", help="Height of the figure's panels in pixels."
+)
 @set_option
 @threads_option
 @executor_option
@@ -57,11 +68,11 @@ def animate(
     executor,
     manifest,
 ):
-    """Draw figure ID, or the FIGURE in your FILE.py, while a parameter changes, or the width of its numbers;
-    without either as declared.
+    """Draw an animation of figure ID, or of the FIGURE in your FILE.py. --vary changes a parameter, and
+    --precision the width of the machine's numbers. Without both, the figure's declared animation is drawn.
 
-    Numbers change evenly, directions along the arc between them, whole numbers in steps. Every frame of APNG
-    and WebP files has the machine's pixels; MP4 is lossy, and needs pip install 'fixedpipe[video]'.
+    Numbers change evenly, directions along the arc between them, and whole numbers in steps. Every frame of
+    an APNG or WebP file has the machine's pixels. MP4 is lossy, and needs pip install 'fixedpipe[video]'.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.progress import progress

@@ -12,25 +12,32 @@ FORMATS = ("merl", "npz")
 
 @click.command(short_help="Simulate the BRDF of a height field.")
 @click.argument("heights")
-@click.option("--out", metavar="FILE", required=True, help="The BRDF: FILE.binary (MERL) or FILE.npz.")
+@click.option("--out", metavar="FILE", required=True, help="Write the BRDF: FILE.binary (MERL) or FILE.npz.")
 @click.option(
     "--format",
     "form",
     type=click.Choice(FORMATS),
-    help="MERL's binary table, isotropic, or NPZ: a dense grid and harmonics. Without it as FILE ends.",
+    help="merl: MERL's binary table, isotropic. npz: a dense grid and harmonics. Default: as FILE ends.",
 )
-@click.option("--picture", metavar="FILE.png", help="The BRDF on a ball.")
-@click.option("--albedo", metavar="A or R,G,B", default="0.8", show_default=True, help="0 to 1.")
+@click.option("--picture", metavar="FILE.png", help="Also draw the BRDF on a ball.")
+@click.option(
+    "--albedo", metavar="A or R,G,B", default="0.8", show_default=True, help="Albedo of the heights, 0 to 1."
+)
 @click.option(
     "--relief",
     type=click.FloatRange(0.0, 10.0),
     metavar="H",
     default=0.25,
     show_default=True,
-    help="Lowest to highest, in widths of the field.",
+    help="Height from the lowest to the highest point, in widths of the field.",
 )
 @click.option(
-    "--texels", type=click.IntRange(2, 256), metavar="N", default=32, show_default=True, help="An edge."
+    "--texels",
+    type=click.IntRange(2, 256),
+    metavar="N",
+    default=32,
+    show_default=True,
+    help="Width and height of the field in texels.",
 )
 @click.option(
     "--directions",
@@ -38,7 +45,7 @@ FORMATS = ("merl", "npz")
     metavar="N",
     default=100,
     show_default=True,
-    help="Along which light is gathered, over the whole sphere.",
+    help="How many directions, over the whole sphere, gather light.",
 )
 @click.option(
     "--bounces",
@@ -46,7 +53,7 @@ FORMATS = ("merl", "npz")
     metavar="N",
     default=3,
     show_default=True,
-    help="Reflections beyond the first.",
+    help="How many reflections after the first.",
 )
 @click.option(
     "--grid",
@@ -54,7 +61,7 @@ FORMATS = ("merl", "npz")
     metavar="N",
     default=16,
     show_default=True,
-    help="Steps of light and view: N^4 samples.",
+    help="Steps along each angle of light and view: N^4 samples.",
 )
 @click.option(
     "--samples",
@@ -62,19 +69,27 @@ FORMATS = ("merl", "npz")
     metavar="N",
     default=512,
     show_default=True,
-    help="Random ones, for the harmonics of NPZ.",
+    help="How many random samples the harmonics of NPZ are fitted to.",
 )
-@click.option("--light", metavar="X,Y,Z", default="-1,1,1.5", show_default=True, help="Of the picture.")
+@click.option(
+    "--light",
+    metavar="X,Y,Z",
+    default="-1,1,1.5",
+    show_default=True,
+    help="Direction to the light of --picture.",
+)
 @click.option(
     "--size",
     type=click.IntRange(min=1),
     metavar="N",
     default=512,
     show_default=True,
-    help="Of the picture, pixels an edge.",
+    help="Width and height of --picture in pixels.",
 )
 @profile_option
-@click.option("--resume", metavar="FOLDER", help="Keep what is done in a folder, and go on from there.")
+@click.option(
+    "--resume", metavar="FOLDER", help="Keep finished work in FOLDER. The same command goes on from there."
+)
 @limit_option
 @fill_option
 @click.option(
@@ -106,11 +121,13 @@ def brdf(
     """Simulate the BRDF of HEIGHTS, with shadows, masking and scattered light.
 
     HEIGHTS is a PNG, TIFF (its first page), JPEG or NPY file, or a sample: sample:gravel, sample:brick,
-    sample:grass, sample:coins, sample:moon, sample:jacksboro. Light is high, dark is low; the field repeats.
+    sample:grass, sample:coins, sample:moon, sample:jacksboro. Light texels are high, dark ones low. The field
+    repeats.
 
-    MERL's table is isotropic: the mean over rotations of the field about its normal. NPZ keeps what depends
-    on the direction: samples over (z, angle) of light and view, and coefficients of spherical harmonics. The
-    picture is drawn by a machine, or by IDEAL without rounding, with the BRDF at the vertices of a ball.
+    MERL's table is isotropic: it has the mean over all rotations of the field about its normal. An NPZ file
+    keeps the anisotropy: samples over (z, angle) of light and view, and coefficients of spherical harmonics.
+    --picture shows a ball with the BRDF computed at its vertices. A machine draws it, or IDEAL without
+    rounding.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import check_size

@@ -33,28 +33,38 @@ from fixedpipe.effects.cli.options import (
 )
 @click.option("--light", metavar="X,Y,Z", default="-1,1,1", show_default=True, help="Direction to the light.")
 @view_option
-@click.option("--out", metavar="FILE.png", required=True, help="The picture.")
+@click.option("--out", metavar="FILE.png", required=True, help="Write the picture to this file.")
 @click.option(
-    "--size", type=click.IntRange(min=1), metavar="N", default=512, show_default=True, help="Pixels an edge."
+    "--size",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=512,
+    show_default=True,
+    help="Width and height of the picture in pixels.",
 )
 @profile_option
 @click.option(
     "--height-scale",
     type=click.FloatRange(0.0, 1.0),
     metavar="H",
-    help="Lowest to highest, in widths of the photograph. Without it the material's.",
+    help="Height from the lowest to the highest point, in widths of the photograph. Default: the material's.",
 )
 @click.option(
-    "--alpha-x", type=float, metavar="A", help="Width of the highlight along the tangents, 0.25 to 1."
+    "--alpha-x",
+    type=float,
+    metavar="A",
+    help="Width of the highlight along the tangents, 0.25 to 1. Default: the material's.",
 )
 @click.option("--alpha-y", type=float, metavar="A", help="Width of the highlight across them, 0.25 to 1.")
-@click.option("--map-size", type=int, metavar="N", help="Texels an edge of the textures, a power of two.")
+@click.option(
+    "--map-size", type=int, metavar="N", help="Width and height of the textures in texels, a power of two."
+)
 @click.option(
     "--antialias",
     metavar="HOW",
     default="none",
     show_default=True,
-    help="What bumps smaller than a pixel leave: none, mip or roughness.",
+    help="How to filter bumps smaller than a pixel: none, mip or roughness.",
 )
 @limit_option
 @fill_option
@@ -77,17 +87,17 @@ def bump(
 ):
     """Bump-map a mesh with PHOTO: a PNG, TIFF (its first page), JPEG or NPY file, or a sample.
 
-    Machines with register combiners have a halfway vector at every pixel, those with the imaging subset one
-    for every triangle. Any other machine takes some fifty passes and has only wide highlights: stone, or
-    --alpha-x and --alpha-y from 0.71. IDEAL draws without rounding.
+    Machines with register combiners compute a halfway vector at every pixel. Machines with the imaging subset
+    have one for every triangle. Any other machine needs about fifty passes, and can draw wide highlights
+    only: stone, or --alpha-x and --alpha-y from 0.71. IDEAL draws without rounding.
 
-    From a distance bumps flicker. --antialias mip filters what the textures hold as if it were colours, so
-    the bumps' highlight shrinks to a smooth surface's. --antialias roughness stores with every level how far
-    its lost normals spread, so the highlight stays as wide. Both take register combiners.
+    From a distance bumps flicker. --antialias mip filters the texels like colours; the highlight of distant
+    bumps then shrinks to that of a smooth surface. --antialias roughness also stores with every level how far
+    the filtered normals spread, so the highlight stays wide. Both need register combiners.
 
     Samples: sample:gravel, sample:brick, sample:grass, sample:coins, sample:moon (photographs) and
-    sample:jacksboro (an elevation model). Light is high, dark is low. The light's +x is right, +y up, +z
-    towards you.
+    sample:jacksboro (an elevation model). Light texels are high, dark ones low. For --light, +x is right, +y
+    up and +z towards you.
     """
     from dataclasses import replace
 

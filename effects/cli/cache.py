@@ -13,9 +13,10 @@ from fixedpipe.raster.kernel_folder import CHOSEN, clear, kept
 @click.group(invoke_without_command=True)
 @click.pass_context
 def cache(context):
-    """Say where compiled kernels are kept, and results that take long to compute, and how large they are.
+    """Print where compiled kernels and stored results are kept, and how large they are.
 
-    NUMBA_CACHE_DIR names another place. Remove them before you uninstall: pip leaves them where they are.
+    Results that take long to compute are stored. The environment variable NUMBA_CACHE_DIR names another
+    folder. Run fixedpipe cache clear before you uninstall, because pip does not remove these files.
     """
     if context.invoked_subcommand is None:
         _say()
@@ -23,7 +24,7 @@ def cache(context):
 
 @cache.command("clear")
 def remove():
-    """Remove all kernels and results that are kept, of every version. They are made again when needed."""
+    """Remove all stored kernels and results, of every version. They are made again when needed."""
     before = kept()
     left = clear()
     gone = sum(size for _, size in before) - sum(size for _, size in kept())
@@ -39,15 +40,15 @@ def remove():
 @click.option(
     "--level",
     metavar="NAME",
-    help="x86-64-v4 (AVX-512), x86-64-v3 (AVX2) or x86-64: what a processor must have to use it; else the "
-    "highest level that this one has.",
+    help="The level that a processor must have to use the pack: x86-64-v4 (AVX-512), x86-64-v3 (AVX2) or "
+    "x86-64. Default: the highest level of this processor.",
 )
 def pack(file, level):
-    """Write FILE, a pack: all kernels, compiled for a level of processors instead of for this one.
+    """Write FILE, a pack of all kernels, compiled for a level of processors instead of for this one.
 
-    A computer with the same version of fixedpipe, Python and Numba unpacks it and compiles nothing. What is
-    missing is compiled first, for a minute or more. The self-test draws with the kernels before FILE is
-    written.
+    A computer with the same version of fixedpipe, Python and Numba can unpack it, and compiles nothing. The
+    command first compiles missing kernels, for a minute or more. It writes FILE after the self-test has drawn
+    with the kernels.
     """
     from fixedpipe.effects.cli.kernel_packing import chosen_level, write_tested
 
@@ -65,11 +66,11 @@ def pack(file, level):
 @cache.command("unpack")
 @click.argument("file", type=click.Path(dir_okay=False))
 def unpack(file):
-    """Take the kernels of FILE, a pack, for those of this installation; nothing is compiled then.
+    """Use the kernels of FILE, a pack, in this installation, so that nothing is compiled.
 
-    A pack of other sources, another Python, another version of Numba or another system is refused, and so is
-    one whose kernels do not draw the accepted bits of the self-test. A pack is code: unpack only what you
-    would install.
+    A pack is refused if it was made with other sources, or another Python, Numba or system. It is also
+    refused if its kernels do not draw the accepted bits of the self-test. A pack is code: unpack only what
+    you would install.
     """
     from fixedpipe.effects.cli.kernel_packing import keep_tested
 

@@ -7,47 +7,62 @@ import click
 from fixedpipe.effects.cli.options import refuse_ignored
 
 
-@click.command(short_help="Check a program of the time (RC1.0, TS1.0, ps.1.x, xps.1.1), in words.")
+@click.command(short_help="Check a combiner program (RC1.0, TS1.0, ps.1.x, xps.1.1), and print it in words.")
 @click.argument("file", metavar="FILE")
 @click.option(
     "--profile",
     metavar="NAME",
-    help="Machine that the program has to fit; without it, what no machine has is refused.",
+    help="The machine that the program must fit. Without it, only what no machine has is refused.",
 )
 @click.option(
     "--target",
     "targets",
     multiple=True,
     metavar="UNIT=TARGET",
-    help="What a pixel shader's unit has bound: 1=TEXTURE_CUBE_MAP for instance. May be given again.",
+    help="The texture target that a pixel shader's unit has bound, such as 1=TEXTURE_CUBE_MAP. May be given "
+    "several times.",
 )
-@click.option("--rc", "notation", flag_value="rc", help="Print as !!TS1.0 and !!RC1.0 text, not in words.")
-@click.option("--ts", "notation", flag_value="ts", help="Print its texture shaders alone, as !!TS1.0 text.")
-@click.option("--ps", "notation", flag_value="ps", help="Print as a pixel shader, ps.1.1 to ps.1.3.")
-@click.option("--nv2a", "notation", flag_value="nv2a", help="Print as words of the NV2A's registers.")
+@click.option(
+    "--rc", "notation", flag_value="rc", help="Print the program as !!TS1.0 and !!RC1.0 text, not in words."
+)
+@click.option("--ts", "notation", flag_value="ts", help="Print only its texture shaders, as !!TS1.0 text.")
+@click.option(
+    "--ps", "notation", flag_value="ps", help="Print the program as a pixel shader, ps.1.1 to ps.1.3."
+)
+@click.option(
+    "--nv2a", "notation", flag_value="nv2a", help="Print the program as words of the NV2A's registers."
+)
 @click.option(
     "--constant",
     "constants",
     multiple=True,
     metavar="N=R,G,B,A",
-    help="A constant that a pixel shader's application sets: 1=0.5,0.5,0.5,1. May be given again.",
+    help="A constant that a pixel shader's application sets, such as 1=0.5,0.5,0.5,1. May be given several "
+    "times.",
 )
-@click.option("--draw", type=int, metavar="N", help="Of a dump of several draws, which; otherwise the last.")
-@click.option("--bounds", is_flag=True, help="What every register can hold, and which clamps may bite.")
 @click.option(
-    "--table", is_flag=True, help="Evaluate it for --input, stage by stage, as fixedpipe inspect does."
+    "--draw", type=int, metavar="N", help="If a dump has several draws: which one to read. Default: the last."
+)
+@click.option(
+    "--bounds", is_flag=True, help="Print what every register can hold, and which clamps can change a value."
+)
+@click.option(
+    "--table",
+    is_flag=True,
+    help="Evaluate the program for --input, stage by stage, as fixedpipe inspect does.",
 )
 @click.option(
     "--input",
     "inputs",
     multiple=True,
     metavar="REGISTER=R,G,B,A",
-    help="Of --table: t0 to t3, v0, v1 as bytes; one number is all four. May be given again; otherwise 0.",
+    help="With --table: the bytes of t0 to t3, v0 or v1. One number stands for all four. May be given "
+    "several times. Default: 0.",
 )
-@click.option("--json", "json_file", metavar="FILE", help="Write what it sets as JSON.")
+@click.option("--json", "json_file", metavar="FILE", help="Write the state that the program sets as JSON.")
 def combiners(file, profile, targets, notation, constants, draw, bounds, table, inputs, json_file):
-    """Read FILE (- for standard input), a combiner program, and print what it sets, as equations, each with
-    its lines.
+    """Read FILE (- for standard input), a combiner program, and print the state that it sets as equations.
+    Each equation has the lines of FILE that it comes from.
 
     FILE is a program for nvparse: ``!!RC1.0`` register combiners, ``!!TS1.0`` texture shaders, or both in one
     text. It may also be a Direct3D pixel shader ps.1.0 to ps.1.3, the Xbox's xps.1.1, or words of the NV2A's
@@ -55,8 +70,8 @@ def combiners(file, profile, targets, notation, constants, draw, bounds, table, 
 
     A register is marked as clamped if a clamp of the machine may change it. Without --profile the machine is
     the NV2A. --bounds prints the range of every register after every stage on the machine, for colours and
-    texels from 0 to 1, and which clamps can bite. A range may be wider than what fragments reach, never
-    narrower.
+    texels from 0 to 1. It also prints which clamps can change a value. A range may be wider than what
+    fragments reach, but never narrower.
     """
     from fixedpipe.effects.refusal import Refusal, choose, refusals
     from fixedpipe.effects.user_pictures.inputs import read_text

@@ -6,22 +6,25 @@ from fixedpipe.effects.cli.frames import check_files, check_plots, frame_asked, 
 from fixedpipe.effects.cli.options import set_option
 
 
-@click.command(short_help="Where two machines' pictures part: command, pixel, stage.")
+@click.command(short_help="Find where two machines' pictures diverge: command, pixel, stage.")
 @click.argument("what", metavar="ID|SCRIPT.py|TRACE#N|HISTORY.json")
 @click.argument("other", metavar="[SCRIPT.py|TRACE#N|HISTORY.json]", required=False)
-@click.option("--machines", nargs=2, metavar="A B", help="The machines; a script may have its own.")
-@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
-@click.option("--out", metavar="FILE", help="A picture of the difference after the command where they part.")
+@click.option("--machines", nargs=2, metavar="A B", help="The two machines. A script may name its own.")
+@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Height of a figure's panel in pixels.")
+@click.option(
+    "--out", metavar="FILE", help="Write the difference after the first command that differs, as a picture."
+)
 @set_option
 def compare(what, other, machines, size, out, settings):
-    """Draw figure ID, or the frames of two scripts, on two machines, and say where they diverge. Or compare
-    two histories of a pixel that `fixedpipe inspect --json` wrote, of two machines or versions.
+    """Draw figure ID on two machines, or the frames of two scripts or recorded programs, and say where they
+    diverge. Or compare two histories of a pixel that `fixedpipe inspect --json` wrote, of two machines or
+    versions.
 
     Both machines must draw the figure by the same commands; fixedpipe passes ID --profile NAME prints them.
 
-    The command compares the frames after each of their commands. For the first that leaves different
-    framebuffers it prints how many pixels differ, by how much and where. For the pixel that differs most, it
-    prints the first stage with other values. Exit status: 0 if every command leaves the same, 1 if not.
+    The frames are compared after each of their commands. For the first command that leaves different
+    framebuffers, this prints how many pixels differ, by how much and where. For the pixel that differs most,
+    it prints the first stage with other values. Exit status: 0 if all framebuffers are equal, 1 if not.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.refusal import Refusal, refusals

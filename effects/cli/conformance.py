@@ -22,32 +22,48 @@ _HOW = (
 
 @click.command(short_help="Redraw captures of a real NV2A and count equal pixels.")
 @click.argument("folder", required=False)
-@click.option("--suite", "suites", multiple=True, metavar="NAME", help="Only this suite; repeat for several.")
-@click.option("--case", "text", metavar="TEXT", default="", help="Only cases with TEXT in their name.")
-@click.option("--list", "list_only", is_flag=True, help="Name the suites that can be redrawn and end.")
-@click.option("--inputs", metavar="DIR", help="Textures and meshes of some cases (or FIXEDPIPE_INPUTS).")
-@click.option("--json", "json_file", metavar="FILE", help="Write the results as a JSON list as well.")
+@click.option(
+    "--suite",
+    "suites",
+    multiple=True,
+    metavar="NAME",
+    help="Redraw only this suite. May be given several times.",
+)
+@click.option("--case", "text", metavar="TEXT", default="", help="Redraw only cases with TEXT in their name.")
+@click.option(
+    "--list", "list_only", is_flag=True, help="Print the suites that can be redrawn, and draw nothing."
+)
+@click.option(
+    "--inputs",
+    metavar="DIR",
+    help="Folder of the textures and meshes that some cases need. Default: FIXEDPIPE_INPUTS.",
+)
+@click.option("--json", "json_file", metavar="FILE", help="Also write the results as a JSON list.")
 @click.option("--html", "html_file", metavar="FILE", help="Write a page that shows every difference.")
 @click.option(
-    "--threads", type=click.IntRange(min=1), metavar="N", help="Cases at a time; any number, the same bits."
+    "--threads",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="How many cases to draw at a time. Any number gives the same bits.",
 )
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Short for --executor processes:N.")
 @executor_option
 @manifest_option
-@click.option(
-    "--other", metavar="DIR", help="Another renderer's pictures, DIR/SUITE/CASE.png, counted beside ours."
-)
-@click.option(
-    "--page", "page_file", metavar="FILE", help="With --other: write the scoreboard as a page of its own."
-)
+@click.option("--other", metavar="DIR", help="Also count another renderer's pictures, DIR/SUITE/CASE.png.")
+@click.option("--page", "page_file", metavar="FILE", help="With --other: write both counts as a page.")
 @click.option(
     "--answers",
     metavar="FILE",
-    help="What a board answered to gl_questions.c, - for standard input: which facts stand.",
+    help="Read what gl_questions.c printed on a real board (- for standard input), and print which facts it "
+    "confirms.",
 )
-@click.option("--explain", is_flag=True, help="Of every case that is not exact, what drew its worst pixel.")
 @click.option(
-    "--discriminates", metavar="RULE", help="Which captures tell an open rule from its rival; list: which."
+    "--explain", is_flag=True, help="For every case that is not exact, print what drew its worst pixel."
+)
+@click.option(
+    "--discriminates",
+    metavar="RULE",
+    help="Print which captures distinguish an open rule from its alternative. list: print the rules.",
 )
 def conformance(
     folder,
@@ -67,10 +83,11 @@ def conformance(
     explain,
     discriminates,
 ):
-    """Redraw the captures in FOLDER (or FIXEDPIPE_CAPTURES) on the NV2A; print pixels equal / compared.
+    """Redraw the captures in FOLDER on the NV2A, and print how many of the compared pixels are equal.
 
-    FOLDER holds SUITE/CASE.png, 640x480: the folder `results` of nxdk_pgraph_tests_golden_results. Text in
-    the pictures is not compared. Exit status 1: a case could not be redrawn because of an error.
+    FOLDER holds SUITE/CASE.png, 640x480, like the folder `results` of nxdk_pgraph_tests_golden_results. The
+    default is FIXEDPIPE_CAPTURES. Text in the pictures is not compared. Exit status 1: a case could not be
+    redrawn because of an error.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.conformance.captures import find_captures

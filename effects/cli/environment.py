@@ -13,13 +13,13 @@ _LAYOUTS = ("latlong", "ball", "mirror", "cross", "strip")
 @click.option(
     "--to", "kind", metavar="KIND", required=True, help=f"{', '.join(_KINDS[:-1])} or {_KINDS[-1]}."
 )
-@click.option("--out", metavar="FILE", required=True, help="FILE.png, a picture, or FILE.npz, floats.")
+@click.option("--out", metavar="FILE", required=True, help="Write FILE.png, a picture, or FILE.npz, floats.")
 @click.option(
     "--as",
     "layout",
     metavar="LAYOUT",
-    help=f"{', '.join(_LAYOUTS[:-1])} or {_LAYOUTS[-1]}. Without it latlong where IMAGE is twice as wide as "
-    "high, ball of a square.",
+    help=f"Layout of IMAGE: {', '.join(_LAYOUTS[:-1])} or {_LAYOUTS[-1]}. Default: latlong if IMAGE is twice "
+    "as wide as high, ball if it is square.",
 )
 @click.option(
     "--exponent",
@@ -27,7 +27,7 @@ _LAYOUTS = ("latlong", "ball", "mirror", "cross", "strip")
     metavar="N",
     default=100.0,
     show_default=True,
-    help="Of prefilter: Phong's exponent; 1 is diffuse light.",
+    help="For --to prefilter: Phong's exponent. 1 is diffuse light.",
 )
 @click.option(
     "--size",
@@ -35,30 +35,30 @@ _LAYOUTS = ("latlong", "ball", "mirror", "cross", "strip")
     metavar="N",
     default=256,
     show_default=True,
-    help="Texels along an edge of a face or a disc.",
+    help="Width and height of a face or a disc in texels.",
 )
 @click.option(
     "--exposure",
     type=float,
     metavar="E",
-    help="What a picture is multiplied by; without it 1, or so that 99.5 % are below one.",
+    help="A number that multiplies a picture. Default: 1, or so that 99.5 % of it are below one.",
 )
 @limit_option
 @threads_option
 def environment(image, kind, out, layout, exponent, size, exposure, threads):
     """Make environment maps of IMAGE: a panorama, a light probe, or the faces of a cube.
 
-    Radiance (.hdr) and OpenEXR (pip install 'fixedpipe[probes]') files keep their range; others are PNG,
-    TIFF, JPEG and NPY. A panorama's middle is -z (--as latlong, or ball for a square light probe). Other
-    layouts are:
+    Radiance (.hdr) and OpenEXR (pip install 'fixedpipe[probes]') files keep their range. PNG, TIFF, JPEG and
+    NPY files are read too. The middle of a panorama (--as latlong), or of a square light probe (--as ball),
+    shows the direction -z. Other layouts are:
 
     \b
     --as mirror  the photograph of a mirroring ball from +z
     --as cross   six faces in 4:3 or 3:4, as --to cube draws them
     --as strip   +x, -x, +y, -y, +z and -z in 6:1 or 1:6, as textures are loaded
 
-    An NPZ file has `faces`, float32 [6, N, N, 3] in the order +x, -x, +y, -y, +z, -z. Or it has `discs`,
-    [2, N, N, 3], of z <= 0 and z > 0. A picture has a cross, or both discs.
+    An NPZ file has `faces`, float32 [6, N, N, 3] in the order +x, -x, +y, -y, +z, -z. For --to parabolic it
+    has `discs`, [2, N, N, 3], of z <= 0 and z > 0. A picture shows a cross, or both discs.
     """
     import io
     from pathlib import Path

@@ -9,7 +9,7 @@ from fixedpipe.pipeline.messages import count
 executor_option = click.option(
     "--executor",
     metavar="WHERE",
-    help="Where it is computed: processes:N, dask:local, dask:tcp://HOST:PORT, mpi or loky:N "
+    help="Where to compute: processes:N, dask:local, dask:tcp://HOST:PORT, mpi or loky:N "
     "(docs/scale.md). The results are the same.",
 )
 
@@ -17,7 +17,7 @@ executor_option = click.option(
 manifest_option = click.option(
     "--manifest",
     metavar="FILE",
-    help="Keep what is finished there, and go on from there when the command is given again.",
+    help="Keep finished work in FILE. The same command goes on from there.",
 )
 
 

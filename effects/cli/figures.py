@@ -16,43 +16,50 @@ from fixedpipe.pipeline.messages import count
 PAPER = "paper"
 
 
-@click.command(short_help="Render figures, check them, make a gallery.")
+@click.command(short_help="Draw figures, check them, and make a gallery.")
 @click.argument("figure_ids", metavar="[ID|FILE.py …]", nargs=-1)
-@click.option("--list", "list_only", is_flag=True, help="Name the figures and end.")
+@click.option("--list", "list_only", is_flag=True, help="Print the figures' names, and draw nothing.")
 @click.option("--check", is_flag=True, help="Run the acceptance checks; exit status 1 if one fails.")
 @click.option("--out", metavar="DIR", default="out", show_default=True, help="Folder of the gallery.")
-@click.option("--png", metavar="DIR", help="Write every picture as PNG, F004-4-OCTANE.png, there as well.")
+@click.option(
+    "--png", metavar="DIR", help="Also write each picture there as a PNG file, such as F004-4-OCTANE.png."
+)
 @click.option(
     "--supersample",
     type=click.IntRange(2, 8),
     metavar="N",
-    help="Draw N times as large; each square of N x N pixels is a pixel of the PNG files of --png.",
+    help="With --png: draw N times as large; a pixel of the PNG file is the mean of N x N pixels.",
 )
 @click.option(
-    "--gutter", type=click.IntRange(1, 200), metavar="N", help="Pixels of white between panels, with --png."
+    "--gutter", type=click.IntRange(1, 200), metavar="N", help="With --png: white pixels between panels."
 )
 @click.option(
     "--inset",
     metavar="X,Y,W,H,ZOOM",
-    help="With --png: a rectangle of the picture, pixels, enlarged in a corner of its panel.",
+    help="With --png: enlarge this rectangle (pixels) ZOOM times, in a corner of its panel.",
 )
 @click.option(
     "--profile",
     "profiles",
     metavar="NAME",
     multiple=True,
-    help="A machine, IDEAL, or paper: the one that the figure's paper used. May be given several times. Else "
-    "every machine that can draw the figure.",
+    help="A machine, IDEAL, or paper for the machine of the figure's paper. May be given several times. "
+    "Default: every machine that can draw the figure.",
 )
-@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a figure's panels, pixels.")
-@click.option("--again", is_flag=True, help="Draw what did not change since it was drawn, too.")
 @click.option(
-    "--jobs", type=click.IntRange(min=1), metavar="N", help="Processes that draw; else one per processor."
+    "--size", type=click.IntRange(min=1), metavar="N", help="Height of a figure's panels in pixels."
+)
+@click.option("--again", is_flag=True, help="Also draw figures that did not change.")
+@click.option(
+    "--jobs",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="How many processes draw. Default: one for each processor.",
 )
 @executor_option
 @set_option
 @threads_option
-@click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
+@click.option("--json", "json_file", metavar="FILE", help="Also write all results as one JSON list.")
 def figures(
     figure_ids,
     list_only,
@@ -71,21 +78,24 @@ def figures(
     threads,
     json_file,
 ):
-    """Render figures (all, or those with the given IDs): machine, ideal, and their difference made visible.
+    """Draw figures: all, or those with the given IDs. Each has the machine's picture, the ideal's, and their
+    difference, enlarged so that you see it.
 
     FILE.py is a file of your own that holds a FIGURE, with its checks. It is always drawn again.
 
-    Writes a gallery, index.html, with a JSON file for each figure and its pictures. A figure that the folder
-    has, whose sources, machines, size and packages are what they were, is not drawn again; what the folder
-    has of another is replaced, with all of its machines. Several figures are drawn in several processes, the
-    cheapest and then the longest first. Of all figures, those of more than 262,144 pixels are drawn
-    with fewer; named figures have their own size. Each is first drawn on its first machine, without
-    reference and checks, and then on all; --profile takes those that one of the machines can draw. With --set
-    a figure is a variant, whose files have names of their own and say what was changed. PNG files have 16
-    bits a component where the machine has more than 8; a difference of nothing has no file.
+    The command writes a gallery, index.html, with pictures and a JSON file for each figure. A figure whose
+    sources, machines, size and packages did not change is not drawn again. A figure that is drawn again
+    replaces its pictures of all machines. Several processes draw several figures.
 
-    Where a figure fails, all others are drawn. Its card in the gallery and the command's last lines say what
-    failed, and the exit status is 1. When the disc is full no other figure is begun; what is drawn stays.
+    Without an ID, a first round draws each figure on its first machine, without reference and checks. A
+    second round draws the rest. With --profile, only figures are drawn that one of these machines can draw.
+
+    With --set a figure is a variant. Its files have names of their own, and say what was changed. PNG files
+    have 16 bits a component if the machine has more than 8. Equal pictures have no file of their difference.
+
+    If a figure fails, the others are drawn all the same. Its card in the gallery and the command's last lines
+    say what failed, and the exit status is 1. If the disc is full, no further figure is begun, and finished
+    figures stay.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.options import changes_of

@@ -151,18 +151,22 @@ def what_if_options(command):
             "--bits",
             multiple=True,
             metavar="PART=N",
-            help="Another width: 4 to 16 bits; combiners have a sign beside.",
+            help="Another width of a part's numbers, 4 to 16 bits. Combiners have a sign in addition.",
         ),
         click.option(
             "--without",
             multiple=True,
             metavar="CLAMP[@STAGE]",
-            help="The machine without this clamp, or a stage without it.",
+            help="Leave this clamp out, everywhere or in one stage.",
         ),
-        click.option("--replace", multiple=True, metavar="STAGE=IDEAL", help="A stage that does not round."),
-        click.option("--constant", multiple=True, metavar="K=R,G,B,A", help="Constant colour 0 or 1."),
         click.option(
-            "--texture", multiple=True, metavar="NAME=FILE", help="A picture instead of a 2D texture."
+            "--replace", multiple=True, metavar="STAGE=IDEAL", help="Compute this stage without rounding."
+        ),
+        click.option(
+            "--constant", multiple=True, metavar="K=R,G,B,A", help="Another constant colour; K is 0 or 1."
+        ),
+        click.option(
+            "--texture", multiple=True, metavar="NAME=FILE", help="Another picture for the 2D texture NAME."
         ),
     )
     for option in reversed(options):

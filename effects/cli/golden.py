@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 _ROOT = click.option(
-    "--root", metavar="DIR", help="The project's folder; else the nearest with a .golden folder."
+    "--root", metavar="DIR", help="The project's folder. Default: the nearest one with a .golden folder."
 )
 _PYTEST = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[-- PYTEST ARGUMENTS]")
 PICTURES, REFUSED, TESTS = 1, 2, 3  # exit statuses
@@ -15,11 +15,11 @@ PICTURES, REFUSED, TESTS = 1, 2, 3  # exit statuses
 
 @click.group(short_help="Golden pictures of your tests: record, check, review, accept.")
 def golden():
-    """Exact pictures for a project's tests, whatever draws them: the pytest fixture ``golden`` compares
-    pixels with accepted ones, and these commands are what a person does with them.
+    """Golden pictures for a project's tests, whatever draws them. The pytest fixture ``golden`` compares
+    pixels with accepted ones. With these commands you record, check, review and accept the pictures.
 
-    Exit statuses: 0, all is golden; 1, a picture differs, is new, missing or an orphan; 2, what was asked for
-    cannot be done; 3, all pictures are golden, and tests fail for other reasons.
+    Exit status: 0 if all pictures are golden; 1 if a picture differs, is new, missing or an orphan; 2 if the
+    command cannot do what was asked. It is 3 if all pictures are golden, and tests fail for other reasons.
     """
 
 
@@ -66,15 +66,18 @@ def record(arguments):
 
 
 @golden.command()
-@click.option("--no-run", is_flag=True, help="Judge the run of pytest that ended last; begin none.")
+@click.option("--no-run", is_flag=True, help="Run no test; report on the last run of pytest.")
 @click.option(
-    "--json", "json_file", metavar="FILE", help="Write how each picture went, and all paths written."
+    "--json",
+    "json_file",
+    metavar="FILE",
+    help="Write each picture's result and the paths of all written files.",
 )
-@click.option("--junit", metavar="FILE", help="Write the same as JUnit's XML, a case for each picture.")
+@click.option("--junit", metavar="FILE", help="Write the same as JUnit XML, with a case for each picture.")
 @_ROOT
 @_PYTEST
 def check(no_run, json_file, junit, root, arguments):
-    """Run pytest, and say how the pictures went, for a person, as JSON and as JUnit's XML."""
+    """Run pytest, and report each picture's result: here, as JSON or as JUnit XML."""
     from fixedpipe.effects.refusal import Refusal
     from fixedpipe.effects.reports.files import writable_file, write_whole
     from fixedpipe.effects.reports.golden.results import results_json, results_junit
@@ -125,12 +128,16 @@ def _end(status, found):
 
 @golden.command()
 @click.argument("names", nargs=-1, metavar="NAME…")
-@click.option("--all", "everything", is_flag=True, help="Every picture that waits.")
-@click.option("-k", "expression", metavar="EXPRESSION", help="Those of the tests that pytest -k chooses.")
+@click.option("--all", "everything", is_flag=True, help="Accept every picture that waits.")
+@click.option(
+    "-k", "expression", metavar="EXPRESSION", help="Accept the pictures of the tests that pytest -k chooses."
+)
 @_ROOT
 def accept(names, everything, expression, root):
-    """Make what the tests drew golden: NAME as the tests and the review print it. In NAME * stands for any
-    characters and ? for one.
+    """Accept pictures that the tests drew, so that they become golden.
+
+    NAME is a picture's name as the tests and the review print it. In NAME, * stands for any characters and ?
+    for one.
     """
     from fixedpipe.effects.cli.golden_choice import chosen_candidates
     from fixedpipe.effects.refusal import Refusal, refusals
@@ -153,8 +160,10 @@ def accept(names, everything, expression, root):
 @click.argument("folder", metavar="DIR")
 @click.option("--into", "module", required=True, metavar="FILE", help="The test module that draws them.")
 def import_(folder, module):
-    """Make PNG files golden that pytest-mpl, pytest-regressions or syrupy compared with: those in DIR that
-    have the name of a test of the module. What is golden already stays as it is.
+    """Make the baseline pictures of pytest-mpl, pytest-regressions or syrupy golden.
+
+    It takes the PNG files in DIR that have the name of a test of the module FILE. A picture that is already
+    golden stays as it is.
     """
     from fixedpipe.effects.cli.golden_import import import_baselines
 
@@ -163,10 +172,10 @@ def import_(folder, module):
 
 
 @golden.command()
-@click.option("--remove", is_flag=True, help="Remove them from their stores, with their PNG files.")
+@click.option("--remove", is_flag=True, help="Remove the orphans from their stores, with their PNG files.")
 @_ROOT
 def orphans(remove, root):
-    """Name golden pictures that no test asked for in the last run of pytest that was a whole one."""
+    """Print the golden pictures that no test drew in the last complete run of pytest."""
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.pipeline.golden.candidates import ORPHAN, read_run, remove_orphan
     from fixedpipe.pipeline.golden.store import read_store
@@ -188,13 +197,13 @@ def orphans(remove, root):
 
 @golden.command()
 @click.option(
-    "--html", metavar="FILE", help="Write a page, one file that needs no other, instead of asking here."
+    "--html", metavar="FILE", help="Write a page, one file that needs no other, instead of waiting for keys."
 )
 @_ROOT
 def review(html, root):
-    """Look at the pictures that are not golden: here, by keys, or on a page (--html).
+    """Look at the pictures that are not golden, in the terminal or on a page (--html).
 
-    Keys: a accepts, s leaves for later, d shows more, q ends.
+    Keys in the terminal: a accepts the picture, s leaves it for later, d shows more, q ends.
     """
     from fixedpipe.effects.refusal import refusals
     from fixedpipe.effects.reports.files import writable_file, write_whole
@@ -218,32 +227,40 @@ def review(html, root):
 @click.argument("folder", metavar="DIR")
 @click.option("--profile", default="NV2A", show_default=True, metavar="NAME", help="The machine.")
 @click.option(
-    "--cases", default=256, show_default=True, type=click.IntRange(0), help="Of each stage, or rule."
+    "--cases",
+    default=256,
+    show_default=True,
+    type=click.IntRange(0),
+    help="How many cases of each stage or rule.",
 )
-@click.option("--frames", default=32, show_default=True, type=click.IntRange(0), help="Whole frames.")
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's.")
-@click.option("--rules", is_flag=True, help="The NV2A's arithmetic rule by rule instead.")
+@click.option(
+    "--frames", default=32, show_default=True, type=click.IntRange(0), help="How many whole frames."
+)
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's seed.")
+@click.option("--rules", is_flag=True, help="Write vectors of the NV2A's arithmetic, rule by rule, instead.")
 @click.option(
     "--form",
     default="lines",
     show_default=True,
     type=click.Choice(("lines", "singlestep")),
-    help="How --rules writes them: a case on each line, or as SingleStepTests does.",
+    help="The form of --rules: a case on each line, or the form of SingleStepTests.",
 )
 @click.option(
     "--code",
     type=click.Choice(("c99", "glsl")),
-    help="The NV2A's arithmetic as functions to paste instead, of whole numbers alone.",
+    help="Write the NV2A's arithmetic as functions instead. They use integers only, so you can paste them.",
 )
 def export(folder, profile, cases, frames, seed, rules, form, code):
-    """Write test vectors for another renderer into DIR: random states with their inputs and the pixels that a
-    machine gives, as JSON, a case on each line, and raw pixels. docs/golden-images.md has the format.
+    """Write test vectors for another renderer into DIR.
 
-    With --rules, a file for each rule of the NV2A's arithmetic: its formula, its evidence, and numbers in and
-    out. docs/arithmetic-for-emulators.md shows them.
+    They are random states with their inputs and the pixels that a machine gives. JSON files have a case on
+    each line, and whole frames are raw pixels. docs/golden-images.md describes the format.
 
-    With --code, the same rules as C99, or as GLSL 3.30 and ES 3.10. docs/code-for-emulators.md says how to
-    put them into an emulator.
+    With --rules, DIR has a file for each rule of the NV2A's arithmetic: its formula, its evidence, inputs and
+    results. docs/arithmetic-for-emulators.md shows them.
+
+    With --code, the same rules are written as C99, or as GLSL 3.30 and ES 3.10. docs/code-for-emulators.md
+    says how to put them into an emulator.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.golden_export import check_options, export_code, export_rules
@@ -269,27 +286,33 @@ def export(folder, profile, cases, frames, seed, rules, form, code):
 
 @golden.command()
 @click.argument("program", nargs=-1, required=True, metavar="PROGRAM [ARGUMENT]…", type=click.UNPROCESSED)
-@click.option("--rule", "rules", multiple=True, metavar="ID", help="This rule; may be repeated. Else all.")
 @click.option(
-    "--cases", default=256, show_default=True, type=click.IntRange(0), help="Random ones of each rule."
+    "--rule", "rules", multiple=True, metavar="ID", help="Test only this rule. May be given several times."
 )
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's.")
+@click.option(
+    "--cases",
+    default=256,
+    show_default=True,
+    type=click.IntRange(0),
+    help="How many random cases of each rule.",
+)
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="The first case's seed.")
 @click.option(
     "--patience",
     default=20.0,
     show_default=True,
     type=click.FloatRange(0.1, 3600.0),
-    help="Seconds without a line, in or out, after which a program hangs.",
+    help="A program that neither reads nor answers for so many seconds counts as hanging.",
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write the scorecard as JSON.")
 @click.option("--html", "html_file", metavar="FILE", help="Write the scorecard as a page.")
 def judge(program, rules, cases, seed, patience, json_file, html_file):
-    """Ask another program for the NV2A's arithmetic, and print what it has right, rule by rule.
+    """Test another program's arithmetic against the NV2A's, and print for each rule how many cases are right.
 
-    PROGRAM reads a question on each line of its standard input, and writes an answer on a line of its
-    standard output. docs/code-for-emulators.md has both. It is started once for each rule.
+    PROGRAM reads a question on each line of its standard input, and writes the answer on a line of its
+    standard output. docs/code-for-emulators.md describes both. The program is started once for each rule.
 
-    Exit statuses: 0, all is right; 1, something is wrong, or not answered; 2, there is no such program.
+    Exit status: 0 if all answers are right; 1 if one is wrong or missing; 2 if the program cannot be started.
     """
     from fixedpipe.effects.cli.golden_judge import judge_program
 

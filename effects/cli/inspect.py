@@ -15,61 +15,74 @@ from fixedpipe.effects.cli.frames import (
 from fixedpipe.effects.cli.options import refuse_ignored, set_option
 
 
-@click.command(short_help="Every number of a pixel, every register of a frame, maps of what happened where.")
+@click.command(
+    short_help="Show every number of a pixel, every register of a frame, and maps of what happened where."
+)
 @click.argument("what", metavar="ID|SCRIPT.py|TRACE#N")
-@click.option("--pixel", metavar="X,Y", help="From the top left, as in the picture; y downwards.")
+@click.option(
+    "--pixel", metavar="X,Y", help="The pixel, counted from the top left corner; y grows downwards."
+)
 @click.option(
     "--brief",
     is_flag=True,
-    help="Of a pixel: of each fragment only the stage that adds most to the error, and the first clamp.",
+    help="With --pixel: of each fragment only the stage that adds most to the error, and the first clamp.",
 )
 @click.option(
     "--row",
     type=click.IntRange(min=0),
     metavar="Y",
-    help="Machine and ideal along a row, from the top as in the picture.",
+    help="Print machine and ideal along row Y, counted from the top.",
 )
-@click.option("--plot", metavar="FILE.png", help="Of a row: draw the two as lines; needs matplotlib.")
-@click.option("--registers", is_flag=True, help="What every register held after every stage, over the frame.")
+@click.option("--plot", metavar="FILE.png", help="With --row: draw both as lines; needs matplotlib.")
+@click.option(
+    "--registers", is_flag=True, help="Print what every register held after every stage, over the frame."
+)
 @click.option(
     "--map",
     "kind",
     metavar="KIND",
-    help="clamps, overdraw, lambda, primitive, texels, stages, error, bits, depth or stencil.",
+    help="Draw a map: clamps, overdraw, lambda, primitive, texels, stages, error, bits, depth or stencil.",
 )
-@click.option("--attribution", is_flag=True, help="Was it the clamp, the filter or the bits? By rank.")
-@click.option("--stages", is_flag=True, help="With --attribution: was it this stage of the passes, or that?")
-@click.option("--out", metavar="FILE", help="Of a map: its picture; the commands' maps below one another.")
-@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's first, or the script's.")
-@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Pixels an edge of a figure's panel.")
-@click.option("--command", "number", type=click.IntRange(min=0), metavar="K", help="Only this command.")
-@click.option("--surface", metavar="NAME", help="A pbuffer instead of the window.")
+@click.option(
+    "--attribution", is_flag=True, help="Print which cause adds most to the error: clamps, filters, bits."
+)
+@click.option("--stages", is_flag=True, help="With --attribution: compare the stages instead.")
+@click.option(
+    "--out", metavar="FILE", help="With --map: write its picture, the commands' maps one below the other."
+)
+@click.option("--profile", metavar="NAME", help="The machine. Default: the figure's first, or the script's.")
+@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Height of a figure's panel in pixels.")
+@click.option(
+    "--command", "number", type=click.IntRange(min=0), metavar="K", help="Look at this command only."
+)
+@click.option("--surface", metavar="NAME", help="Look at this pbuffer instead of the window.")
 @click.option("--json", "json_file", metavar="FILE", help="Write the history, or the numbers, as JSON.")
 @click.option("--csv", "csv_file", metavar="FILE", help="Write the numbers of a table or of maps as CSV.")
 @click.option(
-    "--html", "html_file", metavar="FILE", help="Write the history as a page: one file, no scripts."
+    "--html", "html_file", metavar="FILE", help="Write the history as a page: one file without scripts."
 )
 @what_if_options
 @set_option
 def inspect(what, pixel, row, registers, kind, attribution, out, number, **of):
-    """Look into figure ID, into the frame that SCRIPT.py makes, or into frame N of a trace.
+    """Look into figure ID, into the frame that SCRIPT.py makes, or into frame N of a recorded program.
 
-    --pixel prints every command that touched a pixel, every fragment there, and every stage of each. A stage
-    has what the machine read and made, as codes and as values, and the guided ideal's values. It also says
-    how much of the error it adds, by cause.
+    --pixel prints every command that touched a pixel, every fragment there, and every stage of each fragment.
+    For a stage it prints the inputs and results of the machine, as codes and as values, and the values of
+    the guided ideal. It also says how much of the error the stage adds, by cause.
 
-    --registers prints for every register after every stage the least, greatest and mean value, the shares
-    that were clamped, the codes that it used, and the bits that it leaves unused. --row prints the machine
-    and the guided ideal along a row of the picture, which shows banding. --map draws what happened where, and
-    names the pixel that has most of it.
+    --registers prints a line for every register after every stage: the least, greatest and mean value, the
+    shares that were clamped, how many codes it used, and how many bits it leaves unused. --row prints the
+    machine and the guided ideal along a row of the picture, which shows banding. --map draws where something
+    happened, and names the pixel with most of it.
 
-    --attribution prints the error of the whole picture, and what is left of it when one part of the machine
-    is as exact as it can be. With --stages the part is one stage of all passes, or of --command K.
+    --attribution prints the error of the whole picture. It then prints what is left of the error if one part
+    of the machine is as exact as it can be. With --stages, the part is one stage, of all passes or of
+    --command K.
 
-    --bits, --without, --constant and --texture look into the frame with something changed; alone, they say
-    what that does to its error. PART: combiner, texture, framebuffer, filter_fraction. --replace, and
-    --without CLAMP@STAGE, are of one stage and say that alone. STAGE: "texture unit 0", "general combiner 1",
-    "final combiner" and others, as --attribution --stages names them.
+    --bits, --without, --constant and --texture change the frame before you look into it. Alone, they print
+    how the change affects the error. PART is combiner, texture, framebuffer or filter_fraction. --replace and
+    --without CLAMP@STAGE change one stage, and print only how that affects the error. STAGE is a name that
+    --attribution --stages prints, such as "texture unit 0", "general combiner 1" or "final combiner".
 
     A script defines `commands`, `profile` (a Profile or its name), `width` and `height`.
     """

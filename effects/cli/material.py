@@ -16,13 +16,15 @@ from fixedpipe.effects.cli.options import (
 
 @click.command(short_help="Draw a mesh with any reflectance.")
 @click.argument("reflectance", required=False, metavar="[NAME or FILE]")
-@click.option("--list", "listing", is_flag=True, help="Names of reflectances with their parameters, and end.")
+@click.option(
+    "--list", "listing", is_flag=True, help="Print the reflectances and their parameters, and draw nothing."
+)
 @click.option(
     "--set",
     "settings",
     metavar="NAME=VALUE",
     multiple=True,
-    help="Another value of the reflectance's parameter, as alpha_x=0.15; --list names them.",
+    help="Change a parameter of the reflectance, such as alpha_x=0.15. --list names the parameters.",
 )
 @click.option(
     "--mesh",
@@ -36,32 +38,34 @@ from fixedpipe.effects.cli.options import (
     "--terms",
     type=click.IntRange(1, 8),
     metavar="N",
-    help="Separable products that are added. Without it the best way: two, or one homomorphic product.",
+    help="How many separable products are added. Default: two, or one homomorphic product if that is better.",
 )
 @click.option(
     "--color",
     metavar="R,G,B",
     default="1,1,1",
     show_default=True,
-    help="By what the reflectance is multiplied, 0 to 1.",
+    help="A colour, 0 to 1, that multiplies the reflectance.",
 )
 @click.option(
     "--light",
     "lights",
     metavar="X,Y,Z",
     multiple=True,
-    help="Direction to a light of one; may be repeated. Without any -1,1,1.",
+    help="Direction to a light of intensity 1. May be given several times. Default: -1,1,1.",
 )
 @click.option(
     "--environment",
     metavar="NAME",
-    help="room, or a panorama or light probe: .hdr, .exr, PNG, TIFF, JPEG or NPY. In place of --light.",
+    help="Light from an environment instead of --light: room, or the file of a panorama or light probe "
+    "(.hdr, .exr, PNG, TIFF, JPEG or NPY).",
 )
 @click.option(
     "--as",
     "layout",
     metavar="LAYOUT",
-    help="Of the environment's file: latlong, ball, mirror, cross or strip, as of fixedpipe environment.",
+    help="Layout of the environment's file, as for fixedpipe environment: latlong, ball, mirror, cross or "
+    "strip.",
 )
 @click.option(
     "--lights",
@@ -70,19 +74,24 @@ from fixedpipe.effects.cli.options import (
     metavar="N",
     default=16,
     show_default=True,
-    help="As how many lights the environment shines; each is rounded to bytes.",
+    help="How many directional lights stand for the environment. Each one's picture is rounded to bytes.",
 )
 @view_option
 @profile_option
-@click.option("--out", metavar="FILE.png", help="The picture.")
+@click.option("--out", metavar="FILE.png", help="Write the picture to this file.")
 @click.option(
-    "--size", type=click.IntRange(min=1), metavar="N", default=512, show_default=True, help="Pixels an edge."
+    "--size",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=512,
+    show_default=True,
+    help="Width and height of the picture in pixels.",
 )
 @click.option(
     "--exposure",
     type=float,
     metavar="E",
-    help="What all light is multiplied by. Without it 1, or less for an environment of high range.",
+    help="A number that multiplies all light. Default: 1, or less for an environment of high range.",
 )
 @limit_option
 @threads_option
@@ -106,12 +115,12 @@ def material(
 ):
     """Draw a mesh with any reflectance, on any machine, by products of textures.
 
-    NAME is one of --list. FILE is a MERL table (.binary), or an NPZ file of fixedpipe brdf. The table of all
-    its lights and views becomes products of maps of directions; how well, the error says. IDEAL draws the
-    reflectance itself at each pixel.
+    NAME is a reflectance from --list. FILE is a MERL table (.binary), or an NPZ file of fixedpipe brdf. A
+    table over all directions of light and view is approximated by products of textures. The command prints
+    the error of this approximation. IDEAL draws the reflectance itself at each pixel.
 
-    An environment becomes directional lights, each a set of passes whose pictures are added, and stands
-    behind the mesh. +x is right, +y up, +z towards you.
+    An environment is replaced by directional lights. Each light has its own passes, and the resulting
+    pictures are added. The environment is also the background. +x is right, +y up, +z towards you.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.progress import progress_of_long

@@ -3,21 +3,27 @@
 import click
 
 
-@click.command(
-    short_help="Draw a frame of the NV2A's registers, vertices and memory, as an emulator logs it."
-)
+@click.command(short_help="Draw a frame of NV2A registers, vertices and memory that an emulator logged.")
 @click.argument("file", metavar="FRAME.nv2a")
-@click.option("--out", metavar="FILE.png", help="Write the picture; without it, only what is drawn is said.")
-@click.option("--script", metavar="FILE.py", help="Write it as a script for fixedpipe inspect and compare.")
 @click.option(
-    "--threads", type=click.IntRange(min=1), metavar="N", help="Threads; any number gives the same bits."
+    "--out", metavar="FILE.png", help="Write the picture. Without it, the command only prints what is drawn."
+)
+@click.option(
+    "--script", metavar="FILE.py", help="Write the frame as a script for fixedpipe inspect and compare."
+)
+@click.option(
+    "--threads",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="How many threads draw. Any number gives the same bits.",
 )
 def nv2a(file, out, script, threads):
-    """Draw FRAME.nv2a on the NV2A: register words, vertices and memory in the format of docs/nv2a-frames.md.
+    """Draw FRAME.nv2a on the NV2A. The file has register words, vertices and memory, in the format of
+    docs/nv2a-frames.md.
 
     An emulator writes such files with one C header, docs/examples/nv2a_frame.h. Vertices are the results of
-    vertex programs. --script writes the frame's commands, so that fixedpipe inspect tells why a pixel has its
-    colour.
+    vertex programs. --script writes the frame's commands as a script. fixedpipe inspect reads it, and shows
+    why a pixel has its colour.
     """
     from pathlib import Path
 

@@ -12,20 +12,20 @@ profile_option = click.option(
     metavar="NAME",
     default="GEFORCE_256",
     show_default=True,
-    help="Machine, or IDEAL.",
+    help="The machine, or IDEAL.",
 )
 threads_option = click.option(
     "--threads",
     type=click.IntRange(min=1),
     metavar="N",
-    help="Threads; any number gives the same bits.",
+    help="How many threads draw. Any number gives the same bits.",
 )
 
 
 view_option = click.option(
     "--view",
     metavar="X,Y,Z",
-    help="Direction to the eye; without it from the front, a little from above.",
+    help="Direction to the eye. Default: from the front, a little from above.",
 )
 
 
@@ -55,8 +55,8 @@ limit_option = click.option(
     metavar="MILLIONS",
     expose_value=False,
     callback=_limited,
-    help="Pixels, voxels or samples of a file that are read at most. Without it 40, 135 or 17 million, which "
-    "take some 1.2 GB.",
+    help="The most pixels, voxels or samples that are read of a file. Default: 40, 135 or 17 million, which "
+    "take about 1.2 GB of memory.",
 )
 
 
@@ -72,7 +72,7 @@ fill_option = click.option(
     is_flag=True,
     expose_value=False,
     callback=_filled,
-    help="Fill heights that a file lacks, NaN or its number for it, by the mean of those around.",
+    help="Fill missing heights (NaN, or the file's number for no data) with the mean of their neighbours.",
 )
 
 
@@ -83,8 +83,8 @@ def set_option(command):
         "settings",
         metavar="NAME=VALUE",
         multiple=True,
-        help="Another value of a figure's parameter, as alpha_x=0.15 or light=1,1,1; fixedpipe parameters "
-        "ID names them.",
+        help="Change a parameter of the figure, such as alpha_x=0.15 or light=1,1,1. fixedpipe parameters ID "
+        "lists the parameters.",
     )(limit_option(fill_option(command)))
 
 

@@ -6,15 +6,15 @@ import shlex
 import click
 
 
-@click.command(short_help="Name what may be changed in a figure.")
+@click.command(short_help="Print what you can change in a figure.")
 @click.argument("figure_id", metavar="ID|FILE.py")
-@click.option("--json", "json_file", metavar="FILE", help="Write them as a JSON list as well.")
+@click.option("--json", "json_file", metavar="FILE", help="Also write the parameters as a JSON list.")
 def parameters(figure_id, json_file):
     """Print the parameters of figure ID, or of the FIGURE in your FILE.py: each with its value, unit and
     range, and what it does.
 
-    Values are written as figures, passes and precision take them after --set: the numbers of one value with
-    commas between them, several such values with slashes between them.
+    You can give these values to --set of figures, passes and other commands. Commas separate the numbers of
+    one value. Slashes separate several values.
     """
     from fixedpipe.effects.reports.files import writable_file, write_whole
     from fixedpipe.effects.reports.own_figures import figure_of

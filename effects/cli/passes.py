@@ -11,37 +11,46 @@ from fixedpipe.effects.cli.options import changes_of, refuse_ignored, set_option
 _MOST_FILES, _MOST_BYTES = 1000, 4000 << 20
 
 
-@click.command(short_help="Print a frame's passes in words.")
+@click.command(short_help="Print the passes of a frame in words.")
 @click.argument("what", metavar="ID|SCRIPT.py|TRACE#N")
 @click.option(
-    "--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own, or the script's."
+    "--profile", metavar="NAME", help="The machine, or IDEAL. Default: the figure's own, or the script's."
 )
 @click.option(
     "--trace", metavar="DIR", help="Write colour, alpha, depth and stencil after each command as PNG."
 )
 @click.option(
-    "--commands", "numbers", metavar="A:B", help="Of a trace: commands number A to B, both included."
+    "--commands", "numbers", metavar="A:B", help="With --trace: only commands A to B, both included."
 )
 @click.option(
-    "--every", type=click.IntRange(min=1), metavar="N", default=1, help="Of a trace: every N-th command."
+    "--every",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=1,
+    help="With --trace: only every N-th command.",
 )
 @click.option(
-    "--ideal", is_flag=True, help="Of a trace: machine, ideal and difference beside each other as well."
+    "--ideal", is_flag=True, help="With --trace: also write machine, ideal and difference next to each other."
 )
 @click.option(
     "--all",
     "whole",
     is_flag=True,
-    help="Print commands that are repeated as well; trace however many there are.",
+    help="Print repeated commands too. With --trace: draw all commands, however many there are.",
 )
-@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a traced panel, pixels.")
+@click.option(
+    "--size", type=click.IntRange(min=1), metavar="N", help="With --trace: height of a panel in pixels."
+)
 @set_option
 def passes(what, profile, trace, numbers, every, ideal, whole, size, settings):
-    """Print the pass sequence of figure ID, of the frame that SCRIPT.py makes, or of frame N of a trace:
-    every command, and every state that differs from the default.
+    """Print the passes of figure ID, of the frame that SCRIPT.py makes, or of frame N of a recorded program:
+    every command, and every state that differs from its default.
 
-    Where the same few commands come for polygon after polygon, they are printed once, and how often. A trace
-    has a page, index.html; commands that draw nothing have no picture, and equal pictures are written once.
+    If the same few commands repeat for polygon after polygon, they are printed once, with their number.
+
+    --trace writes pictures and a page, index.html. Commands that draw nothing have no picture, and equal
+    pictures are written once.
+
     A script defines `commands`, `profile` (a Profile or its name), `width` and `height`.
     """
     from fixedpipe.effects.reports.files import writable_folder

@@ -3,22 +3,22 @@
 import click
 
 
-@click.command(short_help="The expected pixel of a small state on a machine, with its history.")
+@click.command(short_help="Print the expected pixel of a small state on a machine, with its history.")
 @click.argument("file", metavar="STATE.json")
-@click.option("--profile", metavar="NAME", help="Machine; otherwise the one that the file names.")
-@click.option("--brief", is_flag=True, help="Print the expected pixel alone, in one line.")
+@click.option("--profile", metavar="NAME", help="The machine. Default: the one that the file names.")
+@click.option("--brief", is_flag=True, help="Print only the expected pixel, in one line.")
 @click.option(
-    "--json", "json_file", metavar="FILE", help="Write the pixel and its history as JSON; - prints."
+    "--json", "json_file", metavar="FILE", help="Write the pixel and its history as JSON; - prints it."
 )
 def pixel(file, profile, brief, json_file):
-    """Draw STATE.json (- for standard input) on a machine and print the pixel that it asks for.
+    """Draw STATE.json (- for standard input) on a machine, and print the pixel that it names.
 
     STATE.json has a window, textures, and polygons with their states: combiners or environments, texture
     shaders, tests, blending, fog. docs/pixel-states.md explains it, and docs/pixel-state.schema.json is its
     JSON Schema. The pixel has every bit that the machine computes, so a test needs no tolerance.
 
-    --json: color (bytes, or the framebuffer's codes), depth (units), stencil, the ideal's color, and the
-    history as docs/pixel-history.schema.json describes it.
+    --json writes color (bytes, or the framebuffer's codes), depth (units), stencil, the ideal's color, and
+    the history. docs/pixel-history.schema.json describes the history.
     """
     import json
 

@@ -8,17 +8,21 @@ from fixedpipe.effects.cli.options import set_option
 _SIZE = 96  # pixels an edge of a figure's panel, where nothing else is asked for
 
 
-@click.command(short_help="Was it the clamp or the bits? A frame's error by each.")
+@click.command(short_help="Separate the error of clamps from the error of short numbers.")
 @click.argument("what", metavar="ID|SCRIPT.py|TRACE#N", default="F004-4")
-@click.option("--profile", metavar="NAME", help="Machine; otherwise the figure's own, or the script's.")
+@click.option("--profile", metavar="NAME", help="The machine. Default: the figure's own, or the script's.")
 @click.option(
     "--size",
     type=click.IntRange(min=1),
     metavar="N",
-    help=f"Pixels an edge of a figure's panel; otherwise {_SIZE}.",
+    help=f"Height of a figure's panel in pixels. Default: {_SIZE}.",
 )
 @click.option(
-    "--bits", metavar="N,N,...", default="4,6,8,10,12,16", show_default=True, help="Widths, 4 to 16."
+    "--bits",
+    metavar="N,N,...",
+    default="4,6,8,10,12,16",
+    show_default=True,
+    help="The widths to draw with, 4 to 16.",
 )
 @click.option(
     "--of",
@@ -26,23 +30,24 @@ _SIZE = 96  # pixels an edge of a figure's panel, where nothing else is asked fo
     metavar="PART,...",
     default="all",
     show_default=True,
-    help="What has these widths: combiner (beside the sign), texture, framebuffer, filter_fraction, "
-    "subpixel; all: the first four.",
+    help="Which numbers have these widths: combiner (the sign is not counted), texture, framebuffer, "
+    "filter_fraction, subpixel. all means the first four.",
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write the numbers as JSON.")
 @click.option("--csv", "csv_file", metavar="FILE", help="Write the numbers as CSV.")
 @set_option
 def precision(what, profile, size, bits, parts, json_file, csv_file, settings):
-    """Render figure ID, or the frame that SCRIPT.py makes, on the same machine with numbers of several
-    widths, with and without its clamps.
+    """Draw figure ID, the frame that SCRIPT.py makes, or frame N of a recorded program, on the same machine
+    with numbers of several widths, with and without its clamps.
 
-    Printed are root mean squares of (machine - ideal) in units of 1/255, of the same fragments: "shown" as
-    the picture is seen, both clamped to [0, 1]; "computed" of the colours as they were computed. "Its own"
-    clamps are those that the ideal evaluation has not: what they cost shows where the two pairs of columns
-    part, and what the bits cost where a row differs from the next.
+    The command prints the root mean square of (machine - ideal), in 1/255 of full intensity, over the same
+    fragments. The column "shown" compares the pictures as they are seen, clamped to [0, 1]. The column
+    "computed" does not clamp the ideal's colours. The columns "without its own" leave out the clamps that the
+    ideal does not have. So different columns of a row show the error of clamps, and different rows the error
+    of short numbers.
 
-    A script defines `commands`, `profile` (a Profile or its name), `width` and `height`. Its commands are the
-    same at every width: an image that it gives in bytes stays in bytes.
+    A script defines `commands`, `profile` (a Profile or its name), `width` and `height`. Its commands do not
+    change with the width, so an image that it gives in bytes stays in bytes.
     """
     from fixedpipe.effects.acceptance import precision as measured
     from fixedpipe.effects.cli.compiling import announce_compiling

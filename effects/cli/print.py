@@ -16,38 +16,44 @@ _NEEDED = {"ideal": {"ideal", "difference"}, "reference": {"reference", "referen
 @click.command(short_help="Compose a figure for a page or a slide: PNG, PDF or SVG.")
 @click.argument("what", metavar="ID|SCRIPT.py|TRACE#N")
 @click.option(
-    "--profile", metavar="NAME", help="Machine, or IDEAL; otherwise the figure's own, or the script's."
+    "--profile", metavar="NAME", help="The machine, or IDEAL. Default: the figure's own, or the script's."
 )
 @click.option("--style", metavar="STYLE", default="paper", show_default=True, help=f"{_STYLES}.")
-@click.option("--width", type=float, metavar="MM", help="Width of the sheet; otherwise the style's.")
+@click.option("--width", type=float, metavar="MM", help="Width of the sheet. Default: the style's.")
 @click.option(
     "--dpi",
     type=float,
     metavar="N",
-    help="Dots an inch of a PNG file; otherwise the fewest with which the panels fill the sheet.",
+    help="Dots per inch of a PNG file. Default: the smallest number with which the panels fill the sheet.",
 )
 @click.option(
     "--pictures",
     metavar="NAME,...",
-    help="machine, ideal, reference, difference, reference-difference; otherwise machine, reference and "
-    "their difference, or machine, ideal and theirs; of a diagram, and on a slide, the machine's alone.",
+    help="Any of machine, ideal, reference, difference, reference-difference. Default: machine, reference "
+    "(or ideal) and their difference; for a diagram and on a slide, machine only.",
 )
 @click.option(
     "--out",
     metavar="FILE",
-    help=".png, .pdf or .svg; otherwise a PNG file named after the figure or script and the machine.",
+    help="A .png, .pdf or .svg file. Default: a PNG file named after the figure or script and the machine.",
 )
-@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of the figure's panels, pixels.")
+@click.option(
+    "--size", type=click.IntRange(min=1), metavar="N", help="Height of the figure's panels in pixels."
+)
 @set_option
 @threads_option
 def print(what, profile, style, width, dpi, pictures, out, size, settings, threads):
-    """Compose pictures of figure ID on one sheet, with labels and its source; or machine, ideal and
-    difference of the frame that SCRIPT.py makes.
+    """Put pictures of figure ID on one sheet, with labels and their source. Or put machine, ideal and
+    difference there, of the frame that SCRIPT.py makes or of frame N of a recorded program.
 
-    Pixels stay pixels: in a PNG file each is a square of whole pixels, in PDF and SVG files the figure's own.
-    The caption, the command and the paper's BibTeX entry are in the file's own fields, and beside it in a
-    file that ends in .bib. A script defines `commands`, `profile` (a Profile or its name), `width` and
-    `height`, and has no paper. Needs matplotlib: pip install 'fixedpipe[plots]'.
+    No pixel is filtered. A PNG file shows each pixel of the figure as a square of whole pixels. PDF and SVG
+    files hold the figure's own pixels.
+
+    The file's own fields hold the caption, the command and the paper's BibTeX entry. A file that ends in .bib
+    has the entry too.
+
+    A script defines `commands`, `profile` (a Profile or its name), `width` and `height`, and has no paper.
+    The command needs matplotlib: pip install 'fixedpipe[plots]'.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.progress import progress_of_long

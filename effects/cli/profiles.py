@@ -130,22 +130,26 @@ def _print_conf(names, year):
     click.echo(conf_text(names[0], machine if year is None else of_year(machine, year)), nl=False)
 
 
-@click.command(short_help="Print the machines, with evidence.")
+@click.command(short_help="List the machines, or print one with its evidence.")
 @click.argument("names", metavar="[NAME …]", nargs=-1)
 @click.option(
     "--gltrace-conf",
     "conf",
     is_flag=True,
-    help="Print apitrace's gltrace.conf, by which a traced program sees the machine NAME.",
+    help="Print a gltrace.conf for apitrace. A program that is traced with it sees the machine NAME.",
 )
 @click.option(
-    "--year", type=int, metavar="N", help="With it: the machine with its driver of a year, as 2001."
+    "--year",
+    type=int,
+    metavar="N",
+    help="With --gltrace-conf: the machine with its driver of a year, such as 2001.",
 )
 def profiles(names, conf, year):
-    """List the machines; of those that are named print all values: what each can do, how wide its numbers
+    """List the machines. With NAME, print all values of this machine: what it can do, how wide its numbers
     are, and how each value is known.
 
-    Evidence: Source (a specification or paper), Measured (on silicon), Inferred (from those), Assumed.
+    The evidence is Source (a specification or paper), Measured (on silicon), Inferred (from those) or
+    Assumed.
     """
     from rich.console import Console
 

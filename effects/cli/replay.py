@@ -16,36 +16,43 @@ _USUAL = "GEFORCE_256"
 @click.command(short_help="Draw the frames of a recorded OpenGL program (a trace of apitrace).")
 @click.argument("trace", metavar="FILE.trace|-")
 @click.option(
-    "--profile", metavar="NAME", help=f"Machine; otherwise {_USUAL}. With --list: judge this one alone."
+    "--profile", metavar="NAME", help=f"The machine. Default: {_USUAL}. With --list: judge only this machine."
 )
 @click.option(
-    "--frames", metavar="LIST", help="Numbers from 0, as 3,10-20, or all; otherwise the first that draws."
+    "--frames",
+    metavar="LIST",
+    help="Numbers of frames from 0, such as 3,10-20, or all. Default: the first frame that draws.",
 )
 @click.option("--out", metavar="DIR", default="out", show_default=True, help="Folder of the pictures.")
-@click.option("--size", metavar="WxH", help="Pixels of every window; otherwise as the trace says.")
+@click.option("--size", metavar="WxH", help="Pixels of every window. Default: what the trace says.")
 @click.option(
     "--list",
     "list_only",
     is_flag=True,
-    help="Draw nothing; say what the trace asks for, what each machine would refuse, and which to take.",
+    help="Draw nothing. Print what the trace uses, what each machine would refuse, and which one to take.",
 )
 @click.option(
     "--check",
     "checked",
     is_flag=True,
-    help="Compare the trace's own answers of Get and its like, to its end.",
+    help="Compare the answers of glGet and similar calls with those in the trace, to its end.",
 )
 @click.option(
     "--beside",
     type=click.Choice(["mesa"]),
-    help="Compare with Mesa's pictures of these frames, which glretrace draws: needs apitrace and Xvfb.",
+    help="Compare with Mesa's pictures of these frames, which glretrace draws. Needs apitrace and Xvfb.",
 )
 @click.option(
     "--page",
     metavar="FILE.html",
-    help="Write a page instead: the frames on several machines, the ideal, Mesa's, and the calls.",
+    help="Write a page instead: the frames on several machines, by the ideal and by Mesa, and the calls.",
 )
-@click.option("--json", "json_file", metavar="FILE", help="Write frames and summary, or the list, as JSON.")
+@click.option(
+    "--json",
+    "json_file",
+    metavar="FILE",
+    help="Write the frames and the summary as JSON, or what --list prints.",
+)
 @click.option(
     "--save-script",
     "script",
@@ -54,7 +61,7 @@ _USUAL = "GEFORCE_256"
 )
 @click.option("--video", metavar="FILE", help="Write the frames as an animation: .png, .webp or .mp4.")
 @click.option(
-    "--fps", type=click.IntRange(1, 60), metavar="N", default=25, help="Frames a second of --video."
+    "--fps", type=click.IntRange(1, 60), metavar="N", default=25, help="Frames per second of --video."
 )
 @threads_option
 def replay(
@@ -75,12 +82,14 @@ def replay(
 ):
     """Draw frames of FILE.trace, which apitrace recorded, or of standard input (-), as PNG files.
 
-    A frame ends where its window swaps its buffers; of a single-buffered window at Flush or Finish after a
-    draw; at FrameTerminatorGREMEDY; and at the end of the trace or of its context. Every frame's line has the
-    SHA-256 digest of its pixels. In the end a summary says what became of the calls: drawn, of no effect,
-    ignored as OpenGL ignores them, refused (each in a sentence), left out as undefined, unknown.
+    A frame ends when its window swaps its buffers. In a single-buffered window it ends at glFlush or glFinish
+    after a draw. FrameTerminatorGREMEDY, the end of the context and the end of the trace end it too. Every
+    frame's line has the SHA-256 digest of its pixels.
 
-    Exit status: 0 if all was drawn; 1 if something was refused or is unknown here, or an answer differs; 2 if
+    At the end a summary says what happened to the calls: drawn, without effect, ignored as OpenGL ignores
+    them, refused (each in a sentence), left out as undefined, or unknown.
+
+    Exit status: 0 if everything was drawn; 1 if a call was refused or is unknown, or an answer differs; 2 if
     the trace cannot be read, or lacks a frame.
     """
     from fixedpipe.effects.cli.replay_beside import check_beside

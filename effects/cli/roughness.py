@@ -5,12 +5,15 @@ import click
 from fixedpipe.effects.cli.options import fill_option, limit_option
 
 
-@click.command(short_help="Make a bump map's pyramids of bumps and of roughness.")
+@click.command(short_help="Filter a bump map, and keep the roughness that filtering removes.")
 @click.argument("heights")
-@click.option("--out", metavar="FILE.npz", required=True, help="The levels as arrays.")
-@click.option("--picture", "shown", metavar="FILE.png", help="The levels as a picture. Without it none.")
+@click.option("--out", metavar="FILE.npz", required=True, help="Write the levels as arrays.")
+@click.option("--picture", "shown", metavar="FILE.png", help="Also write the levels as a picture.")
 @click.option(
-    "--size", type=int, metavar="N", help="Texels an edge, a power of two. Without it the heights' own."
+    "--size",
+    type=int,
+    metavar="N",
+    help="Width and height in texels, a power of two. Default: the heights' own.",
 )
 @click.option(
     "--height-scale",
@@ -18,24 +21,24 @@ from fixedpipe.effects.cli.options import fill_option, limit_option
     metavar="H",
     default=0.05,
     show_default=True,
-    help="Lowest to highest, in edges of the field.",
+    help="Height from the lowest to the highest point, in edges of the field.",
 )
 @limit_option
 @fill_option
-@click.option("--once", is_flag=True, help="The map does not repeat; its edges stay as they are.")
+@click.option("--once", is_flag=True, help="The map does not repeat, so its edges are not wrapped.")
 def roughness(heights, out, shown, size, height_scale, once):
     """Filter the bumps of HEIGHTS, a PNG, TIFF, JPEG or NPY file or a sample, and keep what filtering loses.
 
-    The heights become a square map of offset vectors (the slopes, their signs turned) and its mip-map. Beside
-    each level stands the covariance of the offsets that it has lost: K = [a b; b c], D with D D^T = K, and
+    The heights become a square map of offset vectors (the slopes with opposite signs) and its mip-map. Each
+    level also has the covariance of the offsets that filtering removed: K = [a b; b c], D with D D^T = K, and
     I_1, the largest deviation (Schilling 1997).
 
     For each level L the NPZ file has offsets_L, covariance_L (a, b, c), deviations_L (d_1, d_2, d_3),
     isotropic_L and bytes_L. The last is D in bytes over `scale`: d_1 and d_3 from 0 to 255, d_2 from 1 to 255
-    with zero at 128. Rows are bottom row first. The picture has the bumps' normals above and D below, level
-    beside level.
+    with zero at 128. Arrays have their bottom row first. The picture shows the levels side by side, with the
+    bumps' normals above and D below.
 
-    Samples are those of fixedpipe bump: sample:jacksboro is an elevation model.
+    The samples are those of fixedpipe bump; sample:jacksboro is an elevation model.
     """
     import io
     from pathlib import Path

@@ -16,9 +16,14 @@ from fixedpipe.effects.cli.options import (
 @click.option(
     "--light", metavar="X,Y,Z", default="-1,0.5,1", show_default=True, help="Direction to the light."
 )
-@click.option("--out", metavar="FILE.png", required=True, help="The picture.")
+@click.option("--out", metavar="FILE.png", required=True, help="Write the picture to this file.")
 @click.option(
-    "--paths", type=int, metavar="N", default=100, show_default=True, help="Paths of directions, summed."
+    "--paths",
+    type=int,
+    metavar="N",
+    default=100,
+    show_default=True,
+    help="How many paths of directions are summed.",
 )
 @click.option(
     "--bounces",
@@ -26,13 +31,23 @@ from fixedpipe.effects.cli.options import (
     metavar="N",
     default=1,
     show_default=True,
-    help="Reflections after the first, 1 to 4.",
+    help="How many reflections after the first, 1 to 4.",
 )
 @click.option(
-    "--directions", type=int, metavar="N", default=100, show_default=True, help="Directions over the sphere."
+    "--directions",
+    type=int,
+    metavar="N",
+    default=100,
+    show_default=True,
+    help="How many directions over the sphere.",
 )
 @click.option(
-    "--size", type=click.IntRange(min=4), metavar="N", default=512, show_default=True, help="A panel's edge."
+    "--size",
+    type=click.IntRange(min=4),
+    metavar="N",
+    default=512,
+    show_default=True,
+    help="Width and height of a panel in pixels.",
 )
 @profile_option
 @click.option(
@@ -41,15 +56,22 @@ from fixedpipe.effects.cli.options import (
     metavar="H",
     default=0.1,
     show_default=True,
-    help="Lowest to highest, in edges of the field.",
+    help="Height from the lowest to the highest point, in edges of the field.",
 )
 @click.option(
-    "--albedo", type=float, metavar="A", help="The share of light that is scattered, 0 to 1. Without it 0.8."
+    "--albedo", type=float, metavar="A", help="The share of light that is scattered, 0 to 1. Default: 0.8."
 )
 @click.option("--colors", metavar="PHOTO", help="A photograph whose colours are the albedo.")
-@click.option("--texels", type=int, metavar="N", help="The field's edge, a power of two.")
 @click.option(
-    "--exposure", type=float, metavar="E", default=1.0, show_default=True, help="What light is multiplied by."
+    "--texels", type=int, metavar="N", help="Width and height of the field in texels, a power of two."
+)
+@click.option(
+    "--exposure",
+    type=float,
+    metavar="E",
+    default=1.0,
+    show_default=True,
+    help="A number that multiplies the light.",
 )
 @click.option(
     "--seed",
@@ -57,15 +79,15 @@ from fixedpipe.effects.cli.options import (
     metavar="N",
     default=0,
     show_default=True,
-    help="Of directions after a path's first: it changes nothing where --bounces is 1 and there are no more "
-    "paths than directions.",
+    help="Seed of the directions after a path's first. It has no effect if --bounces is 1 and there are no "
+    "more paths than directions.",
 )
 @click.option(
     "--accumulation",
     metavar="WHERE",
     default="accumulation-buffer",
     show_default=True,
-    help="Where paths are summed: framebuffer, accumulation-buffer or host.",
+    help="Where the paths are summed: framebuffer, accumulation-buffer or host.",
 )
 @limit_option
 @fill_option
@@ -90,13 +112,15 @@ def scatter(
 ):
     """Light HEIGHTS, a PNG, TIFF, JPEG or NPY file or a sample, without and with scattered light.
 
-    The heights are made a square of texels that repeats: 128 along an edge at most, 64 on the G400. The left
-    half has direct light and its shadows. The right half also has what the bumps scatter at each other, by
-    the machine's own way: pixel textures, texture shaders, lookups by the host, or offset textures.
+    The heights become a square of texels that repeats. An edge has at most 128 texels, or 64 on the G400. The
+    left half of the picture has direct light and its shadows. The right half also has the light that bumps
+    scatter onto each other. The machine computes it in its own way: by pixel textures, texture shaders,
+    lookups by the host, or offset textures.
 
-    With more bounces terms are smaller, and a machine's bytes lose some of a dark field's. IDEAL loses none.
+    With more bounces the terms are smaller, and a machine's bytes lose some of them in a dark field. IDEAL
+    loses none.
 
-    The light's +x is right, +y up in the picture, +z out of it. Samples are those of fixedpipe bump:
+    For --light, +x is right, +y up in the picture and +z out of it. The samples are those of fixedpipe bump;
     sample:jacksboro is an elevation model.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling

@@ -12,14 +12,15 @@ from fixedpipe.effects.cli.compiling import announce_compiling
 @click.option(
     "--cpus",
     is_flag=True,
-    help="Compile the kernels for up to five other processors as well, and draw on 1 to 8 threads: minutes.",
+    help="Also compile the kernels for up to five other processors, and draw on 1 to 8 threads: minutes.",
 )
-@click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON object as well.")
+@click.option("--json", "json_file", metavar="FILE", help="Also write all results as one JSON object.")
 def selftest(cpus, json_file):
-    """Draw a fixed set of small frames by all engines; compare their bits with the accepted ones.
+    """Draw a fixed set of small frames with all engines, and compare their bits with the accepted ones.
 
-    On one thread and on several, and with NumPy's extensions for newer processors switched off. A line for
-    each check; a sentence for each frame that differs; exit status 0 where none does, else 1.
+    The frames are drawn on one thread and on several, and with NumPy's extensions for newer processors
+    switched off. The command prints a line for each check, and a sentence for each frame that differs. Exit
+    status: 0 if no frame differs, 1 if one does.
     """
     from fixedpipe.effects.reports.files import writable_file, write_whole
     from fixedpipe.pipeline.golden.provenance import provenance

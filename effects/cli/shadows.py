@@ -5,7 +5,7 @@ import click
 from fixedpipe.effects.cli.options import profile_option, threads_option, three_numbers
 
 
-@click.command(short_help="Throw a mesh's shadow, and compare it with rays.")
+@click.command(short_help="Draw a mesh's shadow, and compare it with ray casting.")
 @click.argument("mesh")
 @click.option(
     "--algorithm",
@@ -19,14 +19,19 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
     metavar="X,Y,Z",
     default="-3.5,6.5,3.5",
     show_default=True,
-    help="Where the lamp is.",
+    help="Position of the lamp.",
 )
 @click.option(
     "--view", metavar="X,Y,Z", default="0.6,3.48,7.6", show_default=True, help="Direction to the eye."
 )
-@click.option("--out", metavar="FILE.png", required=True, help="The picture.")
+@click.option("--out", metavar="FILE.png", required=True, help="Write the picture to this file.")
 @click.option(
-    "--size", type=click.IntRange(min=8), metavar="N", default=512, show_default=True, help="Pixels an edge."
+    "--size",
+    type=click.IntRange(min=8),
+    metavar="N",
+    default=512,
+    show_default=True,
+    help="Width and height of the picture in pixels.",
 )
 @profile_option
 @click.option(
@@ -36,16 +41,18 @@ from fixedpipe.effects.cli.options import profile_option, threads_option, three_
     "--map-size",
     type=click.IntRange(min=8),
     metavar="N",
-    help="Texels an edge of the shadow map, a power of two. Without it up to four for a pixel.",
+    help="Width and height of the shadow map in texels, a power of two. Default: up to four times --size.",
 )
 @threads_option
 def shadows(mesh, algorithm, light, view, out, size, profile, up, map_size, threads):
-    """Throw the shadow of MESH, an OBJ or PLY file, on a floor, and say how it compares with rays.
+    """Draw the shadow of MESH, an OBJ or PLY file, on a floor, and compare it with ray casting.
 
-    The mesh stands on the floor y = 0, 2.4 units large; the light's +x is right, +y up, +z towards you. The
-    floor is as wide and the eye as far away as the shadow needs. The algorithm depth-map is the shadow map
-    with a depth texture. Of alpha-multitexture and alpha-single the map holds depths in alpha. Shadow
-    volumes, z-pass and z-fail, need a mesh that is closed.
+    The mesh stands on the floor y = 0, and is scaled to 2.4 units. For --light and --view, +x is right, +y up
+    and +z towards you. The command makes the floor so wide and puts the eye so far away that the picture
+    holds the shadow.
+
+    The algorithm depth-map is a shadow map in a depth texture. alpha-multitexture and alpha-single store the
+    map's depths in alpha. z-pass and z-fail are shadow volumes, and need a closed mesh.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.progress import progress_of_long

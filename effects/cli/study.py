@@ -12,22 +12,24 @@ from fixedpipe.effects.reports.study_record import json_bytes, measured, plotted
 
 @click.command(short_help="Measure an artefact of the hardware: a table and a plot.")
 @click.argument("study_ids", metavar="[ID …|all]", nargs=-1)
-@click.option("--profile", metavar="NAME", help="Machine, of those a study names; without, the study's own.")
 @click.option(
-    "--check", is_flag=True, help="Compare with the expected numbers; exit status 1 if one is missed."
+    "--profile", metavar="NAME", help="One of the machines that the study names. Default: the study's own."
+)
+@click.option(
+    "--check", is_flag=True, help="Compare with the expected numbers. Exit status 1 if one is missed."
 )
 @click.option(
     "--out", metavar="DIR", default="out", show_default=True, help="Folder of plots and JSON files."
 )
-@click.option("--json", "json_file", metavar="FILE", help="Write all results as one JSON list as well.")
-@click.option("--csv", "csv_file", metavar="FILE", help="Write the table of a study as CSV as well.")
+@click.option("--json", "json_file", metavar="FILE", help="Also write all results as one JSON list.")
+@click.option("--csv", "csv_file", metavar="FILE", help="Also write the table of a study as CSV.")
 @executor_option
 @manifest_option
 def study(study_ids, profile, check, out, json_file, csv_file, executor, manifest):
-    """Measure the studies with the given IDs, or all, on the emulated machines. Without an ID
-    their names are printed; --check without an ID measures all.
+    """Measure the studies with the given IDs, or all, on the emulated machines. Without an ID, the command
+    prints the names of all studies. --check without an ID measures all.
 
-    Prints each table and what its numbers say, and writes ID.png, a plot, and ID.json beside it. Plots need
+    It prints each table and what the numbers say, and writes ID.json and a plot, ID.png. Plots need
     matplotlib: pip install 'fixedpipe[plots]'.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling

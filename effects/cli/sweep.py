@@ -11,45 +11,53 @@ from fixedpipe.pipeline.messages import count
 _FORMS = (".png", ".svg", ".pdf")
 
 
-@click.command(short_help="A figure, a study or a script over a grid of values, as a table.")
+@click.command(short_help="Compute a figure, a study or a script over a grid of values, as a table.")
 @click.argument("what", metavar="ID|FILE.py")
 @click.option(
     "--vary",
     "varied",
     multiple=True,
     metavar="NAME=FROM:TO:N",
-    help="A parameter's values: N evenly from one to the other; FROM:TO, every whole number; or A,B,C. "
-    "bits=4:16 is the width of every number. May be given several times: all combinations are computed.",
+    help="A parameter's values. FROM:TO:N: N values at equal distances. FROM:TO: every whole number. A,B,C: "
+    "these. bits=4:16 varies the width of every number. With several --vary, all combinations are computed.",
 )
 @click.option(
     "--machines",
     default="paper",
     show_default=True,
     metavar="NAME,NAME,...",
-    help="Machines; all: every one that can draw it; paper: its own. IDEAL may be among them.",
+    help="The machines, and IDEAL. all: every machine that can draw it. paper: the paper's machine.",
 )
-@click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help="A value for all points.")
-@click.option("--size", type=click.IntRange(min=1), metavar="N", help="Edge of a figure's panels, pixels.")
 @click.option(
-    "--check", is_flag=True, help="Count the acceptance checks that fail, of a figure's own values."
+    "--set", "settings", multiple=True, metavar="NAME=VALUE", help="A parameter's value at all points."
 )
-@click.option("--reference", is_flag=True, help="Compare a figure with its reference as well.")
+@click.option(
+    "--size", type=click.IntRange(min=1), metavar="N", help="Height of a figure's panels in pixels."
+)
+@click.option(
+    "--check", is_flag=True, help="Count the acceptance checks that fail, where a figure has its own values."
+)
+@click.option("--reference", is_flag=True, help="Also compare a figure with its reference.")
 @click.option(
     "--out", metavar="FILE", required=True, help="The table: .csv, .parquet (pandas) or .nc (xarray)."
 )
-@click.option("--plot", "plot_file", metavar="FILE", help="A plot of it: .png, .svg or .pdf.")
+@click.option("--plot", "plot_file", metavar="FILE", help="Plot the table: .png, .svg or .pdf.")
 @click.option(
-    "--plot-of", "column", default="rms", show_default=True, metavar="COLUMN", help="What is plotted."
+    "--plot-of", "column", default="rms", show_default=True, metavar="COLUMN", help="The column to plot."
 )
 @click.option("--pictures", metavar="DIR", help="Write every point's picture there as PNG.")
 @executor_option
-@click.option("--threads", type=click.IntRange(min=1), metavar="N", help="Threads of each worker.")
+@click.option("--threads", type=click.IntRange(min=1), metavar="N", help="How many threads each worker has.")
 @click.option(
-    "--manifest", metavar="FILE", help="Where finished points are kept; otherwise FILE.manifest beside --out."
+    "--manifest",
+    metavar="FILE",
+    help="The file of finished points. Default: the file of --out with .manifest added.",
 )
-@click.option("--again", is_flag=True, help="Forget what the manifest has, and compute all points.")
+@click.option("--again", is_flag=True, help="Ignore the manifest, and compute all points.")
 @click.option(
-    "--no-times", is_flag=True, help="Leave seconds and workers out: equal results are equal CSV files then."
+    "--no-times",
+    is_flag=True,
+    help="Leave out the seconds and workers, so that equal results are equal CSV files.",
 )
 def sweep(
     what,
@@ -72,16 +80,17 @@ def sweep(
     """Compute figure ID, study ID, the FIGURE in FILE.py or the frame of a script FILE.py at every point of a
     grid, and write a row for each.
 
-    A figure's row has the digest of its picture (sha256), and of (machine - ideal) the root mean square (rms)
-    and the largest difference (largest) in 1/255 of full intensity, and how many pixels differ (differing). A
-    study has a row for each row of its table.
+    A figure's row has the digest of its picture (sha256). Of machine - ideal it has the root mean square
+    (rms) and the largest difference (largest), in 1/255 of full intensity, and how many pixels differ
+    (differing). A study has a row for each row of its table.
 
-    Finished points are kept in the manifest: give the same command again after whatever ended it, or a larger
-    grid, and the rest is computed. A point that cannot be drawn has its reason in the column refused. Exit
-    status 1: some points failed; the column failed says why, and the same command tries them again.
+    The manifest keeps finished points. If the command ends early, or if you enlarge the grid, give the same
+    command again: it computes only what is missing. If a point cannot be drawn, the column refused says why.
+    If a point fails, the column failed says why, and the exit status is 1. The same command tries such points
+    again.
 
-    A script defines profile, width, height, and commands as a function of what is varied; if it has a
-    function measure(result, ideal, **values), its numbers are columns too.
+    A script defines profile, width, height, and commands, a function of what is varied. If it has a function
+    measure(result, ideal, **values), its numbers are columns too.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.frames import check_plots

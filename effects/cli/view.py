@@ -12,38 +12,40 @@ _MATERIAL = "ward"
 @click.command(short_help="Draw a frame live in a browser: move its light, camera and machine.")
 @click.argument("what", required=False, metavar="[ID|FILE.py|MESH|TRACE#N]")
 @click.option(
-    "--material", metavar="NAME", help=f"Of a MESH: as fixedpipe material --list; else {_MATERIAL}."
+    "--material",
+    metavar="NAME",
+    help=f"The material of a MESH, from fixedpipe material --list. Default: {_MATERIAL}.",
 )
-@click.option("--profile", metavar="NAME", help="Machine; otherwise the frame's own.")
-@click.option("--size", type=click.IntRange(min=8), metavar="N", help="A panel's height, pixels.")
+@click.option("--profile", metavar="NAME", help="The machine. Default: the frame's own.")
+@click.option("--size", type=click.IntRange(min=8), metavar="N", help="Height of a panel in pixels.")
 @click.option(
     "--port",
     type=click.IntRange(1, 65535),
     metavar="N",
-    help="Port of 127.0.0.1; otherwise any that is free.",
+    help="The port of 127.0.0.1. Default: any free port.",
 )
 @click.option(
     "--token",
     metavar="WORD",
-    help="The secret in the address, 16 characters or more; otherwise a new one. With --port, an open window "
-    "finds a viewer that was started again.",
+    help="The secret in the address, 16 characters or more. Default: a new one. With --port and --token, an "
+    "open window finds a viewer that was started again.",
 )
-@click.option("--no-browser", is_flag=True, help="Print the address, and open no browser.")
+@click.option("--no-browser", is_flag=True, help="Print the address, but open no browser.")
 @click.option("--once", is_flag=True, help="End when the last window is closed.")
 @threads_option
 @set_option
 def view(what, material, profile, size, port, token, no_browser, once, threads, settings):
-    """Show figure ID in your browser, drawn by the machine while you move things; without ID, F004-4.
+    """Show figure ID (default: F004-4) in your browser. The machine draws it again while you change it.
 
     FILE.py is a script that defines `commands`, `profile`, `width` and `height`, or one that holds your
     FIGURE. MESH is plane, sphere, torus, teapot, or an OBJ or PLY file, with a --material. TRACE#N is frame N
-    of a trace.
+    of a recorded program.
 
-    Drag to turn the light or the camera, move the divider between machine and ideal, go through the passes,
-    click a pixel for its history. The window keeps scripts and pictures by downloads; the viewer itself
+    Drag to turn the light or the camera. Move the divider between machine and ideal, step through the passes,
+    or click a pixel for its history. The window saves scripts and pictures as downloads; the viewer itself
     writes no file.
 
-    It listens on 127.0.0.1 alone, and only the address that it prints opens it. Ctrl-C ends it.
+    The viewer listens on 127.0.0.1 only, and only the address that it prints opens it. Ctrl-C ends it.
     """
     from importlib.util import find_spec
 

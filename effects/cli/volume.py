@@ -11,57 +11,85 @@ _WITH_HEADERS = (".nrrd", ".nhdr")
 ENDIANS = {"little": "<", "big": ">"}
 
 
-@click.command(short_help="Render an iso-surface of a volume, with shadows.")
+@click.command(short_help="Draw an iso-surface of a volume, with shadows.")
 @click.argument("file")
 @click.option(
-    "--iso", type=float, metavar="V", help="The surface's value; without it halfway from least to greatest."
+    "--iso",
+    type=float,
+    metavar="V",
+    help="The surface's value. Default: halfway between the least and the greatest.",
 )
-@click.option("--out", metavar="FILE.png", required=True, help="The picture.")
-@click.option("--dims", metavar="X,Y,Z", help="Of a raw file: voxels along x (the fastest), y and z.")
+@click.option("--out", metavar="FILE.png", required=True, help="Write the picture to this file.")
+@click.option(
+    "--dims",
+    metavar="X,Y,Z",
+    help="For a raw file: how many voxels along x (which changes fastest), y and z.",
+)
 @click.option(
     "--type",
     "type_name",
     metavar="TYPE",
     default="uint8",
     show_default=True,
-    help=f"Of a raw file's values: {', '.join(TYPES)}.",
+    help=f"For a raw file: the type of its values, {', '.join(TYPES)}.",
 )
 @click.option(
-    "--endian", metavar="E", default="little", show_default=True, help="Of a raw file: little or big."
+    "--endian", metavar="E", default="little", show_default=True, help="For a raw file: little or big."
 )
 @click.option(
-    "--skip", type=click.IntRange(min=0), metavar="BYTES", default=0, help="Of a raw file: before its values."
+    "--skip",
+    type=click.IntRange(min=0),
+    metavar="BYTES",
+    default=0,
+    help="For a raw file: how many bytes to skip before its values.",
 )
-@click.option("--spacing", metavar="X,Y,Z", help="Of the voxels; without it an NRRD file's own, or equal.")
+@click.option(
+    "--spacing", metavar="X,Y,Z", help="Distances between voxels. Default: an NRRD file's own, or equal."
+)
 @click.option(
     "--view", metavar="X,Y,Z", default="4.3,3.3,4.6", show_default=True, help="Direction to the eye."
 )
-@click.option("--up", metavar="X,Y,Z", default="0,1,0", show_default=True, help="What is up in the picture.")
-@click.option("--light", metavar="X,Y,Z", default="-1.5,3.1,4.1", show_default=True, help="To the light.")
-@click.option("--shadows/--no-shadows", default=True, show_default=True, help="Alpha-coded shadow map.")
+@click.option(
+    "--up",
+    metavar="X,Y,Z",
+    default="0,1,0",
+    show_default=True,
+    help="The direction that is up in the picture.",
+)
+@click.option(
+    "--light", metavar="X,Y,Z", default="-1.5,3.1,4.1", show_default=True, help="Direction to the light."
+)
+@click.option(
+    "--shadows/--no-shadows", default=True, show_default=True, help="Shadows by an alpha-coded shadow map."
+)
 @click.option(
     "--slices",
     type=click.IntRange(32, 2048),
     metavar="N",
     default=256,
     show_default=True,
-    help="Slices through the volume; where they are voxels apart, surfaces have steps and dark gaps.",
+    help="How many slices cut the volume. If they are voxels apart, surfaces have steps and dark gaps.",
 )
 @click.option(
-    "--size", type=click.IntRange(min=8), metavar="N", default=512, show_default=True, help="Pixels an edge."
+    "--size",
+    type=click.IntRange(min=8),
+    metavar="N",
+    default=512,
+    show_default=True,
+    help="Width and height of the picture in pixels.",
 )
-@click.option("--profile", metavar="NAME", default="OCTANE", show_default=True, help="Machine, or IDEAL.")
+@click.option("--profile", metavar="NAME", default="OCTANE", show_default=True, help="The machine, or IDEAL.")
 @limit_option
 @threads_option
 def volume(
     file, iso, out, dims, type_name, endian, skip, spacing, view, up, light, shadows, slices, size, profile,
     threads,
 ):  # fmt: skip
-    """Render an iso-surface of a volume: FILE is raw values, an NRRD file (.nrrd, .nhdr) or sample:engine.
+    """Draw an iso-surface of a volume: FILE is raw values, an NRRD file (.nrrd, .nhdr) or sample:engine.
 
-    Slices of a 3D texture, the alpha test and Phong's model of the gradients, as in figure F000-7. Values are
-    stored as bytes and edges as powers of two; what was changed is said. Directions are in the volume's
-    axes.
+    The machine draws slices of a 3D texture with the alpha test. Phong's model lights them by the volume's
+    gradients, as in figure F000-7. Values are stored as bytes, and edges as powers of two; the command prints
+    what it changed. Directions are in the volume's axes.
     """
     from fixedpipe.effects.cli.compiling import announce_compiling
     from fixedpipe.effects.cli.refusal import check_size

@@ -12,12 +12,12 @@ from fixedpipe.effects.cli.compiling import announce_compiling
 @click.command()
 @click.argument("ids", metavar="[ID …]", nargs=-1)
 def warmup(ids):
-    """Compile every kernel that is not yet compiled for this machine, and say where they are kept. With the
-    IDs of figures or studies, those that they need alone.
+    """Compile every kernel that is not yet compiled for this computer, and print where the kernels are kept.
+    With IDs of figures or studies, compile only what these need.
 
-    It takes a minute or more, once; two processes compile. Do it after an install, or in the build of a
-    container. If several users share an install, let its owner do it: all of them read what it leaves. Exit
-    status 1 if the kernels could not be kept.
+    It takes a minute or more, once. Two processes compile. Run it after an install, or while a container is
+    built. If several users share an install, its owner should run it; all of them then read these kernels.
+    Exit status 1 if the kernels could not be kept.
     """
     from fixedpipe.effects.figures import FIGURES
     from fixedpipe.effects.refusal import choose
