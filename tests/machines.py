@@ -11,11 +11,15 @@ PAGE = Path(__file__).parents[1] / "docs" / "machines.md"
 _HEAD = """\
 # The machines, and what they have
 
-This page is made by `make machines` from `pipeline/profiles/` and `tests/support/features.py`; a test fails
-where it is stale. Tests run every entry: `validate` accepts a feature's commands exactly where the tables say
-so, and elsewhere names the machine and what to do instead. A number is the machine's limit.
-`fixedpipe profiles NAME` prints all values of a machine, each with its evidence;
-[adding-things.md](adding-things.md) says how a machine or a feature is added.
+With this page you can find a machine that has a feature, and choose a machine for your frame. In the tables,
+a number is the machine's limit.
+
+`fixedpipe profiles NAME` prints all values of a machine, each with its evidence.
+[adding-things.md](adding-things.md) says how to add a machine or a feature.
+
+`make machines` makes this page from `pipeline/profiles/` and `tests/support/features.py`, and a test fails if
+it is stale. Tests try every entry. `validate` accepts a feature's commands exactly where the tables say so.
+Elsewhere its message names the machine, and says what to do instead.
 
 """
 

@@ -34,29 +34,32 @@ NAMED = {
 _HEAD = """\
 # What the ids mean
 
-This page is made by `make techniques` from what the modules of `effects/` declare; a test fails where it is
-stale.
+With this page you can find the module, the figures and the studies that belong to an id, and its entry in the
+catalogue.
 
-An id of a technique, K07, is a letter for the paper that has it and a number. Both are this project's: the
-papers number no techniques. A technique's module declares its ids; figures and studies declare those that
-they use. Each id leads to its entry in the [catalogue](catalogue/README.md): what the paper has there, the
-passes, what must be seen, and by which numbers a picture is accepted.
+A technique's id, such as K07, is a letter for the paper and a number. The papers do not number techniques;
+these numbers are this project's. Each id leads to its entry in the [catalogue](catalogue/README.md). The
+entry says what the paper has there, which passes draw it, what a picture must show, and by which numbers it
+is accepted.
+
+`make techniques` makes this page from what the modules of `effects/` declare, and a test fails if it is
+stale. A technique's module declares its ids. Figures and studies declare the ids that they use.
 
 """
 _OTHER_IDS = """
 The other ids:
 
-- **F004-2** is figure 2 of document 004, drawn by `fixedpipe figures F004-2`. Document 003 numbers no
-  pictures; here they are counted. A [figure](#figures) with a technique's id, K14, shows what the paper has
-  no picture of.
-- **P11** is an artefact of the hardware, measured by a [study](#studies).
-- **E004.9** is an erratum of document 004, or a point that it leaves open, with what was done.
+- **F004-2** is figure 2 of document 004; `fixedpipe figures F004-2` draws it. Document 003 does not number
+  its pictures, so they are counted here. A [figure](#figures) with a technique's id, such as K14, shows what
+  the paper has no picture of.
+- **P11** is an artefact of the hardware, which a [study](#studies) measures.
+- **E004.9** is an erratum of document 004, or a point that it leaves open, with what this project does.
 - **A-K07** is the sequence of passes of K07.
 """
 _FIGURES = """
 ## Figures
 
-`fixedpipe figures F004-2` draws one; `--check` holds it to its acceptance.
+`fixedpipe figures F004-2` draws a figure, and `--check` compares it with its acceptance.
 
 """
 _STUDIES = """

@@ -80,6 +80,31 @@ def test_a_page_is_in_plain_english(page):
     assert faults(page.read_text()) == []
 
 
+def begins_for_its_reader(page):
+    """Whether a page's first paragraph says what its reader can do after it."""
+    return (
+        re.search(r"\b(?:After|With) (?:this page|these pages|it) you\b", " ".join(sentences(page)[:2]))
+        is not None
+    )
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_a_page_begins_with_what_its_reader_can_do_after_it(page):
+    text = page.read_text()
+    if page == ROOT / "README.md":
+        return
+    if re.match(r"\d{4}-", page.name):  # a decision: what was decided, or what decides now
+        assert re.match(r"# \S.*\n\n\*\*(?:Decided|What was to be decided|Superseded)\b", text)
+    else:
+        assert begins_for_its_reader(text)
+
+
+def test_a_page_that_begins_with_its_making_is_found():
+    assert begins_for_its_reader("# A\n\nAfter this page you know A.\n")
+    assert begins_for_its_reader("# A\n\nIt is for all. After it you know A.\n")
+    assert not begins_for_its_reader("# A\n\n`make a` makes this page. It has all. After it you know all.\n")
+
+
 SENTENCE = "It is " + "so " * 32 + "big."  # 35 words
 
 
