@@ -181,7 +181,10 @@ class Clear:
 
 @dataclass(frozen=True, kw_only=True)
 class Draw:
-    """Draw a mesh in a state."""
+    """Draw a mesh in a state.
+
+    ``label`` names the command in messages, in ``describe`` and in histories.
+    """
 
     label: str
     mesh: Mesh

@@ -763,10 +763,11 @@ class FogRegisters:
 
 @dataclass(frozen=True, slots=True)
 class Fog:
-    """Section 3.10. None in PassState: fog is disabled, and the FOG register holds the colour with factor
-    one.
+    """Fog (section 3.10): a fragment's colour is blended with ``color`` by a factor of its fog coordinate.
 
-    ``registers`` replace ``density``, ``start``, ``end`` and ``coordinate_source``.
+    ``density``, which is not negative, belongs to EXP and EXP2, and ``start`` and ``end`` to LINEAR.
+    ``registers`` replace these and ``coordinate_source``. None in PassState disables fog, and the combiners'
+    FOG register then holds the colour with factor one.
     """
 
     mode: FogMode = FogMode.EXP
@@ -834,7 +835,11 @@ class PixelTexture:
 
 @dataclass(frozen=True, slots=True)
 class Scissor:
-    """Section 4.1.2, in window coordinates (y up). None in PassState: disabled."""
+    """The scissor test (section 4.1.2): fragments outside this box of pixels are discarded.
+
+    ``x`` and ``y`` are the box's lower left pixel in window coordinates (y up); ``width`` and ``height`` are
+    not negative. None in PassState disables the test.
+    """
 
     x: int
     y: int
@@ -856,7 +861,10 @@ class WindowClip:
 
 @dataclass(frozen=True, slots=True)
 class AlphaTest:
-    """Section 4.1.3. None in PassState: disabled."""
+    """The alpha test (section 4.1.3): a fragment passes if "alpha ``function`` ``reference``" holds.
+
+    ``reference`` is clamped to [0, 1], as OpenGL does. None in PassState disables the test.
+    """
 
     function: ComparisonFunction = ComparisonFunction.ALWAYS
     reference: float = 0.0
@@ -864,7 +872,13 @@ class AlphaTest:
 
 @dataclass(frozen=True, slots=True)
 class StencilTest:
-    """Section 4.1.4. None in PassState: disabled."""
+    """The stencil test (section 4.1.4): a fragment passes if "``reference`` ``function`` stored value" holds.
+
+    Both sides of the comparison are first ANDed with ``mask``. ``fail``, ``depth_fail`` and ``depth_pass``
+    say what happens to the stored value if the stencil test fails, if the depth test fails, and if both pass.
+    Only the bits of ``write_mask`` are written. ``reference`` is clamped to 0..255. None in PassState disables
+    the test.
+    """
 
     function: ComparisonFunction = ComparisonFunction.ALWAYS
     reference: int = 0
@@ -877,7 +891,10 @@ class StencilTest:
 
 @dataclass(frozen=True, slots=True)
 class DepthTest:
-    """Section 4.1.5. None in PassState: disabled, and no depth is written."""
+    """The depth test (section 4.1.5): a fragment passes if "its depth ``function`` stored depth" holds.
+
+    With ``write`` its depth is then stored. None in PassState disables the test, and no depth is written.
+    """
 
     function: ComparisonFunction = ComparisonFunction.LESS
     write: bool = True
@@ -899,7 +916,12 @@ class DepthClamp:
 
 @dataclass(frozen=True, slots=True)
 class Blending:
-    """Section 4.1.6. None in PassState: disabled."""
+    """Blending (section 4.1.6) of a fragment's colour with the stored colour, by ``equation``.
+
+    ``source`` is the factor of the fragment's colour, and ``destination`` that of the stored colour.
+    ``color`` is the constant colour, (red, green, blue, alpha) with 1.0 = full intensity, which the CONSTANT
+    factors read. None in PassState disables blending.
+    """
 
     source: BlendFactor = BlendFactor.ONE
     destination: BlendFactor = BlendFactor.ZERO
@@ -909,7 +931,7 @@ class Blending:
 
 @dataclass(frozen=True, slots=True)
 class ColorMask:
-    """Section 4.2.2."""
+    """Which components of the colour buffer a Draw writes (section 4.2.2)."""
 
     red: bool = True
     green: bool = True

@@ -40,7 +40,7 @@ _SECOND_HEADER = re.compile(r"^[ \t]*!!(?:TS|RC)1\.0", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Program:
-    """A program.
+    """What a text of ``parse_program`` holds, as states for a PassState.
 
     - ``notations``: the headers, in order.
     - ``texture_shader``: None where the text has none; each unit then samples its bound texture.

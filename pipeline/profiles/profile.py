@@ -57,7 +57,7 @@ class Driver:
 
 @dataclass(frozen=True, kw_only=True)
 class Profile:
-    """A machine.
+    """A machine as data: what it can do, and how wide its numbers are. Each value has its evidence.
 
     - ``name``: its name in messages.
     - ``description``: one line.
