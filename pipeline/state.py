@@ -876,8 +876,8 @@ class StencilTest:
 
     Both sides of the comparison are first ANDed with ``mask``. ``fail``, ``depth_fail`` and ``depth_pass``
     say what happens to the stored value if the stencil test fails, if the depth test fails, and if both pass.
-    Only the bits of ``write_mask`` are written. ``reference`` is clamped to 0..255. None in PassState disables
-    the test.
+    Only the bits of ``write_mask`` are written. ``reference`` is clamped to 0..255. None in PassState
+    disables the test.
     """
 
     function: ComparisonFunction = ComparisonFunction.ALWAYS
