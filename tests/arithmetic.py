@@ -15,76 +15,90 @@ SHOWN = 3  # vectors of a rule
 _HEAD = """\
 # The NV2A's arithmetic, for authors of emulators
 
-After this page you can test an emulator of the Xbox's graphics chip function by function. The page has
-{rules} rules, each with its formula, its evidence and test vectors. `make arithmetic` makes the page, and a
-test fails where it is stale. [Silicon](silicon.md) says what the captures of a real chip are, and how many
-pixels agree. [Numbers](numbers.md) has every rule with its order of operations.
+After this page you can test an emulator of the NV2A, the Xbox's graphics chip, function by function. The page
+has {rules} rules of the chip's arithmetic. Each rule has its formula, its evidence and test vectors.
+
+1. Export the vectors, by the first command below. Each rule has a file of its own.
+2. For each rule that your emulator computes, call your function with the inputs of every case.
+3. Compare the result with `expected`, bit by bit.
+
+[The judge](code-for-emulators.md#the-judge) does steps 2 and 3 for a program that answers questions on
+standard input. [Code for emulators](code-for-emulators.md) has the same rules as C and as GLSL, to paste.
 
     fixedpipe golden export DIR --rules                 DIR/rules/ID.json for each rule, {count} vectors
-    fixedpipe golden export DIR --rules --cases 5000    that many random ones of each behind its edge cases
+    fixedpipe golden export DIR --rules --cases 5000    edge cases, then 5000 random cases of each rule
     fixedpipe golden export DIR                         random states and whole frames: golden-images.md
 
-A file is a JSON object with a case on each line. So a program without a JSON library can read it too;
-[examples/read_rules.c](examples/read_rules.c) does, for seven rules:
+[Silicon](silicon.md) says what the captures of a real chip are, and how many pixels agree.
+[Numbers](numbers.md) has every rule with its order of operations. `make arithmetic` makes this page, and a
+test fails if it is stale.
+
+## The files
+
+A file is a JSON object with a case on each line. So a program without a JSON library can read it too:
+[examples/read_rules.c](examples/read_rules.c) reads seven rules.
 
 | field | what it is |
 |---|---|
 | `format` | 1 |
 | `rule`, `stage` | the id, which names the file, and the part of the chip |
 | `numbers` | the rule of [numbers.md](numbers.md) |
-| `formula` | of the inputs' names: an expression in Python's notation, or a sentence |
-| `evidence` | it begins with Measured, Inferred, Source or Assumed |
-| `captures` | SUITE, or SUITE/CASE, of nxdk_pgraph_tests that show it; none: no capture does |
-| `open` | the question of `fixedpipe conformance --discriminates` that asks whether it is so, or nothing |
-| `inputs`, `output` | kinds by name, and the result's |
-| `cases` | inputs by name, and `expected`: edge cases first, then random ones from `--seed` |
+| `formula` | an expression of the inputs' names in Python's notation, or a sentence |
+| `evidence` | how the rule is known; begins with Measured, Inferred, Source or Assumed |
+| `captures` | captures that show the rule, as SUITE or SUITE/CASE of nxdk_pgraph_tests; empty if none does |
+| `open` | if it is in doubt: its question in `fixedpipe conformance --discriminates`; else empty |
+| `inputs`, `output` | the kind of each input, by name, and of the result |
+| `cases` | inputs by name, and `expected`, the result: edge cases first, then random ones from `--seed` |
 
 | kind | how it is written |
 |---|---|
 | `int` | a whole number |
-| `single`, `double` | the bits of IEEE 754's single and double precision, `0x3f800000`; `NaN`, of any bits |
-| `bytes` | two hexadecimal digits each |
+| `single`, `double` | bits of IEEE 754's single and double precision: `0x3f800000`; `NaN`, of any bits |
+| `bytes` | two hexadecimal digits for each byte |
 | `name` | OpenGL's name without GL_, or the chip's |
-| `int[4]` | a list of so many |
+| `int[4]` | a list of four integers |
 
 The functions that draw compute every vector; none is typed. `tests/effects/test_arithmetic.py` reads all
 vectors back from their files. It compares them with the executable specification in `tests/reference/`,
-which shares no code with those functions. Where the formula is an expression, it compares them with the
+which shares no code with those functions. If the formula is an expression, it compares them with the
 formula too. For each rule it checks that a vector with a wrong last bit is noticed. `index.json` has every
 file's SHA-256.
 
-**What a proof is worth.** The first word of the evidence says it:
+**How far you can trust a rule.** The first word of its evidence says that:
 
-- *Measured*: the named captures were drawn through this function. Every pixel agrees but those that
-  [silicon.md](silicon.md) lists. This says nothing of inputs that no capture has.
-- *Source*: a specification or envytools' model says so, and no capture contradicts.
-- *Inferred* and *Assumed*: nobody has seen it. Where a question is named,
+- *Measured*: the named captures were drawn through this function. Every pixel agrees, except those that
+  [silicon.md](silicon.md) lists. This says nothing about inputs that no capture has.
+- *Source*: a specification or envytools' model says so, and no capture contradicts it.
+- *Inferred* and *Assumed*: no capture shows it. If the rule names a question,
   [silicon.md](silicon.md#questions-that-no-capture-answers) has the program that would answer it.
 
 """
 _WORDS = """\
 ## Words of the formulas
 
-Numbers are exact unless a formula cuts them. Those with a point are double precision, computed in the order
-that is written.
+Numbers are exact unless a formula cuts them. An expression that has a number with a decimal point is computed
+in double precision, in the order in which it is written.
 
 """
 _LEFT_OUT = """\
 ## What is not here
 
-What has no function of its own inputs alone, or nothing behind it that a vector would prove:
+Some parts of the chip have no rule here. Their results depend on more than a function's inputs, or there is
+no evidence that a vector could carry:
 
 - which pixels of lines, points, smooth and multisampled primitives are drawn (N11, N19), and clipping;
 - the level of detail of a 2x2 block, mipmaps' levels, layers, anisotropic footprints (N7.6 to N7.12);
-- lighting as a whole (N2.15 to N2.18), generated texture coordinates, point parameters: its numbers are here;
+- lighting as a whole (N2.15 to N2.18), generated texture coordinates, point parameters. The products, sums,
+  reciprocals and roots of the lighting unit are here;
 - matrices times vectors (N2.1, N2.6), and what a triangle through w = 0 becomes;
-- what a fixed format takes of a polygon offset (N5.4);
+- how a polygon offset is rounded to a fixed depth format (N5.4);
 - BRDF lookups, shadow comparisons, colour keys, HILO filters (N12.10, N12.13 to N12.17);
 - dithering: the chip has none in its colour buffer (N10.6). That of DXT1 is in the rule `dxt1`;
 - the 2D engine, clears, and what surfaces share in memory;
-- the order of tests, writes and masks of a fragment: whole frames have it.
+- the order of a fragment's tests, writes and masks. Whole frames show it.
 
-The evidence is of one NV2A and of these captures' programs. Nothing here was compared with a GeForce.
+The evidence comes from one NV2A, and from the programs of these captures. Nothing here was compared with a
+GeForce.
 """
 
 
@@ -139,7 +153,7 @@ def _words():
 def _wrapped(text):
     """Its paragraphs in lines of the pages' width; tables, lists and code as they stand."""
     parts = text.split("\n\n")
-    plain = [not part.startswith(("|", "-", "#", " ")) for part in parts]
+    plain = [not part.startswith(("|", "-", "1.", "#", " ")) for part in parts]
     return "\n\n".join(
         textwrap.fill(part, WIDTH, break_on_hyphens=False, break_long_words=False) if wraps else part
         for part, wraps in zip(parts, plain, strict=True)

@@ -453,13 +453,15 @@ GLSL that compute it.
     fixedpipe golden export DIR --rules        the vectors of the rules, one file each
     fixedpipe golden export DIR --code c99     the functions; --code glsl for shaders
 
-Functions whose rule is `nv2a_answers` are made of the others, in [nv2a_answers.h](examples/nv2a_answers.h)
-and [nv2a_answers.glsl](examples/nv2a_answers.glsl). Names are equal in both languages. Singles are written
-as their bits.
+Each answer has two tables. The first counts the captures that are exact, and their equal pixels. The second
+names the functions that compute the answer, with a few test vectors. Singles and doubles are written as
+their bits. Functions have the same names in C and in GLSL. The export has all of them, except those whose
+rule is `nv2a_answers`. These call the others, and are in [nv2a_answers.h](examples/nv2a_answers.h) and
+[nv2a_answers.glsl](examples/nv2a_answers.glsl).
 
 [arithmetic-for-emulators.md](arithmetic-for-emulators.md) has every rule, and [numbers.md](numbers.md) every
-order of operations. [silicon.md](silicon.md) says what the captures are. A test holds this page to the rules
-and to the accepted counts of the captures. The public issues were read on 2026-11-28; they may have
+order of operations. [silicon.md](silicon.md) says what the captures are. A test compares this page with the
+rules, and with the accepted counts of the captures. The public issues were read on 2026-11-28; they may have
 changed.
 """
 
