@@ -85,7 +85,7 @@ _UNIT = "root mean square of (machine - ideal), 1/255 of full intensity"
 _COLUMNS = """\
 shown: of the pictures as they are seen, both clamped to [0, 1].
 computed: of the colours as they were computed; the ideal's are not clamped.
-without its own: the machine without the clamps that the ideal has not."""
+without its own: the machine without the clamps that the ideal does not have."""
 # What each Clamp clamps, by its name.
 CLAMPS = {
     "VERTEX_COLOR": "colours of vertices",
