@@ -27,8 +27,8 @@ from fixedpipe.pipeline.textures.images import (
 from fixedpipe.pipeline.textures.sampled import face_modes, key_unit, sampled_texture
 from fixedpipe.raster import codes as C
 from fixedpipe.raster.columns import numbers, sample
+from fixedpipe.raster.columns.interpolate import divide_by_q, times_reciprocal_of_q
 from fixedpipe.raster.columns.numbers import INTEGERS, NOISE, REALS
-from fixedpipe.raster.floats import LEAST_Q
 from fixedpipe.raster.observer import unobserved
 from fixedpipe.raster.pixels.transfer import texture_color_table
 
@@ -194,7 +194,7 @@ class UnitSampler:
         """
         compared = self._compared(strq, r)
         linear = self.sampler.mag_filter.is_linear
-        return self._level(0, linear, strq, False, compared, lifted, flat=flat)
+        return self._level(0, linear, strq, compared, lifted, flat=flat)
 
     def at_footprints(self, strq, r, lifted, footprint, lod):
         """As ``at_level_zero``, but with a footprint and a lambda.
@@ -205,7 +205,7 @@ class UnitSampler:
         compared, lod = self._compared(strq, r), self._limited(lod)
         if self.probes:
             return self._assembled(footprint, strq, lifted, lod, compared)
-        return self._levels(strq, False, lod, compared, lifted)
+        return self._levels(strq, lod, compared, lifted)
 
     def _compared(self, strq, r):
         """The reference that texels at such coordinates are compared with; None: no comparison."""
@@ -267,16 +267,18 @@ class UnitSampler:
         divided = bool((strq[:, 3] != 1.0).any())
         if fragments.divided is not None:
             divided = fragments.divided[self.number]
+        divided = divided and self.texture.target != TextureTarget.TEXTURE_CUBE_MAP
+        if divided:
+            str_ = times_reciprocal_of_q(strq) if self.numbers.rounds else divide_by_q(strq)
+            self._saw("projected", unit=self.number, strq=strq, made=str_)
+            strq = np.concatenate([str_, np.ones((len(str_), 1))], axis=1)
         compared = None
         if self.compares:
             r = np.zeros(len(strq))
             if self.sampler.compare_mode == TextureCompareMode.COMPARE_R_TO_TEXTURE:
                 r = strq[:, 2]
-                if divided and self.texture.target != TextureTarget.TEXTURE_CUBE_MAP:
-                    r = r / np.where(strq[:, 3] == 0.0, LEAST_Q, strq[:, 3])
             compared = self._reference(r)
-        if self.texture.target == TextureTarget.TEXTURE_CUBE_MAP:
-            divided = False
+        lifted = divided and not self.numbers.rounds  # over the noise of float64's quotients
         lod = np.zeros(len(strq), np.int64)
         if (self.needs_lambda or self.anisotropic or self.probes) and fragments.lod is not None:
             lod = self._limited(np.floor(fragments.lod[:, self.number] * 256.0).astype(np.int64))
@@ -284,13 +286,9 @@ class UnitSampler:
         elif self.needs_lambda:
             lod = np.full(len(strq), -1)  # magnified
         if fragments.footprints is None or not (self.anisotropic or self.probes):
-            return self._levels(strq, divided, lod, compared, tap=tap)
-        str_ = strq
-        if divided:
-            q = np.where(strq[:, 3:] == 0.0, LEAST_Q, strq[:, 3:])
-            str_ = np.concatenate([strq[:, :3] / q, np.ones_like(q)], axis=1)
+            return self._levels(strq, lod, compared, lifted, tap=tap)
         filtered = self._assembled if self.probes else self._along
-        return filtered(fragments.footprints[:, self.number], str_, divided, lod, compared)
+        return filtered(fragments.footprints[:, self.number], strq, lifted, lod, compared)
 
     def _assembled(self, footprint, str_, lifted, lod, compared):
         """The mean of a footprint's probes, truncated."""
@@ -300,7 +298,7 @@ class UnitSampler:
             moved = str_.copy()
             distance = ((2.0 * probe + 1.0) - probes) / (2.0 * probes)
             moved[:, :2] += distance[:, None] * footprint[:, :2]
-            texel = self._levels(moved, False, lod, compared, lifted)
+            texel = self._levels(moved, lod, compared, lifted)
             total += np.where(used[:, None], texel, 0)
         return self.numbers.shared(total, probes.astype(np.int64)[:, None])
 
@@ -313,18 +311,18 @@ class UnitSampler:
             for side in (1.0, -1.0):
                 moved = str_.copy()
                 moved[:, :2] += (side * distance)[:, None] * footprint[:, :2]
-                texel = self._levels(moved, False, lod, compared, lifted)
+                texel = self._levels(moved, lod, compared, lifted)
                 total += np.where(used[:, None], weight[:, None] * texel, 0)
         return self.numbers.shared(total, 256)
 
-    def _levels(self, strq, divided, lod, compared, lifted=False, tap=None):
+    def _levels(self, strq, lod, compared, lifted=False, tap=None):
         """The level that lambda selects, or a blend of two levels (section 7)."""
         s = self.sampler
 
         def level(number, linear, chosen):
             reference = None if compared is None else compared[chosen]
             self._saw("chosen", unit=self.number, chosen=chosen)
-            return self._level(number, linear, strq[chosen], divided, reference, lifted, tap and tap[1:])
+            return self._level(number, linear, strq[chosen], reference, lifted, tap and tap[1:])
 
         every = slice(None)
         magnifies_linear = s.mag_filter.is_linear
@@ -362,17 +360,17 @@ class UnitSampler:
         out[minified] = blended[minified]
         return out
 
-    def _level(self, number, linear, strq, divided, reference, lifted, tap=None, flat=False):
+    def _level(self, number, linear, strq, reference, lifted, tap=None, flat=False):
         image, s, target = self.levels[number], self.sampler, self.texture.target
         layers, height, width = image.shape[:3]
         size = tuple(n - 2 * b for n, b in zip((width, height, layers), self.texture.borders, strict=True))
-        places, face = sample.positions(strq, target, divided, lifted, size, flat)
+        places, face = sample.positions(strq, target, lifted, size, flat)
         modes = s.wrap_s, s.wrap_t, s.wrap_r
         if target == TextureTarget.TEXTURE_CUBE_MAP:
             modes = face_modes(s, self.texture)
         self._saw(
-            "level", unit=self.number, level=number, linear=linear, strq=strq, divided=divided, size=size,
-            places=places, face=face, reference=reference,
+            "level", unit=self.number, level=number, linear=linear, strq=strq, size=size, places=places,
+            face=face, reference=reference,
         )  # fmt: skip
         read = None if self.signed is None else self._as_signed
         if reference is not None:

@@ -11,6 +11,7 @@ from numba import float64, int32, int64, types, uint64, void
 
 from fixedpipe.pipeline.enums import TextureTarget
 from fixedpipe.raster import codes as C
+from fixedpipe.raster.fixed import projected
 from fixedpipe.raster.floats import LEAST_Q, SINGLE_BITS, TAU
 from fixedpipe.raster.kernel import kernel, separate_loop
 from fixedpipe.raster.portable.interpolate import coordinate_difference, product_step, product_sum
@@ -27,7 +28,7 @@ class TextureCoordinates:
     position  float64 [k, 2], or [k, 3] in a volume; 1.0 = the whole image. slip, dx and dy use the same unit
     face      int64 [k], a cube map's face; otherwise 0
     slip      float64 [k, 2], the machines' coordinates minus ``position``, without their bias
-    bias      float64 [k, 1], the texels that the machines add to divided coordinates: TAU or 0
+    bias      float64 [k, 1], the texels that the machines add to coordinates that a stage made: TAU or 0
     dx, dy    float64 [k, 2], derivatives of ``position`` per pixel
     """
 
@@ -44,9 +45,9 @@ def _divisor(q):
     return LEAST_Q if q == 0.0 else q
 
 
-@kernel(void(_ALONG, _ROWS, int64, float64[:, ::1], float64[:, ::1]))
-def _divide(along, rows, first, position, bias):
-    """Iterate s, t (and r) and divide them by q. The bias is TAU where some vertex's q is not 1."""
+@kernel(void(_ALONG, _ROWS, int64, float64[:, ::1]))
+def _divide(along, rows, first, position):
+    """Iterate s, t (and r) and divide them by q where some vertex's is not 1."""
     separate_loop()
     triangles, triangle, weights = along
     axes, last = position.shape[1], uint64(first + 3)
@@ -57,7 +58,6 @@ def _divide(along, rows, first, position, bias):
         q0, q1, q2 = rows[v0, last], rows[v1, last], rows[v2, last]
         q = ((q0 - q1) * w0 + q1) + (q2 - q1) * w2
         divided = q0 != 1.0 or q1 != 1.0 or q2 != 1.0
-        bias[i, 0] = TAU if divided else 0.0
         for c in range(axes):
             k = uint64(first + c)
             v = rows[v1, k]
@@ -95,27 +95,29 @@ def _as_machines(v0, v1, v2, q0, q2):
     return product_sum(v1, 1.0, q0, d0, q2, d2), unit
 
 
-@kernel(void(_ALONG, float64[:, ::1], _ROWS, int64, float64[:, ::1], float64[:, ::1], float64[:, ::1]))
-def _slip(along, weights, rows, first, position, bias, slip):
+@kernel(void(_ALONG, float64[:, ::1], _ROWS, int64, float64[:, ::1], float64[:, ::1]))
+def _slip(along, weights, rows, first, position, slip):
     """The machines' s, t, r over q, by their ``weights`` [2, k], minus ``position``.
 
-    An undivided coordinate lies on an exact boundary up to float64's error, or at least one unit away.
+    A coordinate lies on an exact boundary up to float64's error, or at least one unit away: of a divided
+    one, its own last bit.
     """
     separate_loop()
     triangles, triangle, _ = along
     for i in range(len(position)):
         t = uint64(triangle[i])
         v0, v1, v2 = uint64(triangles[t, 0]), uint64(triangles[t, 1]), uint64(triangles[t, 2])
-        q0, q2, divided = weights[0, i], weights[1, i], bias[i, 0] != 0.0
-        q = 1.0
-        if divided:
-            k = uint64(first + 3)
-            q = _divisor(_as_machines(rows[v0, k], rows[v1, k], rows[v2, k], q0, q2)[0])
+        q0, q2, k = weights[0, i], weights[1, i], uint64(first + 3)
+        divided = rows[v0, k] != 1.0 or rows[v1, k] != 1.0 or rows[v2, k] != 1.0
+        q = _as_machines(rows[v0, k], rows[v1, k], rows[v2, k], q0, q2)[0] if divided else 1.0
         for c in range(position.shape[1]):
             k = uint64(first + c)
             value, unit = _as_machines(rows[v0, k], rows[v1, k], rows[v2, k], q0, q2)
-            value = value / q - position[i, c]
-            slip[i, c] = 0.0 if not divided and abs(value) < unit / 2 else value
+            if divided:
+                value = projected(value, q)
+                unit = abs(value) * _UNIT_OF_ONE / 2
+            value = value - position[i, c]
+            slip[i, c] = 0.0 if abs(value) < unit / 2 else value
 
 
 @kernel(void(_ALONG, float64[:, ::1], _ROWS, int64, float64[:, ::1]))
@@ -150,12 +152,12 @@ def place(target, weights, rows, first=0, nearest=True, changing=True):
         _place_on_face(machine, on_cube.face, slip)
         return replace(on_cube, slip=slip - on_cube.position)
     count, axes = len(weights), _axes(target)
-    position, bias, none = np.empty((count, axes)), np.empty((count, 1)), _nothing(count, axes)
-    _divide(weights.along, rows, first, position, bias)
+    position, bias, none = np.empty((count, axes)), np.zeros((count, 1)), _nothing(count, axes)
+    _divide(weights.along, rows, first, position)
     slip = dx = dy = none
     if nearest:
         slip = np.empty_like(position)
-        _slip(weights.along, weights.machine, rows, first, position, bias, slip)
+        _slip(weights.along, weights.machine, rows, first, position, slip)
     if changing:
         dx, dy = np.empty((2, count, axes))
         for step, change in zip(weights.changes, (dx, dy), strict=True):

@@ -202,9 +202,16 @@ class _Reader:
         made = (Quantity("lambda, biased and limited", (limited[0] / 256.0,), _ints(limited), 256),)
         return Stage("lambda", f"texture unit {unit}, lambda", "", (_real("lambda", lod),), made)
 
-    def level(self, *, unit, level, linear, strq, divided, size, places, face, reference):
+    def projected(self, unit, strq, made):
+        """Coordinates over q."""
+        read, title = (_real("coordinates (s, t, r, q)", strq),), f"texture unit {unit}, divided by q"
+        return Stage(
+            "projected", title, "times the reciprocal of q", read, (_real("(s, t, r) over q", made),)
+        )
+
+    def level(self, *, unit, level, linear, strq, size, places, face, reference):
         """A level that is about to be filtered."""
-        read = [_real("coordinates (s, t, r, q)", strq)]
+        read = [_real("coordinates", strq)]
         made = [_real("texels (s, t, r)", [p for p in places if p is not None])]
         if face is not None:
             made.append(_word("face", face))
@@ -212,7 +219,7 @@ class _Reader:
             read.append(_word("compared with", reference))
         says = f"{'x'.join(str(n) for n in size)} texels, {'LINEAR' if linear else 'NEAREST'}"
         title = f"texture unit {unit}, level {level}"
-        return Stage("level", title, says + (", divided by q" if divided else ""), tuple(read), tuple(made))
+        return Stage("level", title, says, tuple(read), tuple(made))
 
     def filter(self, columns, rows, layers, fractions, bits):
         """The texels that each axis of a filter reads."""
@@ -516,6 +523,7 @@ _READERS = {
     "dot product": _Reader.dot_product,
     "color key": _Reader.color_key,
     "made coordinates": _Reader.made_coordinates,
+    "projected": _Reader.projected,
     "program": _Reader.program,
     "general combiner": _Reader.general_combiner,
     "portion": _Reader.portion,

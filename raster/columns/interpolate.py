@@ -410,9 +410,22 @@ def on_face(strq, face):
     )
 
 
+def _divisors(strq):
+    """q, and LEAST_Q where it is 0, [k, 1]."""
+    return np.where(strq[:, 3:] == 0.0, LEAST_Q, strq[:, 3:])
+
+
 def divide_by_q(strq):
-    """s, t, r over q; a q of 0 counts as LEAST_Q."""
-    return strq[:, :3] / np.where(strq[:, 3:] == 0.0, LEAST_Q, strq[:, 3:])
+    """s, t, r over q, each quotient rounded once: what lambda and real numbers take."""
+    return strq[:, :3] / _divisors(strq)
+
+
+def times_reciprocal_of_q(strq):
+    """s, t, r over q as the chip makes them for a texture's access: N4.10's reciprocal and products of 24
+    bits (docs/numbers.md, N6.1).
+    """
+    fraction, exponent = np.frexp(_divisors(strq))
+    return np.ldexp(cut(strq[:, :3] * signed_reciprocal(fraction), SINGLE_BITS), -exponent)
 
 
 def block_steps(edges, inverse_w, corners, divided, target, sizes, px, py):

@@ -10,7 +10,7 @@ from fixedpipe.raster import float_depths
 from fixedpipe.raster.columns.interpolate import major_axis, on_face
 from fixedpipe.raster.columns.numbers import INTEGERS
 from fixedpipe.raster.columns.per_fragment import compare
-from fixedpipe.raster.floats import LEAST_Q, TAU
+from fixedpipe.raster.floats import TAU
 from fixedpipe.raster.observer import unobserved
 
 
@@ -65,11 +65,11 @@ def along(texel, mode, size, linear, fraction_bits, beside=0):
     return [index_of(k, mode, size, True, beside) for k in (i, i + 1)], fraction
 
 
-def positions(coordinates, target, divided, computed, size, flat=False):
-    """(T_s, T_t, T_r) of s, t, r, q float64 [k, 4] and the face or None.
+def positions(coordinates, target, computed, size, flat=False):
+    """(T_s, T_t, T_r) of s, t, r float64 [k, 3 or 4] and the face or None.
 
-    ``size`` (width, height, layers) of the level; ``divided``: by q; ``computed``: the coordinates are lifted
-    by TAU, where directions are that are not. ``flat``: s and t, t downwards, on a cube map's first face.
+    ``size`` (width, height, layers) of the level; ``computed``: the coordinates are lifted by TAU, where
+    directions are that are not. ``flat``: s and t, t downwards, on a cube map's first face.
     """
     if target == C.TARGET_CUBE_MAP:
         face = major_axis(coordinates)
@@ -81,11 +81,8 @@ def positions(coordinates, target, divided, computed, size, flat=False):
         divisor, lift = np.where(none, 1.0, major), 0.0 if computed else TAU
         s, t = (np.where(none, 0.0, (c / divisor + 1.0) * half) + lift for c in (sc, tc))
         return (s, t, None), face
-    bias = TAU if divided or computed else 0.0
+    bias = TAU if computed else 0.0
     str_ = [coordinates[:, i] for i in range(3)]
-    if divided:
-        q = np.where(coordinates[:, 3] == 0.0, LEAST_Q, coordinates[:, 3])
-        str_ = [c / q for c in str_]
     if target == C.TARGET_RECTANGLE:
         size = (1.0, 1.0, 0.0)
     return tuple(c * float(n) + bias for c, n in zip(str_, size, strict=True)), None

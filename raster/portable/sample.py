@@ -14,7 +14,8 @@ from numba import float64, int32, int64, uint32, uint64, void
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.arrays import type_of
-from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS, LEAST_Q, TAU
+from fixedpipe.raster.fixed import projected
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION, FRACTION_BITS, TAU
 from fixedpipe.raster.kernel import bits_of, float_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.combine import convert_plane
 from fixedpipe.raster.portable.shadow import compare_texels
@@ -111,12 +112,11 @@ def cube_faces(floats, count, ints):
 
 @kernel("void(f8[:,::1],i8,i8)")
 def divide_by_q(floats, axis, count):
-    """A projective coordinate, column ``axis``, by q (EXTRA); a q of zero counts as LEAST_Q."""
+    """A projective coordinate, column ``axis``, by q (EXTRA)."""
     separate_loop()
     pa = uint64(axis)
     for i in range(count):
-        q = floats[R.EXTRA, i] if floats[R.EXTRA, i] != 0.0 else LEAST_Q
-        floats[pa, i] = floats[pa, i] / q
+        floats[pa, i] = projected(floats[pa, i], floats[R.EXTRA, i])
 
 
 @kernel("void(f8[:,::1],i8,i8,f8,f8,i8)")
@@ -445,7 +445,7 @@ def sample_level(texels, levels, unit, count, linear, many, columns, out):
     operation = unit[R.OPERATION]
     iterated = operation == C.OPERATION_NONE or operation in C.OPERATIONS_WITH_OFFSET
     # A direction that a stage made is not lifted. Measured: DotSTR3D_-1to1, DotReflectConst_1_-1to1.
-    bias = TAU if unit[R.PROJECTIVE] or cube == iterated else 0.0
+    bias = TAU if cube == iterated else 0.0
     edge = int64(C.WRAP_CLAMP_TO_EDGE)
     wrap_s, wrap_t = (edge, edge) if cube else (unit[R.WRAP_S], unit[R.WRAP_T])
     texel_coordinates(floats, R.S, R.S_SIZE, bias, scale, count)

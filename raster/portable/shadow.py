@@ -5,8 +5,7 @@ from numba import float64, int32, uint64
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.fixed import float_depth
-from fixedpipe.raster.floats import LEAST_Q
+from fixedpipe.raster.fixed import float_depth, projected
 from fixedpipe.raster.kernel import bits_of, kernel, separate_loop
 from fixedpipe.raster.portable.per_fragment import passes
 
@@ -36,7 +35,7 @@ def shadow_reference(floats, column, divided, count, scale, number_format, maxim
     for i in range(count):
         r = floats[p, i]
         if divided:
-            r = r / (floats[R.EXTRA, i] if floats[R.EXTRA, i] != 0.0 else LEAST_Q)
+            r = projected(r, floats[R.EXTRA, i])
         ints[R.REFERENCE, i] = depth_word(r * scale, number_format, maximum)
 
 

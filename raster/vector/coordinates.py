@@ -10,13 +10,13 @@ than ``count`` asks for.
 from typing import NamedTuple
 
 import numpy as np
-from numba import float32, float64, int32, int64, types, void
+from numba import float32, float64, int32, int64, void
 
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
-from fixedpipe.raster.arrays import THREE, type_of
+from fixedpipe.raster.arrays import type_of
 from fixedpipe.raster.fixed import float_depth, power_below
-from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS, LEAST_Q, TAU
+from fixedpipe.raster.floats import EXPONENT_BIAS, FRACTION_BITS
 from fixedpipe.raster.kernel import bits_of, kernel, separate_function, separate_loop
 from fixedpipe.raster.portable.interpolate import coordinate_difference, product_step, product_sum
 from fixedpipe.raster.vector.interpolate import (
@@ -51,8 +51,6 @@ from fixedpipe.raster.vector.lanes import (
 from fixedpipe.raster.vector.singles import single_coordinate, widen_weights
 
 _FIXED = 8  # fraction bits of a texel coordinate
-_DOUBT = 2.0**-20  # units: closer to an integer, a floor is in doubt
-_TAU_BELOW = 256.0 * (TAU - 0.5)  # exact
 _LARGEST_STEPS = 2.0**30  # a difference in last bits: its products are int32
 
 
@@ -246,76 +244,6 @@ def iterate_floats(segments, triangles, coordinates, unit, component, floats, si
                 terms = terms_of(load_f64x16(q0, i), load_f64x16(q2, i), v1, d0, d2)
                 store(out, i, float_of_terms(*terms))
                 i += 16
-
-
-@kernel
-def _nonzero(q):
-    """q, or LEAST_Q where it is zero."""
-    return select(q != 0.0, q, f64x16(LEAST_Q))
-
-
-@kernel("void(f8[::1],f8[::1],i8)")
-def divide_by_q(column, q, count):
-    """A projective coordinate by q, in its column; a q of zero counts as LEAST_Q."""
-    separate_function()
-    for at in range(0, count, 16):
-        store(column, at, load_f64x16(column, at) / _nonzero(load_f64x16(q, at)))
-
-
-@kernel
-def _limited(value, last):
-    """A value limited to half a unit beyond 0..last, so that the floor of a limited one is not in doubt; what
-    is not a number becomes the least.
-    """
-    return minimum(maximum(value, -0.5), last + 0.5)
-
-
-@kernel
-def _in_doubt(limited):
-    """Whether the floor of a value may be another than that of a value less than _DOUBT apart."""
-    return absolute((limited - floored(limited)) - 0.5) > 0.5 - _DOUBT
-
-
-@kernel
-def _whole(limited, last):
-    """The floor of what ``_limited`` gives, in 0..last."""
-    return minimum(maximum(to_int32(floored(limited)), int32(0)), int32(last))
-
-
-@kernel(void(types.UniTuple(float64[::1], 4), types.UniTuple(int32[::1], 3), THREE, int32, int64))
-def fixed_from_quotients(coordinates, out, sizes, maximum_word, count):
-    """F of s/q and t/q for a linear filter with CLAMP_TO_EDGE, and the fixed depth words of r/q: what
-    ``divide_by_q`` with ``fixed_from_floats`` and ``depth_words`` make, by one division for three.
-
-    ``coordinates``: s, t, r, q; ``sizes``: the texture's width and height, and what r/q is multiplied with.
-
-    A coordinate is 0 or in 2**-123..2**100 by magnitude (``iterate_floats``), so nothing overflows and each
-    operation errs by up to 2**-53 of its result. 1/q, the product with it and the quotient that it stands
-    for, the products with the size, TAU's sum: together less than 8 * 2**-53 of the result apart, which is
-    2**24 at most where no limit is met, and so less than 2**-26. Subtracting 0.5 from a texel coordinate and
-    multiplying by 256 is exact, and one product and sum in their place err no more. So a floor is the
-    quotient's own where the value lies _DOUBT = 2**-20 or more from an integer. Limits half a unit beyond 0
-    and the last integer leave no doubt about what they limit, and the floor is limited again. Exact ties of
-    texels have TAU = 2**-16 of 1/256 texel between them and their floor. If one of sixteen fragments is in
-    doubt, all sixteen are divided.
-    """
-    separate_loop()
-    (s, t, r, q), (f_s, f_t, words), (width, height, scale) = coordinates, out, sizes
-    last_s, last_t, last = 256.0 * (width - 1.0), 256.0 * (height - 1.0), float64(maximum_word)
-    for at in range(0, count, 16):
-        divisor = _nonzero(load_f64x16(q, at))
-        x, y, z = load_f64x16(s, at), load_f64x16(t, at), load_f64x16(r, at)
-        inverse = 1.0 / divisor
-        of_s = _limited((x * inverse) * (256.0 * width) + _TAU_BELOW, last_s)
-        of_t = _limited((y * inverse) * (256.0 * height) + _TAU_BELOW, last_t)
-        of_r = _limited((z * inverse) * scale, last)
-        if any_lane(_in_doubt(of_s) | _in_doubt(of_t) | _in_doubt(of_r)):
-            of_s = _limited((((x / divisor) * width + TAU) - 0.5) * 256.0, last_s)
-            of_t = _limited((((y / divisor) * height + TAU) - 0.5) * 256.0, last_t)
-            of_r = _limited((z / divisor) * scale, last)
-        store(f_s, at, _whole(of_s, last_s) + int32(128))
-        store(f_t, at, _whole(of_t, last_t) + int32(128))
-        store(words, at, _whole(of_r, last))
 
 
 @kernel("void(f8[::1],f8[::1],f8[::1],i4[::1],i8)")

@@ -12,9 +12,7 @@ from fixedpipe.raster.vector.coordinates import (
     Axis,
     cube_faces,
     depth_words,
-    divide_by_q,
     fixed_from_floats,
-    fixed_from_quotients,
     iterate_floats,
     iterate_texels,
 )
@@ -26,6 +24,7 @@ from fixedpipe.raster.vector.interpolate import (
     Listed,
 )
 from fixedpipe.raster.vector.level_of_detail import level_of_detail
+from fixedpipe.raster.vector.projective import fixed_from_projected, multiply, reciprocals_of_q
 from fixedpipe.raster.vector.sample import (
     fetch_compared,
     filter_located,
@@ -208,25 +207,26 @@ def sample_computed(job, u, count, segments, scratch):
         iterate_floats(listed, triangles, coordinates, u, 2, floats, singles, r)
         scale, largest = float_of(row[R.COORDINATE_DEPTH]), int32(row[R.DEPTH_TEXEL_MAX])
         made = f_s, f_t, ints[R.REFERENCE]
-        fixed_from_quotients((s, t, r, extra), made, (width, height, scale), largest, count)
+        fixed_from_projected((s, t, r, extra), made, (width, height, scale), largest, count)
         locate(levels, row, f_s, f_t, count, located)
         plane, function = (C.REGISTER_TEXTURE0 + u) * 4, row[R.COMPARE_FUNCTION]
         pairs = p.textures.texels[u]
         fetch_compared(pairs, located, ints[R.REFERENCE], function, count, scratch.planes, plane)
         return
     if projective and not cube:
-        divide_by_q(s, extra, count)
-        divide_by_q(t, extra, count)
+        reciprocals_of_q(extra, count)
+        multiply(s, extra, count)
+        multiply(t, extra, count)
     if compared:
         if row[R.COMPARE] == C.COMPARE_MODE_R_TO_TEXTURE:
             iterate_floats(listed, triangles, coordinates, u, 2, floats, singles, r)
             if projective:
-                divide_by_q(r, extra, count)
+                multiply(r, extra, count)
         else:
             r[:count] = 0.0
         scale, depth_format = float_of(row[R.COORDINATE_DEPTH]), row[R.DEPTH_TEXEL_FORMAT]
         depth_words(r, ints[R.REFERENCE], scale, depth_format, int32(row[R.DEPTH_TEXEL_MAX]), count)
-    bias = TAU if cube or projective else 0.0
+    bias = TAU if cube else 0.0
     scale = 0.5 if cube else (0.0 if row[R.TARGET] == C.TARGET_RECTANGLE else 1.0)
     wrap_s, wrap_t = (edge, edge) if cube else (row[R.WRAP_S], row[R.WRAP_T])
     linear = row[R.MAG_LINEAR]

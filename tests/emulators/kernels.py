@@ -370,7 +370,7 @@ def _directions(d):
 
 def _on_face(s, t, r):
     direction = np.stack([s, t, r, np.ones_like(s)], axis=1)
-    return np.stack(sample.positions(direction, C.TARGET_CUBE_MAP, False, False, (64, 64, 6))[0][:2], axis=1)
+    return np.stack(sample.positions(direction, C.TARGET_CUBE_MAP, False, (64, 64, 6))[0][:2], axis=1)
 
 
 _add("cube-face", _directions, lambda s, t, r: interpolate.major_axis(np.stack([s, t, r], axis=1)))

@@ -334,6 +334,16 @@ def test_q_divides_unless_it_is_one_everywhere():
     assert sample.divide_by_q((3.0, 0.0, -7.0, 0.0), True) == (3.0 * 2.0**64, 0.0, -7.0 * 2.0**64)
 
 
+def test_a_textures_access_multiplies_by_the_reciprocal_of_q():
+    strq = 1.5, -3.0, 0.75, 3.0
+    assert sample.projected(strq, False) == strq
+    third = 0xAAAAAA * 2.0**-25  # cut, so that its products with 3 are below the quotients
+    assert sample.projected((1.0, -1.0, 0.0, 3.0), True) == (third, -third, 0.0, 1.0)
+    assert sample.projected(strq, True) == (0.5 - 2.0**-25, -1.0 + 2.0**-24, 0.25 - 2.0**-26, 1.0)
+    assert sample.projected((3.0, 5.0, 7.0, -2.0), True) == (-1.5, -2.5, -3.5, 1.0)
+    assert sample.projected((3.0, 0.0, -7.0, 0.0), True) == (3.0 * 2.0**64, 0.0, -7.0 * 2.0**64, 1.0)
+
+
 @pytest.mark.parametrize(
     ("direction", "face", "point"),
     [

@@ -9,7 +9,7 @@ coordinate T counts texels.
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from functools import cache, partial
-from math import ceil, floor, frexp, isfinite, sqrt, trunc
+from math import ceil, copysign, floor, frexp, isfinite, sqrt, trunc
 
 from fixedpipe.pipeline.enums import (
     InternalFormat,
@@ -78,11 +78,28 @@ def divisor(q):
 
 
 def divide_by_q(strq, divided):
-    """(s, t, r), ``divided`` by q or not. Source: OpenGL 1.2.1 section 3.8."""
+    """(s, t, r) as lambda takes them, ``divided`` by q or not. Source: OpenGL 1.2.1 section 3.8."""
     *str_, q = strq
     if not divided:
         return tuple(str_)
     return tuple(coordinate / divisor(q) for coordinate in str_)
+
+
+def projected(strq, divided):
+    """(s, t, r, q) of a texture's access, ``divided`` by q or not: by a reciprocal, and cut to 24 bits.
+
+    Measured: docs/numbers.md, N6.1.
+    """
+    if not divided:
+        return strq
+    *str_, q = strq
+    fraction, exponent = frexp(divisor(q))
+    inverse = 1.0 / fraction  # of what is not finite: 0, and no number
+    if isfinite(q):
+        inverse = copysign(interpolate.reciprocal(abs(fraction)), q)
+    products = (fixed.keep_significant_bits(c * inverse, interpolate.WEIGHT_BITS) for c in str_)
+    half = -exponent // 2  # in two steps, as a power of two may itself be too large
+    return (*(p * 2.0**half * 2.0 ** (-exponent - half) for p in products), 1.0)
 
 
 def cube_map_face(strq):
@@ -377,10 +394,9 @@ def sample_level(triangle, strq, texture, sampler, profile, level, filter_mode, 
         modes = face_modes(texture, sampler)
     else:
         face, modes = 0, (sampler.wrap_s, sampler.wrap_t)
-        str_ = strq[:3] if triangle is None else divide_by_q(strq, triangle.divided)
-        computed = not offset if triangle is None else triangle.divided
-        bias = TAU if computed else 0.0
-        *t, third = (c * scale + bias for c, scale in zip(str_, texel_scales(texture, level), strict=True))
+        bias = TAU if triangle is None and not offset else 0.0
+        scales = texel_scales(texture, level)
+        *t, third = (c * scale + bias for c, scale in zip(strq[:3], scales, strict=True))
     if texture.target == TextureTarget.TEXTURE_1D:
         t[1], modes = 0.0, (modes[0], WrapMode.REPEAT)
     beside, below, before = borders(texture)
@@ -472,7 +488,7 @@ def taps(ratio):
 
 def sample_along(triangle, strq, px, py, texture, sampler, bias, profile):
     """An anisotropically filtered texel. Source: docs/numbers.md section 7; Measured: as ``taps``."""
-    s, t, _ = divide_by_q(strq, triangle.divided)
+    s, t, *_ = projected(strq, triangle.divided)
     along_s, along_t, ratio, lod = block_footprint(triangle, px, py, texture, sampler)
     lod = limited(lod + trunc(256.0 * bias), sampler)
     total = [128] * 4
@@ -518,7 +534,7 @@ def probes_of(longer, shorter, most, exact):
 
 def sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile):
     """A footprint's texel: the mean of its probes, cut. Source: docs/numbers.md section 7."""
-    s, t, _ = divide_by_q(strq, triangle.divided)
+    s, t, *_ = projected(strq, triangle.divided)
     along_s, along_t, probes, lod = block_probes(triangle, px, py, texture, sampler)
     lod = limited(lod + trunc(256.0 * bias), sampler)
     total = [0] * 4
@@ -541,6 +557,8 @@ def sample_texture(triangle, px, py, weights, texture, sampler, bias, profile):
         return to_register(sample_along(triangle, strq, px, py, texture, sampler, bias, profile), sampler)
     if sampler.max_probes > 1:
         return to_register(sample_footprint(triangle, strq, px, py, texture, sampler, bias, profile), sampler)
+    if texture.target != TextureTarget.TEXTURE_CUBE_MAP:
+        strq = projected(strq, triangle.divided)
     level = partial(sample_level, triangle, strq, texture, sampler, profile)
     return to_register(sample_levels(level, triangle, px, py, texture, sampler, bias, profile), sampler)
 

@@ -41,9 +41,7 @@ def reference_word(strq, projective, internal_format, mode, profile):
     """The word that texels are compared with. Source: ARB_shadow; Measured: zero for the chip's 2D stages."""
     if mode == TextureCompareMode.COMPARE_ZERO_TO_TEXTURE:
         return 0
-    r, q = strq[2], strq[3]
-    if projective:
-        r = r / sample.divisor(q)
+    r = sample.projected(strq, projective)[2]
     largest = FIXED[internal_format] if internal_format in FIXED else FLOAT[internal_format][0]
     units = 1.0 if profile.textures.depth_units_in_coordinates else float(largest)
     return depth_word(r * units, internal_format)

@@ -37,6 +37,7 @@ from fixedpipe.pipeline.state import (
 from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.pipeline.vertices.stage import process
 from tests.pipeline.ideal.test_evaluate import random_final, random_portion, scalar_combine, scalar_factor
+from tests.reference.sample import projected
 
 WIDTH, HEIGHT = 23, 17
 TAU = 2.0**-24
@@ -176,9 +177,12 @@ def sampled(fragment, texture, unit, number):
     slip, machine_q = [], fragment.as_machines(columns[3])[0]
     for column, place in zip(columns[:2], position, strict=True):
         value, unit_of = fragment.as_machines(column)
-        value = value / (1.0 if machine_q == 0.0 else machine_q) - place
-        slip.append(0.0 if not divided and abs(value) < unit_of / 2 else value)
-    given = position, slip, TAU if divided else 0.0, sampler
+        if divided:
+            value = projected((value, 0.0, 0.0, machine_q), True)[0]
+            unit_of = abs(value) * 2.0**-24
+        value -= place
+        slip.append(0.0 if abs(value) < unit_of / 2 else value)
+    given = position, slip, 0.0, sampler
     levels = [level[0] for level in texture.ideal]
     if sampler.min_filter is sampler.mag_filter:
         return filtered(levels[0], *given, sampler.mag_filter.is_linear)

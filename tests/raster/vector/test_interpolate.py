@@ -10,18 +10,14 @@ from hypothesis import strategies as st
 from fixedpipe.raster import codes as C
 from fixedpipe.raster import rows as R
 from fixedpipe.raster.fixed import reciprocal_29, seed_29
-from fixedpipe.raster.floats import TAU, keep_significant_bits
+from fixedpipe.raster.floats import keep_significant_bits
 from fixedpipe.raster.kernel import kernel
 from fixedpipe.raster.portable.interpolate import depth_words, emit_depth
 from fixedpipe.raster.vector.coordinates import (
     Axis,
-    divide_by_q,
-    fixed_from_floats,
-    fixed_from_quotients,
     iterate_floats,
     iterate_texels,
 )
-from fixedpipe.raster.vector.coordinates import depth_words as vector_depth_words
 from fixedpipe.raster.vector.interpolate import Depths, Listed, reciprocals_29, run_depth, shared_seed
 from fixedpipe.raster.vector.lanes import load_f64x16, store
 from tests.reference import interpolate
@@ -169,33 +165,3 @@ def test_a_shared_seed_is_that_of_every_sum_of_cut_edge_functions(seed, bits, ne
     others = {seed_29(area - floor(area * 2.0**-23 * share)) for share in random.random(64)}
     assert found[0] == seed_29(area)
     assert not shared or others == {found[0]}
-
-
-def quotients(seed, size, count):
-    """Columns s, t, r, q: near and on ties of texels and of depth words, beyond the limits, zeros."""
-    random = np.random.default_rng(seed)
-    q = random.choice([1.0, -1.0, 0.0, 3.0, 0.37, 2.0**-120, 2.0**90], count) * (1 + random.random(count))
-    q[::3] = keep_significant_bits(random.random(len(q[::3])) + 0.25, 24)
-    beside = 1 + random.integers(-3, 4, (3, count)) * 2.0 ** -random.integers(18, 54, (3, count))
-    whole = random.integers(-300, 256 * size + 300, (2, count)) / (256.0 * size)
-    depths = random.integers(-2, 2**24 + 2, count) / (2.0**24 - 1)
-    s, t, r = (np.concatenate([whole, depths[None]]) * np.where(q == 0.0, 1.0, q)) * beside
-    s[::7], t[::11], r[::13] = 0.0, q[::11], q[::13]
-    return s, t, r, q
-
-
-@settings(deadline=None, max_examples=200)
-@given(st.integers(0, 2**32), st.sampled_from([1, 3, 512, 1000, 4096]))
-def test_quotients_by_one_division_have_the_floors_of_three(seed, size):
-    count, scale = 96, 2.0**24 - 1
-    s, t, r, q = quotients(seed, size, count)
-    found = np.zeros((3, count), np.int32)
-    sizes = float(size), float(size), scale
-    fixed_from_quotients((s, t, r, q), tuple(found), sizes, 2**24 - 1, count)
-    expected = np.zeros((3, count), np.int32)
-    for column, out in ((s, expected[0]), (t, expected[1])):
-        divide_by_q(column, q, count)
-        fixed_from_floats(column, out, float(size), TAU, 1.0, C.WRAP_CLAMP_TO_EDGE, 1, count)
-    divide_by_q(r, q, count)
-    vector_depth_words(r, expected[2], scale, C.DEPTH_FIXED, 2**24 - 1, count)
-    assert found.tolist() == expected.tolist()
