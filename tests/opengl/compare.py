@@ -142,19 +142,21 @@ def combined(function, values, four, rounding, ours):
     """The deviation of a COMBINE function before its scale, from its arguments'.
 
     Ours has 128/255 for one half: ADD_SIGNED is half a unit lower, and each factor 2 a - 1 of a dot product
-    is one unit lower and deviates by twice its byte's.
+    is one unit lower and deviates by twice its byte's. Mesa's sum of ADD_SIGNED lies half way between two
+    bytes, also where all arguments are bytes, so it is not exact: it will be rounded.
     """
     half = ROUNDING if ours else 0.0
+    signed = ROUNDING if ours else SINGLE
     if four:
         total = sum(values[:4]) + rounding
-        return total + half if function is CombineFunction.ADD_SIGNED else total
+        return total + signed if function is CombineFunction.ADD_SIGNED else total
     if function in (CombineFunction.DOT3_RGB, CombineFunction.DOT3_RGBA):
         return 3 * (2 * values[0] + 2 * values[1] + 2 * (2 * half)) + rounding
     return {
         CombineFunction.REPLACE: values[0],
         CombineFunction.MODULATE: values[0] + sum(values[1:2]) + rounding,
         CombineFunction.ADD: values[0] + sum(values[1:2]),
-        CombineFunction.ADD_SIGNED: values[0] + sum(values[1:2]) + half,
+        CombineFunction.ADD_SIGNED: values[0] + sum(values[1:2]) + signed,
         CombineFunction.INTERPOLATE: max(values[:2]) + sum(values[2:3]) + rounding,
         CombineFunction.SUBTRACT: values[0] + sum(values[1:2]),
     }[function]

@@ -8,10 +8,30 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from bench.peers.mesa import PeerError
-from fixedpipe.pipeline.commands import Clear, Draw, Mesh
-from fixedpipe.pipeline.enums import BlendFactor, ComparisonFunction, PrimitiveType, StencilOperation
+from fixedpipe.pipeline.commands import Clear, Draw, Mesh, TexImage
+from fixedpipe.pipeline.enums import (
+    BlendFactor,
+    CombineFunction,
+    CombineOperand,
+    CombineSource,
+    ComparisonFunction,
+    InternalFormat,
+    PrimitiveType,
+    StencilOperation,
+    TextureEnvironmentMode,
+)
 from fixedpipe.pipeline.profiles import OPENGL_1_2
-from fixedpipe.pipeline.state import AlphaTest, Blending, DepthTest, PassState, StencilTest
+from fixedpipe.pipeline.state import (
+    AlphaTest,
+    Blending,
+    Combine,
+    DepthTest,
+    PassState,
+    StencilTest,
+    TextureEnvironment,
+    TextureUnit,
+)
+from fixedpipe.pipeline.textures.images import texture_2d
 from tests.opengl.compare import compare, diamond_ties, edge_pixels, example, fold_pixels, perturbed
 from tests.opengl.mesa import Mesa
 from tests.opengl.passes import EXTENDED, HEIGHT, PROFILES, WIDTH, anywhere, frames, strokes
@@ -151,6 +171,25 @@ def test_thousands_of_passes_are_softpipe_s(softpipe, textured, data):
     profile = data.draw(profiles)
     commands = data.draw(frames(profile, offset=False, textured=textured))
     assert_alike_off_edges(softpipe, commands, profile, 0.0)
+
+
+def test_a_signed_sum_of_bytes_lies_between_two_bytes(llvmpipe):
+    """(1 - t) + t - 1/2 is one half: 127 here, where one half is 128/255, and 128 of llvmpipe."""
+    arguments = (CombineSource.PRIMARY_COLOR,) * 2
+    operands = CombineOperand.ONE_MINUS_SRC_ALPHA, CombineOperand.SRC_ALPHA
+    signed = Combine(CombineFunction.ADD_SIGNED, arguments, operands)
+    environment = TextureEnvironment(TextureEnvironmentMode.COMBINE, rgb=signed, alpha=signed)
+    units = (TextureUnit("texture", environment=environment),)
+    image = texture_2d(np.full((1, 1, 4), 255, np.uint8), InternalFormat.RGBA8)
+    mesh = Mesh(np.array([[-1, -1, 0], [3, -1, 0], [-1, 3, 0]]), colors=np.full((3, 4), 67 / 255))
+    mesh = replace(mesh, texture_coordinates=(np.zeros((3, 2)),))
+    commands = (
+        TexImage(label="texture", texture="texture", image=image),
+        Clear(label="clear"),
+        Draw(label="draw", mesh=mesh, state=PassState(texture_units=units)),
+    )
+    comparison = assert_alike(llvmpipe, commands, EXTENDED)
+    assert (comparison.differences == 1).all()
 
 
 @pytest.mark.slow
