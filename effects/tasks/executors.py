@@ -2,15 +2,16 @@
 
 import logging
 import re
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from fixedpipe.effects.refusal import Refusal, no_such
+from fixedpipe.effects.tasks.cluster import Cluster, closed
 from fixedpipe.effects.tasks.environment import UnfitWorker, environment
 from fixedpipe.effects.tasks.processes import Processes
+from fixedpipe.effects.tasks.run import SECONDS_BETWEEN_LOOKS
 from fixedpipe.effects.tasks.worker import at_worker, process, unfit
 from fixedpipe.pipeline.native.threads import default_threads
 
@@ -18,7 +19,6 @@ from fixedpipe.pipeline.native.threads import default_threads
 WRITTEN = "processes[:N], dask:local[:N], dask:tcp://HOST:PORT, dask:FILE.json, mpi or loky[:N]"
 # Assumed: more processes than these on one computer are a slip of the keyboard.
 _MOST_PROCESSES = 1024
-_SECONDS_BETWEEN_COUNTS = 2.0  # of a cluster's workers, which come and go
 _SECONDS_TO_ANSWER = 15  # of a scheduler, and of its first worker's arrival
 
 
@@ -54,7 +54,9 @@ def of_user(executor: Executor, workers: int | None = None) -> Workers:
     if isinstance(executor, Workers):
         return executor
     if type(executor).__module__.partition(".")[0] == "distributed" and not workers:
-        return _of_dask(executor._client, executor._kwargs.get("workers"), 1)
+        # A user's cluster may have its workers in a queue for hours.
+        own = executor._client, executor._kwargs.get("workers"), 1
+        return _of_dask(*own, waits_for_workers=True)
     count = workers or getattr(executor, "_max_workers", None) or default_threads()
     return Workers(executor, lambda: count)
 
@@ -179,7 +181,7 @@ def _dask(held, text, threads, say):
     asked = {"scheduler_file": text} if Path(text).suffix == ".json" else {"address": address}
     try:
         client = distributed.Client(**asked, timeout=_SECONDS_TO_ANSWER, set_as_default=False)
-        held.enter_context(client)
+        held.callback(closed, client)
         client.wait_for_workers(1, timeout=_SECONDS_TO_ANSWER)
     except TimeoutError as error:
         raise Refusal(f"The scheduler at {text} has no worker; begin some by dask worker {text}.") from error
@@ -190,26 +192,16 @@ def _dask(held, text, threads, say):
         ) from error
     threads = threads or 1
     fit = _fit(client, threads, say)
-    found = _of_dask(client, fit, threads)
+    found = _of_dask(client, fit, threads, waits_for_workers=False)
     held.callback(found.shutdown, wait=False)
     return found
 
 
-def _of_dask(client, among, threads):
+def _of_dask(client, among, threads, *, waits_for_workers):
     """A Dask client's Workers; ``among``: the addresses of those that may compute, None: all."""
     # A call is not pure to Dask: one that was lost is sent again, and is not to be found as it ended.
     pool = client.get_executor(pure=False, **({} if among is None else {"workers": among}))
-    counted, count_at = 0, -_SECONDS_BETWEEN_COUNTS
-
-    def count_of():
-        nonlocal counted, count_at
-        if time.monotonic() - count_at >= _SECONDS_BETWEEN_COUNTS:  # each asks the scheduler
-            known = client.scheduler_info(n_workers=-1)["workers"]
-            counted = sum(w["nthreads"] for name, w in known.items() if among is None or name in among)
-            count_at = time.monotonic()
-        return counted
-
-    return Workers(pool, count_of, threads)
+    return Workers(pool, Cluster(client, among, waits_for_workers=waits_for_workers), threads)
 
 
 _LOST_WORKERS = 3  # of one call, before dask gives it up
@@ -220,13 +212,14 @@ def _fit(client, threads, say):
     """The addresses of the workers that compute as this client does; None: all. The others are named, and
     left out. Raises UnfitWorker where none is left.
     """
-    there = client.scheduler_info(n_workers=-1)["workers"]
+    cluster = Cluster(client)
+    there = cluster.known()
     # In a thread of each, since kernels may have to be compiled there, while it answers the scheduler.
     asked = {
         address: client.submit(unfit, environment(), threads, workers=[address], pure=False)
         for address in there
     }
-    left_out = {address: said for address, call in asked.items() if (said := _said(client, address, call))}
+    left_out = {address: said for address, call in asked.items() if (said := _said(cluster, address, call))}
     for address, said in left_out.items():
         say(f"{address} is left out. {said}")
     if len(left_out) == len(there):
@@ -234,12 +227,12 @@ def _fit(client, threads, say):
     return [address for address in there if address not in left_out] if left_out else None
 
 
-def _said(client, address, call):
+def _said(cluster, address, call):
     while True:
         try:
-            error = call.exception(timeout=_SECONDS_BETWEEN_COUNTS)
+            error = call.exception(timeout=SECONDS_BETWEEN_LOOKS)
         except TimeoutError:  # it compiles, or it has ended, and the call waits for it for ever
-            if address not in client.scheduler_info(n_workers=-1)["workers"]:
+            if address not in cluster.known():
                 call.cancel()
                 return ""  # another may take its place
         else:  # the error of a worker that has no fixedpipe, or another Python

@@ -7,6 +7,7 @@ from concurrent.futures import BrokenExecutor, CancelledError
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.tasks.executors import Workers
 from fixedpipe.effects.tasks.manifest import Manifest
+from fixedpipe.effects.tasks.run import finished
 from fixedpipe.effects.tasks.task import Outcome, Task
 from fixedpipe.effects.tasks.worker import batch
 
@@ -69,7 +70,8 @@ def _came(workers, task, future):
     """The Outcome of a call, which is sent again where its worker ends."""
     for tries in range(1, _TRIES + 1):
         try:
-            return future.result()[0]
+            (done,) = finished([future], workers.workers)
+            return done.result()[0]
         except (BrokenExecutor, CancelledError) as error:
             if tries == _TRIES:
                 raise Refusal(f"The worker that computed {task.said} ended, {_TRIES} times.") from error

@@ -2,7 +2,7 @@
 
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.tasks.environment import UnfitWorker
@@ -22,6 +22,19 @@ _CALLS_OF_A_WORKER = 2
 # How often a task is sent whose worker ends, and how many are lost, none having come, until the executor is
 # given up. Assumed: memory may end a worker because of a neighbour, but not three times.
 _TRIES, _LOST_AT_FIRST = 3, 10
+SECONDS_BETWEEN_LOOKS = 2.0  # at workers, while none of them answers
+
+
+def finished(calls: Iterable[Future], workers: Callable[[], int]) -> set[Future]:
+    """Wait until some of these calls are finished, and return those.
+
+    workers  is called now and then: it raises where nobody is left who could finish them
+    """
+    while True:
+        done, _ = wait(calls, SECONDS_BETWEEN_LOOKS, FIRST_COMPLETED)
+        if done:
+            return done
+        workers()
 
 
 def run(
@@ -37,7 +50,7 @@ def run(
     tasks      asked for one after the other, a few more than are being computed
     executor   any ``concurrent.futures.Executor``; None: here, one after the other
     manifest   where finished tasks are found and kept; None: nowhere
-    workers    says how many the executor has now
+    workers    says how many the executor has now; raises Refusal where it has lost them for good
     has_files  whether the files that a found Outcome names are still there; else the task is computed again
 
     A task that fails has an Outcome that says why, and is not kept. A task whose worker ended is sent again.
@@ -110,8 +123,7 @@ class _Sent:
                     waiting = []
                 if self.broken and not self.calls:  # all that it still answered is told
                     raise _ended(self.broken) from self.broken
-                done, _ = wait(self.calls, return_when=FIRST_COMPLETED)
-                for future in done:
+                for future in finished(self.calls, self.workers):
                     yield from self._answered(future, self.calls.pop(future))
             if self.broken:
                 raise _ended(self.broken) from self.broken

@@ -13,6 +13,7 @@ import pytest
 from fixedpipe.effects.refusal import Refusal
 from fixedpipe.effects.tasks import environment as environments
 from fixedpipe.effects.tasks import executors
+from fixedpipe.effects.tasks.cluster import Cluster
 from fixedpipe.effects.tasks.environment import UnfitWorker, check_bits, check_environment, environment
 from fixedpipe.effects.tasks.executors import Workers, of_user, opened
 from fixedpipe.effects.tasks.manifest import Manifest
@@ -264,8 +265,8 @@ def test_a_worker_of_dask_that_ends_while_it_is_prepared_is_not_waited_for():
             self.cancelled = True
 
     class Client:
-        def scheduler_info(self, n_workers):
-            return {"workers": {"tcp://another:1": {}}}
+        def sync(self, function, callback_timeout):
+            return {"tcp://another:1": {}}
 
     call = Call()
-    assert executors._said(Client(), "tcp://gone:1", call) == "" and call.cancelled
+    assert executors._said(Cluster(Client()), "tcp://gone:1", call) == "" and call.cancelled
