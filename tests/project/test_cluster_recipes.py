@@ -29,7 +29,8 @@ def job(folder, name, **more):
         path = folder / "bin" / program
         path.parent.mkdir(exist_ok=True)
         path.write_text(
-            f"""#!/bin/bash\nprintf '%s|' {program} "$@" >> "$NOTES"; echo >> "$NOTES"\n{does}\n"""
+            # A line is written at once: several programs write at the same time.
+            f"""#!/bin/bash\nnote=$(printf '%s|' {program} "$@"); echo "$note" >> "$NOTES"\n{does}\n"""
         )
         path.chmod(0o755)
     (folder / "job").mkdir()
