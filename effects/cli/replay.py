@@ -229,6 +229,8 @@ def _draw(files, window, checked, beside, threads):
                 "compared": check.compared,
                 "differing": check.differing,
                 "differences": [str(difference) for difference in check.differences],
+                "counts": check.counts,
+                "equal_counts": check.equal_counts,
             }
         write_whole(files.json, (json.dumps(record, indent=1) + "\n").encode())
     if replay.tally.count("refused") and files.trace != "-":

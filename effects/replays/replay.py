@@ -19,9 +19,11 @@ from numpy.typing import NDArray
 
 from fixedpipe.effects.replays.check import ANSWERING, Check
 from fixedpipe.effects.replays.recording import Recording
-from fixedpipe.effects.replays.targets import BACK, FRONT, MOST_PIXELS, Drawn, Target
+from fixedpipe.effects.replays.samples import SampleCounter
+from fixedpipe.effects.replays.targets import BACK, FRONT, MOST_PIXELS, Drawn, Target, blank
 from fixedpipe.effects.replays.window_calls import DESTROYING, is_window_call, take_window_call
 from fixedpipe.effects.replays.windows import GLContext, Window, WindowSystem
+from fixedpipe.pipeline.commands import ReadPixels
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.outcomes import Tally
 from fixedpipe.pipeline.profiles.profile import Profile
@@ -119,6 +121,8 @@ class Replay:
         self._markers: list[str] = []  # the program's own, of the draws to come
         self._event = ""
         self._unlabelled = 0  # waiting commands that have their markers
+        self._before = 0  # commands that waited before the present call
+        self._counters: dict[GLContext, SampleCounter] = {}  # of contexts with a query that is begun
 
     # --------------------------------------------------------------------------------------------- calls
 
@@ -149,14 +153,14 @@ class Replay:
                 self.check.query(context.gl, call)
             return ()
         gl = context.gl
-        waiting = len(gl.commands)
+        self._before = len(gl.commands)
         answered = gl.call(name, call.arguments, call.result)
-        if len(gl.commands) > waiting:
+        if len(gl.commands) > self._before:
             self._last_commanding = call.number
         if self.check is not None and name in ANSWERING:
             self.check.returned(call, answered)
         if name in _AFTER:
-            return _AFTER[name](self, context, call, waiting)
+            return _AFTER[name](self, context, call, self._before)
         if len(gl.commands) > _MOST_WAITING:
             self._run_waiting()
         return ()
@@ -186,6 +190,7 @@ class Replay:
         """Another context's commands are to run now."""
         self._run_waiting()
         self._running = context
+        context.gl.behind = self
         values = context.gl.values
         self._buffers = values["draw_buffer"], values["read_buffer"]
 
@@ -205,6 +210,7 @@ class Replay:
         if target.textures is not context.group.textures:
             target.use_textures(context.group.textures)
         draws, refused = target.draws, target.refused
+        target.counter = self._counters.get(context)
         target.run(commands, *self._where(context.window))
         self.draws += target.draws - draws
         self.refused += target.refused - refused
@@ -235,6 +241,34 @@ class Replay:
                 break
             target = self._targets.pop(window)
             pixels -= target.width * target.height
+
+    # ---------------------------------------------------------- what a Context asks of its machine (Behind)
+
+    def read(self, command: ReadPixels) -> NDArray[Any]:
+        """Draw what waits, and read; zeros where nothing is drawn."""
+        self._run_waiting()
+        self._before = 0
+        if not self._drawing:
+            return blank(command)
+        window = self._running.window
+        return self._target(window).read(command, *self._where(window))
+
+    def depth_bits(self) -> int:
+        """The width of a depth that ``read`` gives."""
+        return self._target(self._running.window).depth_bits()
+
+    def count_samples(self, begun: bool) -> int | None:
+        """Begin to count, or end it and return the count; None: nothing is compared with it, or drawn."""
+        if self.check is None or not (self._drawing and issubclass(self._kind, Drawn)):
+            self._counters.clear()
+            return None
+        self._run_waiting()
+        self._before = 0
+        if begun:
+            self._counters[self._running] = SampleCounter()
+            return None
+        counter = self._counters.pop(self._running, None)
+        return None if counter is None else counter.samples
 
     # -------------------------------------------------------------------------------------------- frames
 

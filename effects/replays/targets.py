@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from fixedpipe.effects.replays.postponed import Postponed
 from fixedpipe.effects.replays.recording import Recording
+from fixedpipe.effects.replays.samples import SampleCounter, by_draws, gives_fragments
 from fixedpipe.pipeline.commands import (
     Accum,
     BindTexImage,
@@ -75,6 +76,7 @@ class Target:
     - ``drawn_into``: the buffers and pbuffers with draws since the last frame ended.
     - ``recording``: what the present frame consists of, where it is asked for.
     - ``postponing``: whether what is drawn may wait until something reads it.
+    - ``counter``: of an occlusion query that is begun, or None.
     """
 
     profile: Profile
@@ -90,11 +92,14 @@ class Target:
     drawn_into: set[str] = field(default_factory=set)
     recording: Recording | None = None
     postponing: bool = False
+    counter: SampleCounter | None = None
 
     def __post_init__(self) -> None:
         self._others: dict[str, Target] = {}  # framebuffer objects, where the machine has no pbuffers
         self._current: Target = self  # of these
         self._surface: MakeCurrent | None = None  # the pbuffer that commands draw into
+        self._pixels: dict[str, NDArray[Any]] = {}  # what the last run read, by name
+        self._counts = False  # whether samples are counted now
         self._start()
 
     # ----------------------------------------------------------------------------- what the two kinds do
@@ -132,10 +137,29 @@ class Target:
         """Copies of the window's buffers and of the pbuffers by name, as they are."""
         return {}
 
+    def depth_bits(self) -> int:
+        """The width of the depths that ``read`` gives: of the window, or of the current pbuffer."""
+        if self._current is not self:
+            return self._current.depth_bits()
+        return int(self.profile.widest_depth) if self._surface is None else int(self._surface.depth_bits)
+
     # ------------------------------------------------------------------------------------------- running
 
     def run(self, commands: Sequence[Command], draws: tuple[str, ...] = (BACK,), reads: str = BACK) -> None:
         """Run commands that draw into the buffers ``draws`` and read from ``reads``."""
+        if self.counter is None:
+            self._run(commands, draws, reads)
+            return
+        for part in by_draws(commands):
+            self._run(part, draws, reads)
+
+    def read(self, command: ReadPixels, draws: tuple[str, ...], reads: str) -> NDArray[Any]:
+        """The pixels that a ReadPixels gives now; zeros where nothing is drawn, or it is refused."""
+        self._run((command,), draws, reads)
+        read = self._current._pixels.pop(command.name, None)
+        return blank(command) if read is None else read
+
+    def _run(self, commands, draws, reads):
         if draws == (reads,):
             self._run_on(draws, commands)
             return
@@ -173,6 +197,7 @@ class Target:
                     self._redirect(command)
             elif self._current is not self:
                 group = tuple(group)
+                self._current.counter = self.counter
                 self._current._run_on((BACK,), group)
                 if any(isinstance(command, _WRITING) for command in group):
                     self.last = self._current
@@ -197,6 +222,7 @@ class Target:
             self._hold(buffer)
             if number:  # depths and stencil values are those before the first one
                 self._restore(depths)
+            self._counts = self.counter is not None and not number and gives_fragments(commands)
             continued = self._execute(continued)
             if self.recording is not None:
                 self.recording.add(buffer, continued)
@@ -320,6 +346,12 @@ def call_of(command: Command) -> tuple[str, int | None]:
     return (found[1], int(found[2])) if found else ("", None)
 
 
+def blank(command: ReadPixels) -> NDArray[Any]:
+    """What a ReadPixels of known size gives where nothing is drawn: zeros."""
+    shape = command.height, command.width
+    return np.zeros((*shape, 4)) if command.format == "RGBA" else np.zeros(shape, np.uint32)
+
+
 def _concerns_surfaces(command):
     return isinstance(command, MakeCurrent | BindTexImage)
 
@@ -425,7 +457,8 @@ class Drawn(Target):
                 self._run_now(commands)
 
     def _execute(self, commands):
-        if self.postponing and self._held == BACK and self._postponed.take(commands):
+        waits = self.postponing and self._held == BACK and not self._counts
+        if waits and self._postponed.take(commands):
             return commands
         self.settle()
         return self._run_now(commands)
@@ -436,7 +469,7 @@ class Drawn(Target):
         watch = (lambda command, _: ran.append(command)) if self.recording is not None else False
         machine = self.machine
         try:
-            self.fragments += machine.run(commands, trace=watch).fragments
+            self._run_machine(commands, watch)
         except ValueError:
             ran.clear()
             held = machine.width, machine.height, machine.depth_bits
@@ -456,9 +489,17 @@ class Drawn(Target):
             return commands
         return tuple([command for command in ran if not isinstance(command, _OF_THE_HOST)])
 
+    def _run_machine(self, commands, watch):
+        counts = self._counts and self.machine.samples == 1
+        result = self.machine.run(commands, trace=watch, record=counts)
+        self.fragments += result.fragments
+        self._pixels = result.pixels
+        if counts:
+            self.counter.add(result.records)
+
     def _run_accepted(self, commands, watch):
         try:
-            self.fragments += self.machine.run(commands, trace=watch).fragments
+            self._run_machine(commands, watch)
         except ValueError as error:  # what validation does not foresee
             for command in commands:
                 if isinstance(command, DRAWING):

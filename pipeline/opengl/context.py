@@ -24,6 +24,7 @@ from fixedpipe.pipeline.opengl.entry_points import EntryPoint, resolve
 from fixedpipe.pipeline.opengl.lists import ListNames
 from fixedpipe.pipeline.opengl.meshes import Meshes
 from fixedpipe.pipeline.opengl.outcomes import GLError, LeftOut, Refused, Tally
+from fixedpipe.pipeline.opengl.read_back import Behind
 from fixedpipe.pipeline.opengl.selection import Selection, select
 from fixedpipe.pipeline.opengl.values import Values
 from fixedpipe.pipeline.profiles.profile import Profile
@@ -73,6 +74,8 @@ class Context:
         self.error = 0  # what GetError gives
         self.called = ""  # the call that is being answered
         self.recorded_result: Any = None  # what the call returned when it was recorded; None outside traces
+        self.behind: Behind | None = None  # the machine that draws, where something asks it in mid-frame
+        self.samples_passed: dict[int, int] = {}  # what occlusion queries counted, by name
         self.commands: list[Command] = []
         self.current = Current()
         self.buffers = BufferBindings()

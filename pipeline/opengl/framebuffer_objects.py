@@ -104,7 +104,7 @@ def bind_window(gl: Context, drawable: Drawable) -> None:
 def _activate(gl):
     """Draw into what is bound."""
     number = gl.values["draw_framebuffer"]
-    surface = _surface(gl, number) if number else None
+    surface = surface_of(gl, number) if number else None
     before = gl.values["pbuffer"]
     now = None if surface is None else (number, surface)
     if now == before:
@@ -115,27 +115,27 @@ def _activate(gl):
     label = _label(gl)
     if surface is None:
         gl.drawable = gl.window
-        gl.commands.append(MakeCurrent(label=label))
+        gl.commands.append(made_current(label, None))
         return
     gl.drawable = Drawable(surface.width, surface.height, False, gl.window.stored)
     if before is None or before[1] != surface:
-        gl.commands.append(
-            MakeCurrent(
-                label=label,
-                surface=surface.name,
-                width=surface.width,
-                height=surface.height,
-                color_format=surface.color_format,
-            )
-        )
-    _begin_with_texels(gl, number, surface, label)
+        gl.commands.append(made_current(label, surface))
+    begin_with_texels(gl, number, surface, label)
+
+
+def made_current(label: str, surface: Surface | None) -> MakeCurrent:
+    """The command that draws into a surface; None: into the window."""
+    if surface is None:
+        return MakeCurrent(label=label)
+    size = {"width": surface.width, "height": surface.height}
+    return MakeCurrent(label=label, surface=surface.name, color_format=surface.color_format, **size)
 
 
 def _label(gl):
     return f"{gl.called} (call {gl.tally.call})"
 
 
-def _surface(gl, number):
+def surface_of(gl: Context, number: int) -> Surface:
     """The Surface of an object; one of a single pixel where it is incomplete."""
     found = gl.shared.framebuffers[number]
     if _status(gl, found) != tokens.FRAMEBUFFER_COMPLETE_EXT:
@@ -152,7 +152,7 @@ def _surface(gl, number):
     return Surface(f"{name}, {width}x{height} {color_format.name}", width, height, color_format)
 
 
-def _begin_with_texels(gl, number, surface, label):
+def begin_with_texels(gl: Context, number: int, surface: Surface, label: str) -> None:
     """Give the pbuffer the texels that the program gave to the image, unless it has them."""
     attachment = gl.shared.framebuffers[number].attachments.get(_COLOR)
     if attachment is not None and attachment.texture is not None:
@@ -517,12 +517,6 @@ def delete_renderbuffers(gl, number, names):
 def is_renderbuffer(gl, name):
     """Whether a name is a renderbuffer's."""
     return gl.shared.renderbuffers.get(name) is not None
-
-
-@entry("BlitFramebuffer", compiled=False)
-def blit_framebuffer(gl, *arguments):
-    """EXT_framebuffer_blit, which no machine here had."""
-    raise Refused("copying between framebuffers: no machine here has EXT_framebuffer_blit")
 
 
 no_effect("GetRenderbufferParameteriv", compiled=False)

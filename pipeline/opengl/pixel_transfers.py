@@ -4,6 +4,7 @@ The section "pixel_transfer" is the PixelTransfer of commands that move pixels. 
 lacks.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,7 +133,7 @@ class Table(NamedTuple):
 
 
 _EMPTY = Table(tokens.RGBA, None)
-_TABLES = (
+TABLES = (
     tokens.COLOR_TABLE,
     tokens.POST_CONVOLUTION_COLOR_TABLE,
     tokens.POST_COLOR_MATRIX_COLOR_TABLE,
@@ -144,7 +145,7 @@ _TABLE_PROXIES = {
     tokens.PROXY_POST_COLOR_MATRIX_COLOR_TABLE: tokens.POST_COLOR_MATRIX_COLOR_TABLE,
     tokens.PROXY_TEXTURE_COLOR_TABLE_SGI: tokens.TEXTURE_COLOR_TABLE_SGI,
 }
-for _token in _TABLES:
+for _token in TABLES:
     declare(("color table", _token), _EMPTY)
     declare(("color table scale", _token), _ONES, _MODE)
     declare(("color table bias", _token), _ZEROS, _MODE)
@@ -160,8 +161,13 @@ TEXTURE_TABLE = (
 _TABLE_BITS = 8
 
 
-def rgba_groups(gl: Any, image: ClientImage) -> NDArray[np.float64]:
-    """A ClientImage of colours as RGBA groups [height, width, 4], without pixel transfer."""
+def rgba_groups(gl: Any, image: ClientImage | Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
+    """A ClientImage of colours as RGBA groups [height, width, 4], without pixel transfer.
+
+    Copies of the framebuffer give a function in an image's place, which reads the groups.
+    """
+    if callable(image):
+        return image()
     # Imported where it is used: it compiles kernels, which most programs do not need.
     from fixedpipe.pipeline.framebuffers.transfer import transfer_image
 
@@ -196,7 +202,7 @@ def color_table(gl, target, internal_format, width, image_format, image_type, im
         made = Table(internal_format, ColorTable((_ZEROS,) * width)) if known else _EMPTY
         gl.values.set(("color table", target), made)
         return
-    if target not in _TABLES:
+    if target not in TABLES:
         _palette(gl, target, internal_format, width, image)
         return
     _require_tables(gl, target)
@@ -213,7 +219,7 @@ def color_table(gl, target, internal_format, width, image_format, image_type, im
 @entry("ColorSubTable", capture=captured(2))
 def color_sub_table(gl, target, start, count, image_format, image_type, image):
     """Replace entries of a colour table or a palette."""
-    if target not in _TABLES:
+    if target not in TABLES:
         _sub_palette(gl, target, start, count, image)
         return
     _require_tables(gl, target)
@@ -274,18 +280,12 @@ def _sub_palette(gl, target, start, count, image):
 
 def _color_table_parameter(gl, target, name, parameter):
     keys = {tokens.COLOR_TABLE_SCALE: "color table scale", tokens.COLOR_TABLE_BIAS: "color table bias"}
-    if target not in _TABLES or name not in keys:
+    if target not in TABLES or name not in keys:
         raise GLError(tokens.INVALID_ENUM)
     gl.values.set((keys[name], target), parameter.vector_of(4))
 
 
 register_parameters("ColorTableParameter", _color_table_parameter)
-
-
-@entry("CopyColorTable", "CopyColorSubTable", "CopyConvolutionFilter1D", "CopyConvolutionFilter2D")
-def copied_from_framebuffer(gl, *arguments):
-    """Tables and filters made of pixels of the framebuffer, which commands know and this package does not."""
-    raise Refused("its values come from the framebuffer, and a command cannot wait for them")
 
 
 # --------------------------------------------------------------------------------------------------- filters
@@ -502,7 +502,7 @@ def transfer_of(gl: Any) -> PixelTransfer:
 
 _NUMBER_KEYS = tuple([("pixel transfer", token) for token in _NUMBERS])
 _MAP_KEYS = tuple([("pixel map", name) for name in _MAPS.values() if name != "i_to_i"])
-_TABLE_TOKENS = _TABLES[:3]
+_TABLE_TOKENS = TABLES[:3]
 _FILTER_PARTS = ("convolution", "convolution border mode", "convolution border color")
 
 
