@@ -10,6 +10,7 @@ differ a little are both right.
 from dataclasses import dataclass, field
 from typing import Any
 
+from fixedpipe.effects.replays.windows import only
 from fixedpipe.pipeline.opengl import tokens
 from fixedpipe.pipeline.opengl.context import Context
 from fixedpipe.pipeline.opengl.queries import agrees, answer
@@ -66,8 +67,7 @@ class Check:
 
     def _count_samples(self, call, ours):
         """Compare a count; whether one is there yet is a matter of time."""
-        recorded = call.arguments[-1]
-        recorded = recorded[0] if isinstance(recorded, list) and recorded else recorded
+        recorded = only(call.arguments[-1])
         if call.arguments[1] != tokens.QUERY_RESULT or not isinstance(recorded, int):
             return
         self.counts += 1

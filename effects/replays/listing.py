@@ -51,6 +51,7 @@ _FUNCTIONS = {
     "EXT_compiled_vertex_array": ("LockArrays", "UnlockArrays"),
     "EXT_draw_range_elements": ("DrawRangeElements",),
     "EXT_fog_coord": ("FogCoord",),
+    "EXT_framebuffer_blit": ("BlitFramebuffer",),
     "EXT_framebuffer_object": ("BindFramebuffer", "FramebufferTexture", "FramebufferRenderbuffer"),
     "EXT_multi_draw_arrays": ("MultiDraw",),
     "EXT_paletted_texture": ("ColorTableEXT",),

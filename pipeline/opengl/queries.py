@@ -24,6 +24,7 @@ from fixedpipe.pipeline.opengl.lighting import (
     light_number,
     settle_materials,
 )
+from fixedpipe.pipeline.opengl.occlusion_queries import OCCLUSION_TEST_RESULT_HP, test_result
 from fixedpipe.pipeline.opengl.outcomes import GLError, LeftOut, Refused
 from fixedpipe.pipeline.opengl.pixels import read_bits
 from fixedpipe.pipeline.opengl.state_variables import ARRAY_POINTERS, FRACTIONS, LIMITS, STATE, array_pointer
@@ -81,6 +82,8 @@ def _state_variable(gl, name):
         return variable(gl)
     if name in ARRAYS:
         return is_array_enabled(gl, name)
+    if name == OCCLUSION_TEST_RESULT_HP:
+        return test_result(gl)
     return gl.values[key_of(gl, name)]
 
 

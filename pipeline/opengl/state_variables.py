@@ -18,7 +18,6 @@ from fixedpipe.pipeline.opengl.evaluators import MAX_EVAL_ORDER
 from fixedpipe.pipeline.opengl.extensions import extensions
 from fixedpipe.pipeline.opengl.lists import MAX_LIST_NESTING
 from fixedpipe.pipeline.opengl.matrices import top
-from fixedpipe.pipeline.opengl.occlusion_queries import OCCLUSION_TEST_RESULT_HP, test_result
 from fixedpipe.pipeline.opengl.pixels import STORE_PARAMETERS
 from fixedpipe.pipeline.opengl.raster_queries import RASTER_STATE
 from fixedpipe.pipeline.opengl.selection import MAX_NAME_STACK_DEPTH
@@ -171,7 +170,6 @@ STATE: dict[int, Variable] = {
     tokens.ATTRIB_STACK_DEPTH: lambda gl: len(gl.values["attribute stack"]),
     tokens.CLIENT_ATTRIB_STACK_DEPTH: lambda gl: len(gl.values["client attribute stack"]),
     tokens.RENDER_MODE: _value("render_mode"),
-    OCCLUSION_TEST_RESULT_HP: test_result,
     tokens.NAME_STACK_DEPTH: lambda gl: len(gl.selection.names),
     tokens.SELECTION_BUFFER_SIZE: lambda gl: _buffer_size(gl.selection.select_buffer),
     tokens.FEEDBACK_BUFFER_SIZE: lambda gl: _buffer_size(gl.selection.feedback_buffer),

@@ -4,12 +4,23 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fixedpipe.pipeline.opengl import array_draws, arrays, buffers, evaluators, lists, selection
+from fixedpipe.pipeline.opengl import (
+    array_draws,
+    arrays,
+    buffers,
+    evaluators,
+    lists,
+    selection,
+    vertex_array_objects,
+)
 from fixedpipe.pipeline.opengl import tokens as GL
 from fixedpipe.pipeline.opengl.entry_points import ENTRY_POINTS
 from tests.pipeline.opengl.drawn import context, meshes
 
-_MODULES = {module.__name__ for module in (array_draws, arrays, buffers, evaluators, lists, selection)}
+_MODULES = {
+    module.__name__
+    for module in (array_draws, arrays, buffers, evaluators, lists, selection, vertex_array_objects)
+}
 _NAMES = sorted(name for name, point in ENTRY_POINTS.items() if point.handler.__module__ in _MODULES)
 _NAMES += ["glBegin", "glEnd", "glVertex3f", "glEnable", "glPushClientAttrib", "glPopClientAttrib"]
 
@@ -53,6 +64,7 @@ def test_no_call_stops_what_follows(calls):
         gl.call(name, arguments, 4096)
     gl.EndList()
     gl.End()
+    gl.BindVertexArray(0)
     for target in (GL.ARRAY_BUFFER, GL.ELEMENT_ARRAY_BUFFER):
         gl.BindBuffer(target, 0)
     gl.RenderMode(GL.RENDER)
