@@ -120,7 +120,7 @@ def projected(coordinate, q):
     """A texture coordinate by q as the chip makes it: times its reciprocal, cut to 24 bits; a q of 0 counts
     as LEAST_Q.
 
-    Measured: all pixels of 67 captures that divide, 3 of them not with a quotient (docs/numbers.md, N6.1).
+    Measured: Texgen_with_texture_matrix, three captures that a quotient misses (docs/numbers.md, N6.1).
     """
     fraction, exponent = math.frexp(q if q != 0.0 else floats.LEAST_Q)
     return math.ldexp(truncate_24(coordinate * signed_reciprocal(fraction)), -exponent)
