@@ -67,7 +67,7 @@ PACKAGES = {
         "pipeline": "enums state state_kinds textures commands profiles programs vertices framebuffers",
     },
     "pipeline/columns": {
-        "raster": "codes floats rows observer columns pixels",
+        "raster": "codes rows observer columns pixels",
         "pipeline": "enums pixel_transfer textures commands profiles programs vertices framebuffers",
     },
     "pipeline/execution": {
@@ -77,7 +77,7 @@ PACKAGES = {
         ),
     },
     "pipeline/ideal": {
-        "raster": "codes floats rows kernel observer primitives portable columns",
+        "raster": "codes fixed floats rows kernel observer primitives portable columns",
         "pipeline": (
             "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
             "native columns"

@@ -333,7 +333,7 @@ def _direction(s, t, r):
 
 
 def _on_face(s, t, r):
-    places, _ = sample.positions(_direction(s, t, r), C.TARGET_CUBE_MAP, False, False, (_SIZE, _SIZE, 6))
+    places, _ = sample.positions(_direction(s, t, r), C.TARGET_CUBE_MAP, False, (_SIZE, _SIZE, 6))
     return [places[0][0], places[1][0]]
 
 
