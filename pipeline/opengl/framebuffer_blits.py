@@ -168,4 +168,4 @@ def _image(gl: Any, kind: PixelCopyType, box, size) -> PixelImage:
         return PixelImage(depths_read(gl, box, size), "DEPTH_COMPONENT")
     if kind is PixelCopyType.STENCIL:
         return PixelImage(stencil_read(gl, box, size), "STENCIL_INDEX")
-    return PixelImage(colors_read(gl, box, size, ColorBuffer.BACK), "RGBA")
+    return PixelImage(colors_read(gl, box, size, ColorBuffer.BACK), "RGBA")  # COLOR

@@ -17,23 +17,23 @@ _OCCLUSION_TEST_HP, OCCLUSION_TEST_RESULT_HP = 0x8165, 0x8166
 _SAMPLES_PASSED = 0x8914
 
 
-def _count(gl, begun):
+def _begin_or_end(gl, begun):
     """Begin to count, or end it: the count, or None."""
     return None if gl.behind is None else gl.behind.count_samples(begun)
 
 
 def _test(gl, enabled):
     """HP's test begins or ends."""
-    _count(gl, enabled)
+    _begin_or_end(gl, enabled)
 
 
 def test_result(gl: Any) -> bool:
     """Whether a sample passed since HP's test was enabled, or since this was asked. Raises Refused."""
-    samples = _count(gl, False)
+    samples = _begin_or_end(gl, False)
     if samples is None:
         raise Refused("samples are not counted here")
     if gl.values["enabled", _OCCLUSION_TEST_HP]:
-        _count(gl, True)
+        _begin_or_end(gl, True)
     return samples > 0
 
 
@@ -71,14 +71,14 @@ def _begin(gl, name):
     gl.values.set("current query", int(name))
     gl.values.set("queries", gl.values["queries"] | {int(name)})
     gl.samples_passed.pop(int(name), None)
-    _count(gl, True)
+    _begin_or_end(gl, True)
     gl.tally.add("no effect", gl.called)
 
 
 def _end(gl):
     if not gl.values["current query"]:
         raise GLError(tokens.INVALID_OPERATION, "no query is begun")
-    samples = _count(gl, False)
+    samples = _begin_or_end(gl, False)
     if samples is not None:
         gl.samples_passed[gl.values["current query"]] = samples
     gl.values.set("current query", 0)
