@@ -287,7 +287,7 @@ def test_an_error_says_where_and_what(text, line, column, words):
     [
         ((RegisterCombiners(general=()),), "1 to 8 general combiners; there are 0"),
         ((None, (TextureShaderStage(Op.NONE), TextureShaderStage(Op.DOT_PRODUCT, 1))), "reads unit 1"),
-        ((None, (TextureShaderStage(Op.TEXTURE_2D, roughness=0),)), "has no word"),
+        ((None, (TextureShaderStage(Op.TEXTURE_2D, roughness=0),)), "none that the NV2A"),
     ],
 )
 def test_what_has_no_words_is_refused(given, words):
