@@ -36,6 +36,8 @@ from fixedpipe.pipeline.profiles import IDEAL
 from fixedpipe.pipeline.profiles.profile import Profile
 
 _KEPT = 6  # frames' commands: of two machines and the ideal, before and after a gesture
+# Commands of frames that are kept beside the newest two. F004-4 on the OCTANE has 145,427, of 3 kB each.
+_MOST_COMMANDS = 1 << 15
 
 
 class Superseded(Exception):  # noqa: N818 (it says what happened)
@@ -113,13 +115,17 @@ class Studio:
             with refusals():
                 made = tuple(subject.commands(view.whole(), IDEAL if exact else view.profile()))
             self._made[key] = made
-            while len(self._made) > _KEPT:
+            while len(self._made) > _KEPT or (len(self._made) > 2 and self._held() > _MOST_COMMANDS):
                 self._made.popitem(last=False)
         if view.upto is None:
             return made
         if view.upto >= len(made):
             raise Refusal(f"There is no command {view.upto}; the last is {len(made) - 1}.")
         return made[: view.upto + 1]
+
+    def _held(self) -> int:
+        """The number of commands that are kept beside the newest two frames'."""
+        return sum([len(made) for made in list(self._made.values())[:-2]])
 
     def machine(self, view: View, stop: Callable[[], bool] = _never) -> Picture:
         """What the machine drew: the window, or with ``upto`` the buffer that the last command drew to.

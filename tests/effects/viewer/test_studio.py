@@ -14,11 +14,12 @@ from click.testing import CliRunner
 from fixedpipe.effects.cli import main
 from fixedpipe.effects.figures import FIGURES
 from fixedpipe.effects.refusal import Refusal
+from fixedpipe.effects.viewer import studio as studio_module
 from fixedpipe.effects.viewer.keeping import file_stem, golden_kept, picture_kept, script
 from fixedpipe.effects.viewer.mesh_subject import mesh_subject
 from fixedpipe.effects.viewer.studio import Studio, Superseded, changed
 from fixedpipe.effects.viewer.subjects import FigureSubject, FrameSubject, Subjects
-from fixedpipe.effects.viewer.views import View
+from fixedpipe.effects.viewer.views import View, machines
 from fixedpipe.pipeline.execution.machine import Machine, execute
 from fixedpipe.pipeline.framebuffers.pictures import to_codes
 from fixedpipe.pipeline.golden.digests import digest
@@ -223,6 +224,25 @@ def test_a_frame_without_parameters_says_so():
     with pytest.raises(Refusal, match="leave its size"):
         studio.machine(replace(view, size=64))
     assert studio.about(view)["controls"] == []
+
+
+@pytest.mark.parametrize(("most", "kept"), [(10**6, 6), (30, 4), (0, 2)])
+def test_fewer_frames_are_kept_where_they_have_many_commands(monkeypatch, most, kept):
+    monkeypatch.setattr(studio_module, "_MOST_COMMANDS", most)
+    made = []
+
+    def commands(of):
+        made.append(of)
+        return FIGURES["F004-4"].commands("GEFORCE_256", SIZE)[:1] * 15
+
+    frame = FrameSubject("my.py", "my.py", commands, (2 * SIZE, SIZE), "GEFORCE_256", (), ())
+    studio = Studio(Subjects([frame], figures=False))
+    views = [View("my.py", machine) for machine in list(machines())[:8]]
+    for view in (*views, *views[: -kept - 1 : -1]):
+        studio.commands(view)
+    assert len(made) == len(views)  # the newest ones were asked for again
+    studio.commands(views[-kept - 1])
+    assert len(made) == len(views) + 1
 
 
 @pytest.mark.parametrize("name", ["../../x", "a/b\\c.py", "\u2028", "-", "F004-4"])
