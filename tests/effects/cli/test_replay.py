@@ -71,7 +71,8 @@ def test_all_frames_and_json(trace, tmp_path):
     ]
     assert record["profile"] == "GEFORCE_256" and record["damage"] is None
     assert record["summary"]["drawn"] == [{"what": "glEnd", "first_call": 16, "count": 3}]
-    assert record["check"] == {"compared": 0, "differing": 0, "differences": []}
+    none = {"compared": 0, "differing": 0, "differences": [], "counts": 0, "equal_counts": 0}
+    assert record["check"] == none
 
 
 def test_standard_input_is_streamed(trace):
