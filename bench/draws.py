@@ -10,6 +10,7 @@ from bench.meshes import grid_triangles
 from bench.scenes import SCENES
 from fixedpipe.pipeline.commands import Draw, Mesh
 from fixedpipe.pipeline.enums import ComparisonFunction, PrimitiveType
+from fixedpipe.pipeline.multi_draw import MultiDraw
 from fixedpipe.pipeline.state import DepthTest, Scissor, VertexState
 
 EDGE = 512
@@ -70,6 +71,32 @@ def draws(turn, *, new_mesh=True, new_state=True):
     )
 
 
+def together(turn):
+    """The ``draws`` of a turn, all of them new, as one MultiDraw."""
+    single = draws(turn)
+    meshes, states = [one.mesh for one in single], [one.state for one in single]
+    sizes = [len(one.positions) for one in meshes]
+    begins = np.cumsum(sizes) - sizes
+    units = range(len(meshes[0].texture_coordinates))
+    whole = Mesh(
+        np.concatenate([one.positions for one in meshes]),
+        meshes[0].primitive,
+        indices=np.concatenate([one.indices + begin for one, begin in zip(meshes, begins, strict=True)]),
+        counts=tuple([len(one.indices) for one in meshes]),
+        colors=np.concatenate([one.colors for one in meshes]),
+        texture_coordinates=[
+            np.concatenate([one.texture_coordinates[unit] for one in meshes]) for unit in units
+        ],
+    )
+    return MultiDraw(
+        label="draws",
+        mesh=whole,
+        states=states[:1],
+        modelview=[one.vertex.modelview for one in states],
+        constant_color0=[one.register_combiners.constant_color0 for one in states],
+    )
+
+
 @cache
 def _same():
     return mesh(0), state(0)
@@ -79,7 +106,7 @@ def measure():
     """name -> microseconds of the processor a Draw on one thread, a list of ``TURNS`` runs of ``DRAWS``.
 
     The Draws are made before; each is run once. "mesh and state" are new in every Draw; "mesh" and "state"
-    are new alone; "the same Draw" is one again and again.
+    are new alone; "the same Draw" is one again and again. "MultiDraw" has the Draws of "mesh and state".
     """
     from fixedpipe.pipeline.execution.machine import Machine
 
@@ -93,4 +120,6 @@ def measure():
         found[name] = [run.turn(1) for run in runs][1:]
     same = Repeated(machine, draws(0, new_mesh=False, new_state=False)[:1] * DRAWS, clock_of(1))
     found["the same Draw"] = [same.turn(1) for _ in range(TURNS + 1)][1:]
+    runs = [Repeated(machine, (together(turn),), clock_of(1)) for turn in range(TURNS + 1)]
+    found["MultiDraw"] = [run.turn(1) for run in runs][1:]
     return {name: [1e6 / DRAWS * each for each in seconds] for name, seconds in found.items()}
