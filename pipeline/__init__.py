@@ -12,6 +12,7 @@ module is imported when the name is first asked for, so states can be made witho
   Command: any of     Clear, Draw, DrawPixels, Bitmap, CopyPixels, Accum, ReadPixels, MakeCurrent (a pbuffer)
     of textures       TexImage, CopyTexImage, CopyTexSubImage, BindTexImage, GetTexImage
     others            ResetHistogram, ResetMinmax, Saturate, HostStep: what the application computes
+    many Draws        MultiDraw: runs of a mesh, with matrices and constant colours as arrays
   what they take      Mesh, Texture, PixelImage, PixelTransfer
     makers of it      texture_1d, texture_2d, texture_3d, texture_cube_map
   a Draw's PassState  VertexState: transformation, lighting, clipping

@@ -30,6 +30,7 @@ from fixedpipe.pipeline.ideal.evaluate import execute_ideal as execute_ideal
 from fixedpipe.pipeline.ideal.result import IdealResult as IdealResult
 from fixedpipe.pipeline.inspection.history import PixelHistory as PixelHistory
 from fixedpipe.pipeline.inspection.inspect import inspect as inspect
+from fixedpipe.pipeline.multi_draw import MultiDraw as MultiDraw
 from fixedpipe.pipeline.notations.programs import Program as Program
 from fixedpipe.pipeline.notations.programs import parse_program as parse_program
 from fixedpipe.pipeline.pixel_transfer import PixelImage as PixelImage

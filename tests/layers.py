@@ -39,11 +39,14 @@ PACKAGES = {
     "pipeline/state_kinds": {"pipeline": "state interned_states"},
     "pipeline/textures": {"raster": "codes float_depths", "pipeline": "enums state"},
     "pipeline/commands": {"pipeline": "enums state pixel_transfer textures"},
+    "pipeline/multi_draw": {"pipeline": "state commands"},
     "pipeline/interned_commands": {"pipeline": "state interned_states commands"},
     "pipeline/profiles": {"pipeline": "enums textures"},
     "pipeline/programs": {"raster": "codes", "pipeline": "enums messages state textures"},
     "pipeline/notations": {"pipeline": "enums state programs"},
-    "pipeline/description": {"pipeline": "enums messages state pixel_transfer commands programs notations"},
+    "pipeline/description": {
+        "pipeline": "enums messages state pixel_transfer commands multi_draw programs notations"
+    },
     "pipeline/vertices": {
         "raster": "codes floats rows primitives",
         "pipeline": "enums state commands profiles",
@@ -58,8 +61,8 @@ PACKAGES = {
     },
     "pipeline/validation": {
         "pipeline": (
-            "enums messages state pixel_transfer interned_states state_kinds textures commands profiles"
-            " programs vertices"
+            "enums messages state pixel_transfer interned_states state_kinds textures commands multi_draw"
+            " profiles programs vertices"
         ),
     },
     "pipeline/native": {
@@ -73,7 +76,8 @@ PACKAGES = {
     "pipeline/execution": {
         "raster": "observer primitives",
         "pipeline": (
-            "enums interned_states textures commands profiles vertices framebuffers validation native columns"
+            "enums interned_states textures commands multi_draw profiles vertices framebuffers validation"
+            " native columns"
         ),
     },
     "pipeline/ideal": {
@@ -98,8 +102,8 @@ PACKAGES = {
     "pipeline/golden": {
         "raster": "kernel",
         "pipeline": (
-            "enums state textures commands profiles notations framebuffers validation native execution "
-            "inspection selftest"
+            "enums state textures commands multi_draw profiles notations framebuffers validation native "
+            "execution inspection selftest"
         ),
     },
     "effects/refusal": {},
@@ -235,8 +239,8 @@ PACKAGES = {
     "effects/cli": {
         "raster": "kernel kernel_folder kernel_levels kernel_packs",
         "pipeline": (
-            "enums messages profiles notations description framebuffers validation native inspection "
-            "selftest golden"
+            "enums messages multi_draw profiles notations description framebuffers validation native "
+            "inspection selftest golden"
         ),
         "effects": (
             "refusal technique bump_mapping volumes scattering acceptance figures studies arithmetic "

@@ -128,6 +128,8 @@ def script_frame(path, profile, size, settings, profile_of=machine_of):
         raise Refusal(f"{path} cannot be read: {error.strerror}.") from None
     except (Exception, SystemExit) as error:
         raise Refusal(f"{path}{line_of(path, error)} raised {type(error).__name__}: {error}") from error
+    from fixedpipe.pipeline.multi_draw import with_draws
+
     missing = [name for name in ("commands", "width", "height") if name not in made]
     if missing or not (profile or "profile" in made):
         names = ", ".join(missing or ("profile",))
@@ -138,7 +140,7 @@ def script_frame(path, profile, size, settings, profile_of=machine_of):
     machine = profile or made["profile"]
     machine = profile_of(machine) if isinstance(machine, str) else machine
     try:
-        commands = tuple(made["commands"])
+        commands = with_draws(made["commands"])
     except TypeError:
         raise Refusal(f"{path}: commands is {made['commands']!r}; give a list of commands.") from None
     return FrameAsked(path, machine, (made["width"], made["height"]), lambda of: commands)

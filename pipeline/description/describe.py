@@ -35,6 +35,7 @@ from fixedpipe.pipeline.description.states import differences, mask_words, numbe
 from fixedpipe.pipeline.description.words import format_number, format_value
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat, TextureTarget, WindowOrigin
 from fixedpipe.pipeline.messages import count
+from fixedpipe.pipeline.multi_draw import with_draws
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
 from fixedpipe.pipeline.state import (
     ColorMask,
@@ -303,7 +304,7 @@ def describe(commands: Iterable[Command], *, folded: bool = False) -> str:
     Commands are numbered from 0, as in the messages of ``UnsupportedState``. ``folded`` describes a few
     commands that repeat, for polygon after polygon, once, with the number of repetitions.
     """
-    blocks, commands, number = [], tuple(commands), 0
+    blocks, commands, number = [], with_draws(commands), 0
     names = [(type(c), re.sub(r"\d+", "", c.label)) for c in commands] if folded else []
     while number < len(commands):
         period, times = _repeated(names, number)

@@ -54,6 +54,7 @@ from fixedpipe.pipeline.framebuffers.texture_queries import texture_pixels
 from fixedpipe.pipeline.framebuffers.transfer import PixelStatistics
 from fixedpipe.pipeline.framebuffers.widths import fragment_bits
 from fixedpipe.pipeline.interned_states import interned
+from fixedpipe.pipeline.multi_draw import MultiDraw, RowDraws
 from fixedpipe.pipeline.native.background_compiling import chosen_engine, covers_by_kernels
 from fixedpipe.pipeline.native.coverage import covered_pixels, covered_triangles
 from fixedpipe.pipeline.native.prepared_draw import Prepared
@@ -63,7 +64,7 @@ from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS, NATIVE_SUBPIXEL_BITS, Profile
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.textures.words import stored_texture
-from fixedpipe.pipeline.validation.frames import frame_of
+from fixedpipe.pipeline.validation.frames import commands_of, frame_of
 from fixedpipe.pipeline.validation.validate import ValidFrame, begun, validate
 from fixedpipe.pipeline.vertices import stage
 from fixedpipe.raster.observer import unobserved
@@ -73,6 +74,8 @@ Engine = Literal["portable", "columns"]
 ENGINES = (None, *get_args(Engine))
 # Bytes of primitives that the records of a run keep, for the ideal that follows: enough for any figure's.
 _MOST_HELD = 1 << 27
+# Rows of a MultiDraw that one call takes: its arrays are made before it begins.
+_MOST_ROWS = 1024
 # Takes (the command that has run, a function that makes its Snapshot until the next command runs).
 Watch: TypeAlias = Callable[[Command, Callable[[], Snapshot]], None]
 
@@ -211,7 +214,7 @@ class Machine:
         self._runner: int | None = None
 
     def run(
-        self, commands: Iterable[Command], *, trace: bool | Watch = False, record: bool = False
+        self, commands: Iterable[Command | MultiDraw], *, trace: bool | Watch = False, record: bool = False
     ) -> Result:
         """Validate and run ``commands``; returns a Result.
 
@@ -222,7 +225,9 @@ class Machine:
         Raises ``UnsupportedState`` or ValueError before anything is drawn; for the commands that a HostStep
         issues, before any of these is drawn.
         """
-        commands = frame_of(commands)
+        # Only with these is a MultiDraw more than its Draws: nobody looks at one of them.
+        together = not (trace or record or self._samples or self.engine) and self.observer is unobserved
+        commands = commands_of(commands) if together else frame_of(commands)
         if record and self._samples:
             raise ValueError(
                 f"A machine with {self.samples} samples in each pixel records no fragments; give samples=1."
@@ -336,6 +341,33 @@ class Machine:
             keep = frame.next_record(command, draw.primitives, draw.size) if recorded else None
             self._queue.draw(draw, target, frame.engine, keep)
         frame.dropped += lost  # every sample drops the same number
+
+    def _multi_draw(self, command, frame):
+        """Draw the rows of a MultiDraw together, and those one by one that kernels do not take together."""
+        numbers, one, row, most = command.state_numbers, RowDraws(command), 0, _MOST_ROWS
+        while row < len(numbers):
+            others = np.flatnonzero(numbers[row : row + most] != numbers[row])
+            rows = range(row, row + int(others[0]) if len(others) else min(row + most, len(numbers)))
+            done = self._rows_drawn(command, rows, frame.engine)
+            if not done:
+                self._draw(one[row], frame)
+            # Arrays are made for all of the rows that are tried.
+            row, most = row + max(done, 1), min(2 * most, _MOST_ROWS) if done else max(most // 4, 1)
+
+    def _rows_drawn(self, command, rows, engine):
+        """Draw rows of a MultiDraw in one state, as far as kernels take them together; returns how many."""
+        if engine is not None or self._drawn_samples is not None:
+            return 0
+        state = interned(command.states[command.state_numbers[rows.start]])
+        record = self._records.of(command.mesh, state, self._current, self.textures)
+        if self._draws_columns(record, engine):
+            return 0
+        target = self._current.buffer(record.state.draw_buffer)
+        jobs = self._queue.room(len(rows), target)
+        done, filled, draw = record.submitted_runs(command, slice(rows.start, rows.stop), jobs)
+        if filled:
+            self._queue.filled(filled, draw, target)
+        return done
 
     def _draws_columns(self, record, engine):
         """Whether the column engine draws a Draw in the state of a StateRecord."""
@@ -491,13 +523,14 @@ METHODS = {
     BindTexImage: Machine._bind_tex_image,
     ResetHistogram: Machine._reset_histogram,
     ResetMinmax: Machine._reset_minmax,
+    MultiDraw: Machine._multi_draw,
 }
 # Commands that wait in the queue, or read no framebuffer. Before any other command everything is drawn.
-_QUEUED = frozenset({Draw, Clear, Saturate, TexImage, GetTexImage})
+_QUEUED = frozenset({Draw, MultiDraw, Clear, Saturate, TexImage, GetTexImage})
 
 
 def execute(
-    commands: Iterable[Command],
+    commands: Iterable[Command | MultiDraw],
     profile: Profile,
     width: int,
     height: int,

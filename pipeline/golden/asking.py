@@ -31,6 +31,7 @@ from fixedpipe.pipeline.golden.store import (
     read_store,
     variant_key,
 )
+from fixedpipe.pipeline.multi_draw import with_draws
 
 _NAME = re.compile(r"[^/\\\x00-\x1f\x7f:]{1,80}")
 
@@ -123,7 +124,7 @@ class Golden:
         """
         from fixedpipe.pipeline.golden.frames import drawn_with_digests, made_by, with_stages
 
-        key, commands = self._key(name), tuple(commands)
+        key, commands = self._key(name), with_draws(commands)
         given = commands, profile, width, height
         result, passes = drawn_with_digests(*given, **machine)
         pixels = pixels_of(result)

@@ -9,6 +9,7 @@ from fixedpipe.pipeline.inspection.pixel import ReplayedPixel
 from fixedpipe.pipeline.inspection.recording import RecordedFrame, record
 from fixedpipe.pipeline.inspection.stages import FragmentWitness, fragment_of
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.validation.frames import frame_of
 
 
 def inspect(
@@ -44,7 +45,7 @@ def inspect(
 
     For several pixels of a frame, ``record`` and ``record_ideal`` it once, then call ``history`` for each.
     """
-    commands = tuple(commands)
+    commands = frame_of(commands)
     frame = record(commands, profile, width, height, **machine)
     beside = None
     if surface is None:

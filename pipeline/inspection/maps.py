@@ -16,6 +16,7 @@ from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.inspection.exact import unclamped
 from fixedpipe.pipeline.inspection.stage_errors import stage_errors
 from fixedpipe.pipeline.profiles.profile import Profile
+from fixedpipe.pipeline.validation.frames import frame_of
 
 # The number that a map has for a pixel, by the map's name.
 KINDS = {
@@ -227,7 +228,7 @@ def frame_maps(
     if kind not in KINDS:
         raise ValueError(f"There is no map {kind!r}; there are: {', '.join(KINDS)}.")
     if kind in _LEFT:
-        return _left(tuple(commands), profile, width, height, kind, ideal, machine)
+        return _left(frame_of(commands), profile, width, height, kind, ideal, machine)
     if kind == "stages":
         errors = stage_errors(commands, profile, width, height, ideal=ideal, **machine)
         return tuple(

@@ -34,10 +34,17 @@ class CombinerPlan:
         """The rows with the values of a pass's constant colours, which are its packed rows ``constants``."""
         rows, where = self.rows.copy(), self.constants  # kernels take only writable arrays
         if len(where):
-            values = np.concatenate((constants.reshape(-1), draw[R.FOG_RED : R.FOG_BLUE + 1]))[where[:, 2]]
-            mapped = np.minimum(np.maximum(values, where[:, 3]) * where[:, 4] + where[:, 5], 255)
-            rows[where[:, 0], where[:, 1]] = mapped
+            rows[where[:, 0], where[:, 1]] = self.values(constants[None], draw)[0]
         return rows
+
+    def values(self, constants, draw):
+        """The numbers at the places of ``constants`` for several passes, of which these are the packed rows:
+        int64 [passes, places].
+        """
+        fog = np.broadcast_to(draw[R.FOG_RED : R.FOG_BLUE + 1], (len(constants), 3))
+        given = np.concatenate((constants.reshape(len(constants), -1), fog), axis=1)
+        _, _, at, low, factor, addend = self.constants.T
+        return np.minimum(np.maximum(given[:, at], low) * factor + addend, 255)
 
 
 class _Value(NamedTuple):

@@ -133,6 +133,21 @@ def pack_constants(program, bits):
     return [*constants, [*own[0], *own[1]]]
 
 
+def pack_constants_of(program, bits, *colors):
+    """``pack_constants`` of a program for several values of its two constant colours, float64 [n, 4] or None
+    for the program's own: int16 [n, general combiners + 1, 8].
+    """
+    count = max([len(color) for color in colors if color is not None])
+    rows = np.repeat(np.array([pack_constants(program, bits)], np.int16), count, axis=0)
+    for number, color in enumerate(colors):
+        if color is None:
+            continue
+        stages = [getattr(stage, f"constant_color{number}") is None for stage in program.general]
+        codes = one_of(bits) * np.clip(color, 0.0, 1.0) + 0.5  # cut below, as ``to_code``
+        rows[:, [*stages, True], 4 * number : 4 * number + 4] = codes.astype(np.int16)[:, None]
+    return rows
+
+
 def has_stage_constants(constants):
     """Whether general combiners have constant colours of their own."""
     return any(row != constants[0] for row in constants)

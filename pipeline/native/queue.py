@@ -102,6 +102,25 @@ class Queue:
         if self._size > _MOST_BYTES:
             self.flush()
 
+    def room(self, count, target):
+        """The table's next ``count`` rows, for the vector engine's Draws into ``target``."""
+        self._into(target)
+        if self._draws and not self._count:
+            self.flush()
+        while len(self._jobs) < self._count + count:
+            self._jobs = np.concatenate([self._jobs, np.zeros_like(self._jobs)])
+        return self._jobs[self._count : self._count + count]
+
+    def filled(self, count, draw, target):
+        """Add the first ``count`` rows of ``room``, whose arrays ``draw`` keeps, a Prepared of their box."""
+        self._target = target
+        self._count += count
+        self._draws.append(draw)
+        self._area += count * draw.area
+        self._size += draw.size
+        if self._size > _MOST_BYTES:
+            self.flush()
+
     def clear(self, command, target, engine):
         """Add a Clear."""
         self._into(target)

@@ -9,7 +9,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import Clamp, SecondaryColor
 from fixedpipe.pipeline.framebuffers.widths import are_native, fragment_bits, widths_of
-from fixedpipe.pipeline.native.pack_combiners import pack_constants
+from fixedpipe.pipeline.native.pack_combiners import pack_constants, pack_constants_of
 from fixedpipe.pipeline.native.prepared_draw import Prepared, make_job, texels_and_levels
 from fixedpipe.pipeline.native.state_rows import have_same_constants, rows_of, texture_kind
 from fixedpipe.pipeline.profiles.profile import NATIVE_BITS
@@ -23,6 +23,8 @@ from fixedpipe.pipeline.vertices.plan import (
     given_of,
     is_covered,
     mesh_columns,
+    runs_of,
+    transforms_of,
     triangles_of,
 )
 from fixedpipe.pipeline.vertices.view_volume import within_viewport
@@ -42,10 +44,12 @@ from fixedpipe.raster.vector.submit import (
     submit,
     submit_clipped,
 )
+from fixedpipe.raster.vector.submit_runs import submit_runs
 from fixedpipe.raster.vector.unit import coordinate_facts
 
 _MOST = 4096  # records that a machine makes; then all are forgotten
 _MOST_KEPT = 1 << 16  # vertices, or triangles, of the scratch that stays
+_MOST_TOGETHER = 1 << 18  # vertices and triangles of the rows of a MultiDraw that one call takes: some 6 MB
 # What a record depends on of a state's vertices' part.
 _OF_VERTEX = attrgetter(
     "viewport", "lighting", "clip_planes", "two_side", "secondary_color", "composite", "modelview1"
@@ -133,7 +137,8 @@ class StateRecord:
             farthest = 1.0 if depth.is_float else DEPTH_WORDS[depth].farthest
             self._scale = int(np.float64(farthest).view(np.int64)) if rows.needs_depth else 0
             self._bands = -(-framebuffer.height // BAND_HEIGHT)
-        self._rows_of_variant, self._templates, self._plans, self._projective = {}, {}, {}, 0
+        self._rows_of_variant, self._templates, self._plans = {}, {}, {}
+        self._projective = self._of_runs = 0  # the variants of the last Draw, and of the last MultiDraw
 
     def reads(self, textures):
         """Whether these are the textures that the record was made with."""
@@ -230,6 +235,63 @@ class StateRecord:
             return made
         return None
 
+    def submitted_runs(self, command, rows, jobs):
+        """Fill ``jobs`` for some rows of a MultiDraw in this state, as far as one kernel call does.
+
+        Returns (how many rows are done, how many jobs they have, a Prepared that keeps the jobs' arrays).
+        """
+        mesh, columns = command.mesh, mesh_columns(command.mesh)
+        formula = formula_of(columns.widths, self.state, self._units, self._profile, self._size)
+        if not self._submits or formula.keeps_eye or formula.own is None:
+            return 0, 0, None
+        runs = runs_of(mesh, columns, self.state.polygon.provoking_vertex)
+        ranges = runs.ranges[command.runs[rows]]
+        held = np.cumsum(ranges[:, 1] + ranges[:, 3])
+        ranges = ranges[: max(int(np.searchsorted(held, _MOST_TOGETHER)), 1)]
+        rows = slice(rows.start, rows.start + len(ranges))
+        if command.modelview is None:
+            sums, coefficients, results, height = *formula[:3], formula.rows
+            coefficients = np.repeat(coefficients[None], len(ranges), axis=0)
+        else:
+            given = command.modelview[rows], self.state.vertex.projection, columns.widths[0]
+            sums, coefficients, results, height = transforms_of(*given)
+            ranges = ranges[: len(coefficients)]
+        colors, _ = given_colors(mesh, columns, self.state.vertex, self._profile, self._bits)
+        coordinates, _ = coordinates_of(mesh, columns, formula.own)
+        arrays = mesh.positions, runs.triangles, colors, coordinates
+        formulas = sums, coefficients, results, formula.parameters
+        vertices, triangles = ranges[:, 1].max(initial=0), ranges[:, 3].max(initial=0)
+        scratch = *self._scratch.of(vertices, triangles, height), np.empty(vertices * columns.widths[0])
+        total, drawn = int(ranges[:, 1].sum()), int(ranges[:, 3].sum())
+        ints = np.empty(2 * total + 2 * drawn + 5 * self._bands * len(ranges), np.int32)
+        made = ints, np.empty(2 * total)
+        while (template := self._template(self._of_runs)) is not None:
+            plans = self._plans_of_runs(command, rows, self._of_runs)
+            numbers = self._bands, self._of_runs, self._scale
+            done, filled, why = submit_runs(
+                jobs, template[0], plans, arrays, formulas, ranges, made, numbers, scratch
+            )
+            if done == 0 and CLIPS < why <= OTHER_VARIANT:
+                self._of_runs = OTHER_VARIANT - why
+                continue
+            bound = tuple([(name, self.textures[name]) for _, name, _ in self._rows.reads])
+            size = sum([array.nbytes for array in (*made, plans[-1])])
+            beside = template, plans, arrays, made
+            return done, filled, Prepared(0, bound, self._rows.area, size, beside=beside)
+        return 0, 0, None
+
+    def _plans_of_runs(self, command, rows, variant):
+        """The plans that ``submit_runs`` takes for rows of a MultiDraw."""
+        filled, colors = self._plan(variant), (command.constant_color0, command.constant_color1)
+        plan, draw = self._rows.plan(*self._templates[variant][1]), self._templates[variant][1][0]
+        if all([color is None for color in colors]) or not len(plan.constants):
+            return filled, np.empty((0, 2), np.int64), _NO_VALUES, np.empty((0, *filled.shape), np.int32)
+        given = [None if color is None else color[rows] for color in colors]
+        constants = pack_constants_of(self.state.register_combiners, self._rows.bits, *given)
+        values = np.ascontiguousarray(plan.values(constants, draw), np.int32)
+        where = np.ascontiguousarray(plan.constants[:, :2], np.int64)
+        return filled, where, values, np.empty((len(values), *filled.shape), np.int32)
+
     def _filled(self, fill, variant, first, triangles, beside, size):
         """A Prepared draw whose job ``fill`` has filled; None where the portable engine draws it; or how many
         triangles are clipped, 0 where a 1/w is unusual.
@@ -303,7 +365,7 @@ class StateRecord:
         return found
 
 
-_NO_COORDINATES, _NONE = np.zeros((0, 0, 4)), np.zeros((0, 0))
+_NO_COORDINATES, _NONE, _NO_VALUES = np.zeros((0, 0, 4)), np.zeros((0, 0)), np.zeros((0, 0), np.int32)
 # x, y, z, 1/w and colours of a vertex that a template has in place of a mesh's.
 _ONE_VERTEX = (
     np.zeros(1, np.int32),

@@ -1,12 +1,17 @@
 """Validation of Draws."""
 
+from operator import itemgetter
 from types import NoneType
 
+import numpy as np
+
+from fixedpipe.pipeline.commands import Draw
 from fixedpipe.pipeline.enums import ColorBuffer, FogArithmetic, LineRasterization, PolygonMode, VertexStage
 from fixedpipe.pipeline.interned_states import interned
+from fixedpipe.pipeline.multi_draw import RowDraws
 from fixedpipe.pipeline.profiles.profile import NATIVE_SUBPIXEL_BITS
 from fixedpipe.pipeline.programs.future import future_problem
-from fixedpipe.pipeline.state import Color, PassState, RegisterCombiners, VertexState
+from fixedpipe.pipeline.state import Color, PassState, RegisterCombiners, VertexState, needs_normals
 from fixedpipe.pipeline.state_kinds import kind_of
 from fixedpipe.pipeline.validation import buffers, fragments, surfaces, texture_units, vertices
 from fixedpipe.pipeline.validation.meshes import finite_problem, has_infinite_fog, is_usable, mesh_problem
@@ -59,6 +64,21 @@ def is_like_another(walk, command, checks):
     vertices.normals(walk, state)
     walk.taken.states.add(state, finding=beside)
     return True
+
+
+def representatives(command):
+    """(row, Draw) of the rows of a MultiDraw that a machine takes only if it takes all of them.
+
+    Its numbers are finite, so states of which no modelview matrix can be wrong stand for all of their rows.
+    """
+    rows, found = RowDraws(command), []
+    for number, state in enumerate(command.states):
+        of_state = np.flatnonzero(command.state_numbers == number).tolist()
+        if command.modelview is not None and (needs_normals(state) or state.vertex.modelview1 is not None):
+            found += [(row, rows[row]) for row in of_state]
+        elif of_state:
+            found.append((of_state[0], Draw(label=command.label, mesh=command.mesh, state=state)))
+    return sorted(found, key=itemgetter(0))
 
 
 def pass_state(walk, state):

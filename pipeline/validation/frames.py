@@ -7,15 +7,21 @@ from numpy.typing import NDArray
 
 from fixedpipe.pipeline.commands import COMMANDS, Command, HostStep
 from fixedpipe.pipeline.messages import quoted, shown
+from fixedpipe.pipeline.multi_draw import MultiDraw, with_draws
 from fixedpipe.pipeline.validation.walk import UnsupportedState, Walk
 
 
-def frame_of(commands: Iterable[Command]) -> tuple[Command, ...]:
-    """The commands as a tuple.
+def frame_of(commands: Iterable[Command | MultiDraw]) -> tuple[Command, ...]:
+    """The commands as a tuple, with the Draws that a MultiDraw stands for in its place.
 
     Raises UnsupportedState for a single command, and for a value that is not iterable.
     """
-    if type(commands) in COMMANDS:
+    return with_draws(commands_of(commands))
+
+
+def commands_of(commands: Iterable[Command | MultiDraw]) -> tuple[Command | MultiDraw, ...]:
+    """As ``frame_of``, with MultiDraws as they are."""
+    if type(commands) in (*COMMANDS, MultiDraw):
         raise UnsupportedState(
             f"A frame is a tuple of commands; this is one {type(commands).__name__}. Write (command,)."
         )

@@ -43,6 +43,7 @@ from fixedpipe.pipeline.commands import (
     TexImage,
 )
 from fixedpipe.pipeline.messages import count, shown
+from fixedpipe.pipeline.multi_draw import MultiDraw
 from fixedpipe.pipeline.pixel_transfer import PixelMaps, PixelTransfer
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.state import (
@@ -58,9 +59,9 @@ from fixedpipe.pipeline.state import (
 from fixedpipe.pipeline.textures.images import Texture
 from fixedpipe.pipeline.validation import texture_units
 from fixedpipe.pipeline.validation.buffers import accum, clear, read_pixels, saturate
-from fixedpipe.pipeline.validation.draws import draw, is_like_another
+from fixedpipe.pipeline.validation.draws import draw, is_like_another, representatives
 from fixedpipe.pipeline.validation.fragments import register_combiners
-from fixedpipe.pipeline.validation.frames import frame_of, host_step, issued_by
+from fixedpipe.pipeline.validation.frames import commands_of, host_step, issued_by
 from fixedpipe.pipeline.validation.rectangles import bitmap, copy_pixels, draw_pixels
 from fixedpipe.pipeline.validation.surfaces import (
     check_color_bits,
@@ -193,7 +194,7 @@ def walked(walk: Walk, commands: Iterable[Command], since: str = "", first: int 
     """
     if walk.profile.driver is None:
         return _walked(walk, commands, since, first)
-    commands, before = frame_of(commands), walk.known()
+    commands, before = commands_of(commands), walk.known()
     try:
         return _walked(walk, commands, since, first)
     except UnsupportedState as refused:
@@ -214,9 +215,15 @@ def _takes_all(walk, commands):
 
 def _walked(walk, commands, since, first):
     """``walked`` without a look at later drivers."""
-    known = []
-    for number, command in enumerate(frame_of(commands), first):
+    known, number = [], first - 1
+    for command in commands_of(commands):
+        number += 1
         if walk.takes(command):
+            continue
+        if type(command) is MultiDraw:
+            for row, drawn in representatives(command):
+                _walked(walk, (drawn,), since, number + row)
+            number += len(command) - 1
             continue
         walk.where = f"Command {number}{since}"
         if type(command) not in VALIDATIONS:
@@ -250,7 +257,7 @@ class ValidFrame:
 
         Raises UnsupportedState for a command that the machine could not execute.
         """
-        self.waiting = deque(frame_of(commands))
+        self.waiting = deque(commands_of(commands))
         self._begin = begin
         self._known = deque(walked(begin(()), self.waiting))
 

@@ -8,6 +8,22 @@ from fixedpipe.raster.primitives.meshes import separate_triangles
 _FLAGGED = frozenset({PrimitiveType.TRIANGLES, PrimitiveType.QUADS, PrimitiveType.POLYGON})
 
 
+def triangles_in(primitive, counts):
+    """int64 [runs]: how many triangles runs of these lengths make; ``counts`` as in ``split``.
+
+    Raises ValueError for a primitive that has none.
+    """
+    if primitive == PrimitiveType.TRIANGLES:
+        return counts // 3
+    if primitive == PrimitiveType.QUADS:
+        return 2 * (counts // 4)
+    if primitive == PrimitiveType.QUAD_STRIP:
+        return np.maximum(counts // 2 - 1, 0) * 2
+    if primitive in (PrimitiveType.TRIANGLE_STRIP, PrimitiveType.TRIANGLE_FAN, PrimitiveType.POLYGON):
+        return np.maximum(counts - 2, 0)
+    raise ValueError(f"{primitive!r} has no triangles.")
+
+
 def split(primitive, counts, provoking):
     """Split runs of vertices into triangles.
 
@@ -23,20 +39,10 @@ def split(primitive, counts, provoking):
     vertex; for quads and polygons the chip offers no other.
     """
     counts = np.asarray(counts, dtype=np.int64)
-    if primitive == PrimitiveType.TRIANGLES:
-        triangles_in = counts // 3
-    elif primitive == PrimitiveType.QUADS:
-        triangles_in = 2 * (counts // 4)
-    elif primitive == PrimitiveType.QUAD_STRIP:
-        triangles_in = np.maximum(counts // 2 - 1, 0) * 2
-    elif primitive in (PrimitiveType.TRIANGLE_STRIP, PrimitiveType.TRIANGLE_FAN, PrimitiveType.POLYGON):
-        triangles_in = np.maximum(counts - 2, 0)
-    else:
-        raise ValueError(f"{primitive!r} has no triangles.")
-
-    run = np.repeat(np.arange(len(counts)), triangles_in)
+    made = triangles_in(primitive, counts)
+    run = np.repeat(np.arange(len(counts)), made)
     start = (np.cumsum(counts) - counts)[run]
-    i = np.arange(len(run)) - (np.cumsum(triangles_in) - triangles_in)[run]
+    i = np.arange(len(run)) - (np.cumsum(made) - made)[run]
     odd = i & 1
     first = provoking == ProvokingVertex.FIRST
 
@@ -130,7 +136,8 @@ def assemble(mesh, provoking):
     A row has three vertex numbers and the provoking vertex's number.
     """
     stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
-    if mesh.counts is None and mesh.primitive == PrimitiveType.TRIANGLES:  # most meshes; as ``split``
+    whole = mesh.counts is None or not any([count % 3 for count in mesh.counts])
+    if whole and mesh.primitive == PrimitiveType.TRIANGLES:  # most meshes; as ``split``
         vertices = np.arange(stream) if mesh.indices is None else mesh.indices
         triangles = np.empty((stream // 3, 4), np.int32)
         separate_triangles(vertices, 0 if provoking == ProvokingVertex.FIRST else 2, triangles)

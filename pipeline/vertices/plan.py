@@ -14,7 +14,7 @@ import numpy as np
 
 from fixedpipe.pipeline.enums import PolygonMode, TexGenMode, VertexStage, WindowOrigin
 from fixedpipe.pipeline.state import IDENTITY, Viewport
-from fixedpipe.pipeline.vertices.assembly import assemble
+from fixedpipe.pipeline.vertices.assembly import assemble, triangles_in
 from fixedpipe.pipeline.vertices.projection import viewport_transform
 from fixedpipe.raster.primitives import vertices as V
 from fixedpipe.raster.primitives.meshes import unit_coordinates
@@ -41,6 +41,7 @@ class MeshColumns:
     - ``plans``: Plans by the parts of the state that they follow from, the profile and the framebuffer's
       size.
     - ``no_fog``: float64 [n], zeros.
+    - ``runs``: {provoking vertex: the mesh's Runs}.
     """
 
     no_fog: np.ndarray
@@ -52,6 +53,7 @@ class MeshColumns:
     colors: dict = field(default_factory=dict)
     unrounded: dict = field(default_factory=dict)
     plans: dict = field(default_factory=dict)
+    runs: dict = field(default_factory=dict)
 
 
 _of_mesh = weakref.WeakKeyDictionary()
@@ -71,6 +73,39 @@ def triangles_of(mesh, columns, provoking):
     found = columns.triangles.get(provoking)
     if found is None:
         found = columns.triangles[provoking] = assemble(mesh, provoking)
+    return found
+
+
+class Runs(NamedTuple):
+    """The triangles of a mesh's runs (``Mesh.counts``).
+
+    - ``triangles``: int32 [k, 4], rows of ``assemble``, counted from the first vertex of their run.
+    - ``ranges``: int64 [runs, 4]: the first vertex, the number of vertices, the first triangle, the number of
+      triangles of each run.
+    """
+
+    triangles: np.ndarray
+    ranges: np.ndarray
+
+
+def runs_of(mesh, columns, provoking):
+    """The Runs of a mesh of polygons, kept in its MeshColumns."""
+    found = columns.runs.get(provoking)
+    if found is None:
+        stream = len(mesh.positions) if mesh.indices is None else len(mesh.indices)
+        counts = np.array([stream] if mesh.counts is None else mesh.counts, np.int64)
+        triangles, in_run = assemble(mesh, provoking), triangles_in(mesh.primitive, counts)
+        ranges = np.zeros((len(counts), 4), np.int64)
+        ranges[:, 3] = in_run
+        ranges[:, 2] = np.cumsum(in_run) - in_run
+        if len(triangles):
+            drawn = in_run > 0
+            begins, flat = 4 * ranges[drawn, 2], triangles.reshape(-1)
+            first = np.minimum.reduceat(flat, begins)
+            ranges[drawn, 0] = first
+            ranges[drawn, 1] = np.maximum.reduceat(flat, begins) + 1 - first
+            flat -= np.repeat(first, 4 * in_run[drawn])
+        found = columns.runs[provoking] = Runs(triangles, ranges)
     return found
 
 
@@ -330,6 +365,23 @@ def _pattern(pattern, components, keeps_eye):
     results = sums.transform(rows[4:], eye)
     sums, where, *others = _laid_out(sums, results, eye if keeps_eye else ())
     return sums, where.astype(np.int64), *others
+
+
+def transforms_of(modelviews, projection, components):
+    """``_transforms`` for several modelview matrices, float64 [n, 4, 4].
+
+    Returns (sums, coefficients [k, m, 4], results, rows) for the first k of them: those with zeros and ones
+    at the places of the first.
+    """
+    entries = np.empty((len(modelviews), 34))
+    entries[:, 0], entries[:, 1] = 0.0, 1.0
+    entries[:, 2:18], entries[:, 18:] = modelviews.reshape(-1, 16), np.reshape(projection, 16)
+    zeros, ones = entries == 0.0, entries == 1.0
+    others = ((zeros != zeros[0]) | (ones != ones[0])).any(axis=1)
+    alike = int(others.argmax()) if others.any() else len(others)
+    pattern = tuple([c if c in (0.0, 1.0) else None for c in entries[0, 2:].tolist()])
+    sums, where, results, rows, _ = _pattern(pattern, components, False)
+    return sums, np.ascontiguousarray(entries[:alike][:, where]), results, rows
 
 
 def depends_on_places_alone(mesh, state):

@@ -46,7 +46,8 @@ _SCRATCH_CLIPPED = types.Tuple(
 
 
 @kernel
-def _depths(z, single_scale, depths):
+def depths_of(z, single_scale, depths):
+    """Depths of vertices as a job takes them; ``single_scale`` as ``scale`` in ``submit``."""
     if single_scale:
         single_depths(z, float_of(single_scale), depths)
     else:
@@ -55,7 +56,7 @@ def _depths(z, single_scale, depths):
 
 
 @kernel
-def _fill(job, template, plan, triangles, vertices, facts, bands, scratch):
+def fill_job(job, template, plan, triangles, vertices, facts, bands, scratch):
     """A job from its template, its plan, triangles, vertices and Bands; as ``submit`` returns."""
     ends, order = bands.ends, bands.order
     for entry in range(job.shape[0]):
@@ -107,9 +108,11 @@ def submit(job, template, plan, mesh, formula, made, numbers, scratch):
         if varying != variant:
             return OTHER_VARIANT - varying
         coordinates, facts = computed, coordinate_facts(computed)
-    _depths(z[:n], scale, depths)
+    depths_of(z[:n], scale, depths)
     vertices = Vertices(x, y, depths, inverse_w, colors, coordinates)
-    return _fill(job, template, plan, triangles, vertices, facts, Bands(order, ends), (points, corners, left))
+    return fill_job(
+        job, template, plan, triangles, vertices, facts, Bands(order, ends), (points, corners, left)
+    )
 
 
 @kernel
@@ -134,7 +137,8 @@ def _clamped_color(arrays, v, k):
 
 
 @kernel
-def _variant_of(colors, coordinates):
+def variant_of(colors, coordinates):
+    """The variant of vertices' colours and coordinates, as in ``submit``."""
     one_color, bits = True, int64(0)
     for v in range(colors.shape[0]):
         for k in range(8):
@@ -222,16 +226,16 @@ def submit_clipped(job, template, plan, mesh, formula, made, numbers, scratch):
             for k in range(4):
                 coordinates[n + i, u, k] = values[i, INTERPOLATED + 4 * u + k]
     total = n + added
-    varying = _variant_of(colors[:total], coordinates[:total])
+    varying = variant_of(colors[:total], coordinates[:total])
     if varying != variant:
         return OTHER_VARIANT - varying
     if count == 0:
         return int64(0)
-    _depths(z[:total], scale, depths[:total])
+    depths_of(z[:total], scale, depths[:total])
     vertices = Vertices(
         x[:total], y[:total], depths[:total], inverse_w[:total], colors[:total], coordinates[:total]
     )
     facts, into = coordinate_facts(coordinates[:total]), Bands(order, ends)
-    return _fill(
+    return fill_job(
         job, template, plan, clipped[:count], vertices, facts, into, (points, corners_of_chunk, left)
     )
