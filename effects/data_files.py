@@ -160,12 +160,14 @@ class Data:
 
 
 def figure_data(module: str, identifier: str) -> Data:
-    """A figure's, of ``figures.toml`` beside its module, whose ``__file__`` is given. Raises as Data."""
+    """A figure's Data, from ``figures.toml`` beside its module, whose ``__file__`` is given. Raises as
+    Data.
+    """
     return Data(Path(module).with_name("figures.toml"), identifier)
 
 
 def study_data(module: str, identifier: str) -> Data:
-    """A study's, of ``studies.toml`` likewise. Raises as Data."""
+    """A study's Data, from ``studies.toml`` beside its module. Raises as Data."""
     return Data(Path(module).with_name("studies.toml"), identifier)
 
 
@@ -173,8 +175,8 @@ def study_data(module: str, identifier: str) -> Data:
 def sections_of(path: Path) -> Mapping[str, tuple[int, str, str]]:
     """A data file by ids: how many lines stand before an id's table, its text, the text of its checks.
 
-    So nothing is parsed but what is asked for: to list the figures takes no check. Raises ValueError for a
-    file that cannot be read, and where what is of an id does not stand together.
+    So only what is needed is parsed: listing the figures parses no check. Raises ValueError for a file that
+    cannot be read, and if the tables of one id are not adjacent.
     """
     try:
         text = path.read_text(encoding="utf-8")

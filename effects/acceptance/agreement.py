@@ -4,10 +4,10 @@ A shadow algorithm is right if its mask equals the rays', except at pixels with 
 
 - an object's outline, where snapped vertices move coverage;
 - the edge of a shadow, which a map knows to a texel and a stencil to a pixel;
-- blockers that are all nearer than a map's bias;
+- blockers that are all nearer to the surface than a map's bias;
 - light that grazes the surface.
 
-A difference without such a cause is ``other``, and a fault.
+A difference without such a cause is counted as ``other``, and is a fault.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -101,9 +101,9 @@ def compare(
 ) -> Agreement:
     """``Agreement`` of a machine's mask (bool [h, w], bottom row first) with a ``Truth``.
 
-    edge_pixels  a shadow's edge may be off by so many pixels
+    edge_pixels  largest distance in pixels by which a shadow's edge may be off
     map_edge     edge of the shadow map in texels, or None: there is no map
-    edge_texels  a shadow's edge may be off by so many of its texels, as they fall on the surface
+    edge_texels  the same in texels of the map, as they fall on the surface
     contact      world units along the light: a shadow that only so near a thing throws may be missing
     grazing      cosine between surface and light below which any answer is understood
     where        bool [h, w]: compare these pixels only; None: all where something is seen
@@ -169,8 +169,8 @@ def _shifted(array, dy, dx, fill):
 
 
 def silhouettes(truth: Truth) -> NDArray[np.bool_]:
-    """Pixels that have another object, or a part of the same one that is not its continuation, among their
-    eight neighbours: bool [h, w]. The picture's edge is none.
+    """Pixels one of whose eight neighbours shows another object, or a part of the same object that does not
+    continue its surface: bool [h, w]. The picture's edge is none.
     """
     shown, view = truth.shown, truth.view
     row = np.array(view.projection)[3] @ np.array(view.modelview)

@@ -1,7 +1,7 @@
 """What the texels of a height field on a curved base truly see: rays cast anew for every curvature.
 
-The rays meet the bent triangles. They are the truth for ``curved_base``, which keeps what was seen on the
-flat base.
+The rays meet the bent triangles. They are the reference for ``curved_base``, which reuses the visibility of
+the flat base.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ _LIFT = 2.0**-20
 
 
 class BentCaster:
-    """A HeightField on a Base as triangles, some tiles of it round the one whose texels look.
+    """A HeightField on a Base as triangles: the tile whose texels look, and some tiles around it.
 
     field, base  as for ``curved_base``
     tiles        how many to either side, along s and t

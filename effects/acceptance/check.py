@@ -13,7 +13,7 @@ class Answer(Enum):
 
 @dataclass(frozen=True)
 class Check:
-    """One acceptance check: a value and the bound that it keeps.
+    """One acceptance check: a value and its bound.
 
     name      what is measured, in words
     value     the number
@@ -58,7 +58,7 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the value keeps the bound; a NaN does not."""
+        """Whether the value is within the bound; a NaN is not."""
         return bool(self.value >= self.bound if self.at_most is None else self.value <= self.bound)
 
     def record(self) -> dict[str, str | float | bool]:

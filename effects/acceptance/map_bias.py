@@ -50,9 +50,8 @@ def gap(mask, truth, edge):
     """How far behind the board's foot its shadow begins, in texels of a map of ``edge``: float.
 
     It examines the places on the floor that the board shades and that the mask has lit. For each it takes the
-    way from the foot along the shadow, while the map sees it. The result is the greatest of the least 95 in
-    100; 0: there is no such place. Only the first 0.9 world units count, so a wider gap appears as at least
-    these.
+    way from the foot along the shadow, while the map sees it. The result is the 95th percentile; 0: there is
+    no such place. Only the first 0.9 world units count, so a wider gap appears as at least these.
     """
     shown, lamp = truth.shown, truth.lamp
     normal = np.array([np.sin(np.radians(BOARD_TURN)), 0.0, np.cos(np.radians(BOARD_TURN))])

@@ -2,8 +2,8 @@
 material's fields.
 
 Nothing here is shared with what draws: where a pixel lies on the sphere or the square, the local frames, the
-filter and the shading are its own. ``least_share`` tells whether a picture has what the texels of each field
-do to it: where a field is missing, or lies elsewhere, it has none of it.
+filter and the shading are its own. ``least_share`` says how much of each field's effect a picture shows: none
+if the field is missing or lies elsewhere.
 
 Source: Kautz, Seidel 2000, sections 3 and 4, Eq. 1 (E004.1 of the catalogue: the gate).
 """
@@ -77,8 +77,8 @@ def pictures(textures, seen, values, **how):
 
 
 def least_share(shown, whole, *without):
-    """How much of (whole - without) is in (shown - without), the least of several: 1 where it is there, 0
-    where it is missing or lies elsewhere. All [n, 3].
+    """The least share, of several fields, of (whole - without) in (shown - without): 1 if the field is there,
+    0 if it is missing or lies elsewhere. All [n, 3].
     """
     shares = (((shown - one) * (whole - one)).sum() / ((whole - one) ** 2).sum() for one in without)
     return float(min(shares))

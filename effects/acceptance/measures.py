@@ -1,8 +1,8 @@
 """Measures of pictures, for the figures' acceptance checks.
 
 A check's bound is the catalogue's (docs/papers/catalogue), if the catalogue computed or proposed one. Other
-bounds were measured at the first correct picture and frozen with about a third of slack. The mathematics is
-asserted on the free ideal; the machine has bounds of its own.
+bounds were measured at the first correct picture and frozen with about a third of slack. Checks of the
+mathematics apply to the ideal; the machine has bounds of its own.
 """
 
 import math

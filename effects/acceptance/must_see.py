@@ -13,6 +13,6 @@ def sentences(text: str) -> list[str]:
 
 
 def is_named(check: str, name: str) -> bool:
-    """Whether a check's name is the one that a data file says, with any text in place of its fields."""
+    """Whether a check has the name that a data file gives, with any text in place of the name's fields."""
     words = re.split(r"\{[^{}]*\}", name)
     return re.fullmatch(".+?".join(map(re.escape, words)), check) is not None

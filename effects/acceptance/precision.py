@@ -18,7 +18,7 @@ MACHINE_CLAMPS = frozenset(Clamp) - {Clamp.MAPPING, Clamp.FINAL_COMBINER}
 
 
 def measure(figure, profile, size, method=None, changes=MappingProxyType({})):
-    """A figure on a machine beside the ideal evaluation of its fragments: an Error.
+    """How a figure on a machine differs from the ideal evaluation of its fragments: an Error.
 
     ``method``: one of the figure's; None: the machine's. ``changes``: other values of its parameters, by
     name.

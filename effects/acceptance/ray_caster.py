@@ -1,9 +1,9 @@
 """Shadows by casting rays: the exact result that the shadow algorithms of documents 000 and 003 approximate.
 
-A point is lit when nothing lies between it and the light; exactly there Z21's counter of surfaces entered and
+A point is lit if nothing lies between it and the light; exactly then Z21's counter of surfaces entered and
 left is zero. ``visible`` finds what a view shows at the centre of each pixel. ``lit`` tests the light from
-there, and ``seen_fraction`` the many points of an area light (Z26). All of it is float64. Nothing here goes
-to a machine; the figures' checks compare with it.
+there, and ``seen_fraction`` the many points of an area light (Z26). All of it is float64. No machine draws
+any of this; the figures' checks compare with it.
 
 To intersect a ray with a triangle, the triangle is sheared so that the ray is the z axis. They meet if the
 three edge functions have one sign. Neighbours compute the same function of their shared edge, so no ray

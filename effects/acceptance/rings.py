@@ -34,8 +34,8 @@ _SECTORS, _SEEN = 36, 0.2
 
 
 def rings_round_rims(excess, radii, extent, map_size):
-    """How far rings go round domes: per dome the share of 36 sectors of its azimuth in which a pixel within
-    1.5 texels of the rim is brighter by more than 0.2.
+    """How far a ring surrounds each dome. The result is the share of 36 sectors of azimuth in which a pixel
+    within 1.5 texels of the rim is brighter by more than 0.2.
 
     excess  float64 [size, size], bottom row first: the picture less one that has no rings
     radii   float64 [domes, domes], the rims' radii in half distances of two domes, bottom row first

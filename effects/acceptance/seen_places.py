@@ -1,4 +1,4 @@
-"""Where a picture's pixels lie on what they show, and what a texture has there, in float64.
+"""Where a picture's pixels lie on the surfaces that they show, and a texture's values there, in float64.
 
 Nothing here is shared with what draws: places on a sphere or a square follow from its own equations, places
 on triangles from rays, and the filters are its own.
@@ -15,7 +15,7 @@ from fixedpipe.effects.geometry.views import panel_of
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What a panel's pixels show, of those that are compared.
+    """What those pixels of a panel show that are compared.
 
     where   bool [size, size], bottom row first
     s, t    float64 [n], texture coordinates; one is the material's width
@@ -86,7 +86,7 @@ def sphere(size, radius, turns, within, repeats=(1, 1), facets=None):
     """The sphere of ``radius`` half panels that is seen along -z: Seen.
 
     turns    (axis, degrees) of the rotations of its frame, the first one first
-    within   compared is what is turned away from the viewer by at most so many degrees
+    within   largest angle, in degrees, between the normal and the viewer for a pixel to be compared
     repeats  how often the material comes round, and from pole to pole
     facets   (slices, stacks) where each triangle is flat
     """
@@ -121,7 +121,9 @@ def surface(shape, view):
 
 
 def filtered(of_texels, rows, columns, seen):
-    """Linear interpolation of what ``of_texels`` gives for rows and columns of texels, which repeat."""
+    """Linear interpolation of the values that ``of_texels`` gives for rows and columns of texels, which
+    repeat.
+    """
     x, y = seen.s * columns - 0.5, seen.t * rows - 0.5
     i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
     a, b = x - i, y - j
@@ -176,8 +178,8 @@ def shares_alike(figure, renderer, true):
 
 
 def of_reference(figure, method):
-    """What ``shares_alike`` takes, of what the reference of the figure drawn in a Method's way has in the
-    panels ``figure.compared``.
+    """What ``shares_alike`` takes: the pixels that a Method's reference shows in the panels
+    ``figure.compared``.
     """
     picture, true = figure.reference_picture(method=method)[::-1], {}
     for number in figure.compared:

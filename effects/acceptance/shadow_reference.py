@@ -41,17 +41,17 @@ _NEARLY = 1.0 / 64.0
 class Shot:
     """What one panel of a figure shows.
 
-    scene         what is seen and throws shadows
+    scene         the objects that are seen and throw shadows
     view          the camera, on a panel of any place and size: its width and height are the picture's
     lamps         what lights: one, or the points of an area light, whose mean it is
-    background    RGB in [0, 1] where nothing is seen
+    background    RGB in [0, 1] of pixels that show no object
     shading       its materials, or SceneShading.MASK: how much of the lamps reaches a sample
     parts         where slices of the view have other colours: (clip planes of eye coordinates, the scene with
                   its colours) of each; the first whose planes keep a sample colours it
     self_shadows  False: no object's shadow falls on itself
     shadows       False: everything that faces the lamp is lit, as without any shadow algorithm
-    in_shadow     the share of all light, ambient too, that stays in shadow where one pass draws both; None:
-                  ambient light stays whole, the lamp's goes
+    in_shadow     the share of all light, ambient light included, that a shadow leaves where one pass draws
+                  both; None: a shadow leaves all ambient light and none of the lamp's
     reached       (points [n, 3]) -> bool [n]: where a lamp lights at all, or None: everywhere
     """
 
@@ -276,8 +276,8 @@ def _parts_of(shot, points) -> NDArray[np.int64]:
 
 
 def overlaid(picture: NDArray[np.float64], commands: Sequence[Command]) -> NDArray[np.float64]:
-    """A picture RGBA [h, w, 4] with what ``commands`` draw over it, as the float64 ideal draws them: lines
-    and letters that a figure puts on a scene, whichever hides none of them.
+    """A picture RGBA [h, w, 4] with ``commands`` drawn over it by the float64 ideal. These are lines and
+    letters of a figure that its scene does not hide.
     """
     height, width = picture.shape[:2]
     black, white = (

@@ -134,7 +134,7 @@ def occluded(volume, points, direction, away=1.0):
     """Whether rays from world points [n, 3] in a direction meet the iso-surface, or begin behind it:
     bool [n].
 
-    ``away``: where they begin, voxels along the ray, so that a surface does not hide itself.
+    ``away``: how far along the ray they begin, in voxels, so that a surface does not hide itself.
     """
     toward = unit_vector(direction, "The rays' direction")
     distance, *_ = _cast(volume, points, np.broadcast_to(toward, points.shape), away)

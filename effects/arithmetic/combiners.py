@@ -17,7 +17,7 @@ _MACHINE = arithmetic_of(NV2A, 8)
 
 
 def register(chance):
-    """What a register holds: half of the time a number at which arithmetic changes."""
+    """A register's contents: half of the time a number at which the arithmetic changes."""
     return chance.one_of(SIGNED) if chance.below(2) else LOWEST + chance.below(512)
 
 

@@ -1,7 +1,7 @@
 """A rule of the NV2A's arithmetic: one function with its formula, its evidence, and test vectors.
 
-Vectors are plain data, so that a program in any language reads them: whole numbers, names, and numbers with a
-fraction as the bits that IEEE 754 gives them.
+Vectors are plain data, so that a program in any language reads them: whole numbers, names, and the bits of
+IEEE 754 for numbers with a fraction.
 """
 
 import struct
@@ -25,7 +25,7 @@ class Rule:
     compute    the result, of the inputs in their order: the machine's own function
     edges      inputs that come first; without ``draw`` they are all that there are
     draw       the inputs of a random case
-    open       the question of ``conformance --discriminates`` that asks whether it is so
+    open       the question of ``conformance --discriminates`` that decides this rule
     """
 
     id: str

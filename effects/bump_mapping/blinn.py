@@ -53,8 +53,8 @@ def normals(heights, s, t, along_u=(1.0, 0.0, 0.0), along_v=(0.0, 1.0, 0.0)):
     """H41: the normals of the displaced surface at texture coordinates [...], float64 [..., 3].
 
     heights           float64 [rows, columns], periodic, bottom row first, in edges of the field
-    along_u, along_v  [..., 3], what a step of one along u and v is on the surface: in tangent space, where
-                      the heights are measured by the surface's own lengths, the two axes
+    along_u, along_v  [..., 3], the vectors on the surface for a step of one along u and v. In tangent space,
+                      where the surface's own lengths are the heights' unit, they are the two axes
     """
     return tangent_space.displaced_normals(along_u, along_v, *derivatives(heights, s, t))
 
@@ -81,8 +81,8 @@ def integer_power(base, exponent):
 
 
 def self_shadow(light):
-    """min(1, 8 (l_z)+) of unit light vectors [..., 3] in tangent space: nothing is lit where the surface
-    without its bumps is turned away, and light fades within seven degrees of there (A-H43).
+    """min(1, 8 (l_z)+) of unit light vectors [..., 3] in tangent space: nothing is lit where the smooth
+    surface faces away from the light, and the light fades within seven degrees of there (A-H43).
     """
     return np.clip(8.0 * np.asarray(light, np.float64)[..., 2], 0.0, 1.0)
 

@@ -72,8 +72,8 @@ def diffuse_combiners(color, ambient=(0.0, 0.0, 0.0), light_register=PRIMARY, *,
 
 
 def self_shadowed_combiners(color, ambient=(0.0, 0.0, 0.0)):
-    """(n.l)+ min(1, 8 (l_z)+) color texture 1 + ambient texture 1: nothing is lit where the surface without
-    its bumps is turned away, and the light fades within seven degrees of there.
+    """(n.l)+ min(1, 8 (l_z)+) color texture 1 + ambient texture 1: nothing is lit where the smooth surface
+    faces away from the light, and the light fades within seven degrees of there.
 
     Source: A-H43 of the catalogue.
     """
@@ -100,10 +100,10 @@ def diffuse_pass(
     color, ambient=(0.0, 0.0, 0.0), color_map=None, self_shadow=False, depth_test=FIRST_PASS, blending=None,
     sampler=REPEATED,
 ):  # fmt: skip
-    """K10: one draw. ``normal_map``: the name of a texture with normals for EXPAND_NORMAL; colours RGB in
-    [0, 1]. ``color_map``: the name of a texture by whose colours both are multiplied; ``self_shadow``: with
-    it, no light beyond the surface's own terminator. ``depth_test``, ``blending``: where it is added to
-    passes before it. Raises ValueError for ``self_shadow`` without ``color_map``.
+    """K10: one draw. ``normal_map``: the name of a texture with normals for EXPAND_NORMAL; colours RGB in [0,
+    1]. ``color_map``: the name of a texture whose colours multiply both; ``self_shadow``: whether light ends
+    at the surface's own terminator. ``depth_test``, ``blending``: where it is added to passes before it.
+    Raises ValueError for ``self_shadow`` without ``color_map``.
     """
     if self_shadow and color_map is None:
         raise ValueError("self_shadow is for a surface with a color_map; give the colour map's name too.")

@@ -104,7 +104,7 @@ _ADD_SIGNED = TextureEnvironment(
 
 @dataclass(frozen=True)
 class HeightMap:
-    """A height map's texture object and its relief: what a stored one is worth, in the map's edges."""
+    """A height map's texture object and its relief: the height that is stored as one, in edges of the map."""
 
     texture: str
     relief: float
@@ -113,8 +113,8 @@ class HeightMap:
 def load(heights, name, profile):
     """The command that loads a height field and its ``HeightMap``.
 
-    ``heights``: numbers [rows, columns], bottom row first, in units of the map's edge, none below zero and
-    not all zero; the highest is stored as one. Raises ValueError for others.
+    ``heights``: numbers [rows, columns], bottom row first, in edges of the map. None is below zero, and at
+    least one is above; the highest is stored as one. Raises ValueError for others.
     """
     heights = height_fields.numbers(heights)
     low, relief = float(heights.min()), float(heights.max())

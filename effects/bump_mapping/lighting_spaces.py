@@ -4,16 +4,15 @@ All three give the ambient colour + colour (n.l)+ + min(1, 4 (n.l)+) k (n.h)^8. 
 which l, h and the map's normal meet:
 
 Z05, camera space. n_camera = modelview [t b n] bm at every pixel, made of length one there. The document's
-    fragment program is a texture shader's three dot products: unit 0 reads the map, units 1 to 3 multiply it
-    by the rows of modelview [t b n], which are their texture coordinates, and look the result up in a
-    normalization cube map. Combiners do the rest in the same pass, with l and h of camera space as colours.
-    Of the modelview matrix its 3x3 part turns t and b, and that part's cofactors n (erratum E003.3).
-Z06, object space. The map holds normals of the object's own axes, so it fits that one object alone, and a
-    distant light is one vector: K10's and K14's passes with frames that are the object's axes. The imaging
-    subset needs no units at all: the map is loaded through a colour matrix whose rows are l, once for the
-    whole object, and again for h.
-Z07, tangent space. K10's and K14's passes (A-H43): l and h go to tangent space at every vertex, and what is
-    interpolated is nearly, but not quite, of length one. The document calls it the more efficient.
+fragment program is a texture shader's three dot products: unit 0 reads the map, units 1 to 3 multiply it by
+the rows of modelview [t b n], which are their texture coordinates, and look the result up in a normalization
+cube map. Combiners do the rest in the same pass, with l and h of camera space as colours. Of the modelview
+matrix its 3x3 part turns t and b, and that part's cofactors n (erratum E003.3). Z06, object space. The map
+holds normals of the object's own axes, so it fits that one object alone, and a distant light is one vector:
+K10's and K14's passes with frames that are the object's axes. The imaging subset needs no units at all: the
+map is loaded through a colour matrix whose rows are l, once for the whole object, and again for h. Z07,
+tangent space. K10's and K14's passes (A-H43): l and h go to tangent space at every vertex, and the
+interpolated vectors are nearly, but not quite, of length one. The document calls it the more efficient.
 
 Source: Zwicker 2016, "Rendering" and "Variations"; NV_texture_shader, section 3.8.13.1.17; Kilgard 2000;
 pass sequences A-Z05, A-Z06, A-Z07 and A-H43 of the catalogue.
@@ -219,8 +218,8 @@ def color_matrix_passes(
 ):
     """Z06 with the imaging subset: the map loaded twice through a colour matrix and a table, two draws.
 
-    ``normals``: ``object_space_normals``, which the host keeps. Raises ValueError where the light or the
-    viewer is not infinitely far away.
+    ``normals``: ``object_space_normals``, which the host keeps. Raises ValueError if the light or the viewer
+    is not infinitely far away.
     """
     turned = with_object_axes(surface, axes)
     to_light = light.light_vectors(surface.positions)

@@ -34,7 +34,8 @@ TECHNIQUES = (
 def differences(heights, du=1.0, dv=1.0, periodic=True):
     """(d_u, d_v): central differences of a displacement map, float64 [rows, columns] each.
 
-    heights   [rows, columns], bottom row first, in the unit of ``du`` and ``dv``: what lies between texels
+    heights   [rows, columns], bottom row first, in the unit of ``du`` and ``dv``, which are the distances
+              between texels
     periodic  whether the map repeats; else it goes on level beyond its edges
     """
     rows, columns = np.shape(heights)
@@ -43,8 +44,8 @@ def differences(heights, du=1.0, dv=1.0, periodic=True):
 
 
 def height_first_normals(heights, du=1.0, dv=1.0, periodic=True):
-    """The document's normals, the cross product as it is printed: float64 [rows, columns, 3] of length one,
-    in the order height, u, v, bottom row first. Arguments as for ``differences``.
+    """The document's normals, by the cross product as printed: float64 [rows, columns, 3] of length one, in
+    the order height, u, v, bottom row first. Arguments as for ``differences``.
     """
     d_u, d_v = differences(heights, du, dv, periodic)
     one, zero = np.ones(d_u.shape), np.zeros(d_u.shape)

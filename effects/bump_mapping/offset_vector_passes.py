@@ -90,10 +90,10 @@ _CUBE_STAGE = TextureShaderStage(Operation.TEXTURE_CUBE_MAP)
 
 @dataclass(frozen=True)
 class Lighting:
-    """A light far away, seen from +z: what a normal's direction sends to the viewer.
+    """A distant light, seen from +z: the light that each normal's direction sends to the viewer.
 
     light           the direction to the light
-    color, ambient  RGB: of (n.l)+, and of what is there without it
+    color, ambient  RGB: the factors of (n.l)+ and of the light that is there without it
     specular        of (n.h)+ to the power of ``exponent``, a whole number
     """
 
@@ -122,8 +122,8 @@ def load_light(size, profile, lighting):
 
 
 def shown_light(surface, values, profile, view, name):
-    """Commands that show light which was computed on the host, RGB [rows, columns, 3] over the surface's
-    texture coordinates from 0 to 1, each a power of two: a texture by itself.
+    """Commands that show light from the host as a plain texture: RGB [rows, columns, 3] over the surface's
+    texture coordinates from 0 to 1. Rows and columns are powers of two.
     """
     image = texture_2d(factor_texels(np.clip(values, 0.0, 1.0), profile), InternalFormat.RGB8)
     units = (unit(name, EDGE, environment=REPLACE),)
@@ -325,7 +325,7 @@ def load_with_one(offsets, scale, name, profile):
 
 
 def plain_pass(surface, frame, name, scale, view, profile, *, lighting):
-    """(n'.l)+ as it comes out, in one draw of two combiners: nothing is normalized. No highlight."""
+    """(n'.l)+ without normalization, in one draw of two combiners. No highlight."""
     light = unit_vector(lighting.light, "The light's direction")
     parts = [scale * dot(frame.first, light), scale * dot(frame.second, light), dot(frame.normal, light)]
     # Colours hold [-1, 1]: halved until they do, and scaled back.
@@ -399,8 +399,8 @@ _STEP = 0.3
 
 
 def offset_matrix(normal, first, second, scale, unit_length=True):
-    """By what stored (du, dv) move the place of one normal: (a1, a2, a3, a4), d(s, t)/d(du) and d(s,
-    t)/d(dv), rounded to multiples of 1/4096. A stored one is ``scale`` times 127/128.
+    """The matrix by which stored (du, dv) move one normal's place in the map: (a1, a2, a3, a4), d(s, t)/d(du)
+    and d(s, t)/d(dv), rounded to multiples of 1/4096. A stored one is ``scale`` times 127/128.
     """
     entries = []
     for axis in (first, second):

@@ -1,6 +1,6 @@
 """S12 to S15: bump maps of two numbers a texel, offset vectors that are added to the normal, in three frames.
 
-S12. A map keeps f_u and f_v, derivatives that were computed beforehand. A surface may repeat the map more
+S12. A map stores f_u and f_v, derivatives that were computed beforehand. A surface may repeat the map more
 often without changing it: p_u and p_v are derivatives by the *map's* coordinates, and shrink.
 
 S13. The "natural" frame of a point, of any lengths and angle:
@@ -9,8 +9,8 @@ S13. The "natural" frame of a point, of any lengths and angle:
 
 n' is Blinn's normal of the surface displaced by f along n^. If the map is scaled, heights stay the same and
 slopes grow. Between vertices, vectors are interpolated with their lengths, or directions apart from lengths.
-In the first case a vector between two of different length turns faster near the shorter one (``straight``,
-``apart``; artefact P28).
+In the first case a vector between two others turns faster near the shorter of them (``straight``, ``apart``;
+artefact P28).
 
 S14. s_u and s_v have length one, with n^. Slopes stay the same, so heights scale with the map.
 
@@ -66,7 +66,7 @@ def natural(p_u, p_v, outward=None):
     """S13: n, s_u and s_v of the derivatives p_u and p_v, [..., 3], by the map's coordinates: a Frame.
 
     ``outward``: [..., 3], to whose side n is to point: on a mesh where the map is mirrored p_u x p_v points
-    into it. None: n is p_u x p_v. Where p_u and p_v span nothing, at a pole, all three are zero.
+    into it. None: n is p_u x p_v. At a pole, where p_u and p_v span no plane, all three are zero.
     """
     normal = cross(p_u, p_v)
     sign = 1.0
@@ -88,7 +88,8 @@ def of_main_direction(normals, main, unit=True):
 
     normals  [..., 3], of any length but zero
     main     m: one vector [3] for an object, or [..., 3]
-    unit     whether all three are of length one; else they are as long as the normals, which saves a division
+    unit     whether all three have length one; otherwise they are as long as the normals, which saves a
+             division
 
     Where m lies along n there is no e_1: both e are zero, and n' is n. Raises ValueError for a normal or an m
     that is zero or not finite.
@@ -114,8 +115,8 @@ def derivatives_of_mesh(surface):
     """p_u and p_v at the vertices of any mesh: the means of its triangles', weighted alike, in each vertex's
     tangent plane, two float64 [n, 3].
 
-    Triangles whose texture coordinates have no area take no part; a vertex that only they have gets the
-    surface's tangent and binormal.
+    Triangles whose texture coordinates have no area are left out; a vertex that has only such triangles gets
+    the surface's tangent and binormal.
     """
     corners = surface.triangles
     points, coordinates = surface.positions[corners], surface.texture_coordinates[corners]
@@ -139,7 +140,7 @@ def derivatives_of_mesh(surface):
 
 
 def straight(vectors, weights):
-    """Vectors [..., k, 3] of k vertices, weighted as they are by [..., k]: float64 [..., 3]."""
+    """Vectors [..., k, 3] of k vertices, weighted with their lengths by [..., k]: float64 [..., 3]."""
     vectors, weights = np.asarray(vectors, np.float64), np.asarray(weights, np.float64)
     out = weights[..., 0, None] * vectors[..., 0, :]
     for k in range(1, vectors.shape[-2]):
@@ -150,9 +151,9 @@ def straight(vectors, weights):
 def apart(vectors, weights, depths=None):
     """The same with lengths apart from directions: float64 [..., 3].
 
-    depths  float64 [..., k]: w of each vertex, where the weights are the screen's. Lengths alone are then
-            divided for the perspective; directions need none, as sums of unit vectors over w have the right
-            direction whatever their length is.
+    depths  float64 [..., k]: w of each vertex, if the weights are those on the screen. Then only lengths are
+            divided for the perspective. Directions need no division: sums of unit vectors over w have the
+            right direction whatever their length.
     """
     vectors, weights = np.asarray(vectors, np.float64), np.asarray(weights, np.float64)
     if depths is not None:
@@ -198,14 +199,16 @@ def largest(offsets):
 
 
 def checked_scale(scale):
-    """A scale as a float. Raises ValueError where it is not finite and above zero."""
+    """A scale as a float. Raises ValueError if it is not finite and above zero."""
     if not (math.isfinite(scale) and scale > 0.0):
         raise ValueError(f"The offset that is one is {scale!r}; give a finite number above zero.")
     return float(scale)
 
 
 def signed_bytes(offsets, scale):
-    """Offsets [..., 2] as two signed bytes a texel, int8, ``scale`` at 127: what is larger clamps."""
+    """Offsets [..., 2] as two signed bytes a texel, int8. ``scale`` is stored as 127; larger offsets are
+    clamped.
+    """
     codes = np.floor(127.0 * (np.asarray(offsets, np.float64) / checked_scale(scale)) + 0.5)
     return np.clip(codes, -127, 127).astype(np.int8)
 

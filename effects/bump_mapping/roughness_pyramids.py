@@ -1,6 +1,6 @@
 """S16 to S19: a bump map's pyramid, and the pyramid of the roughness that its levels have lost.
 
-A bump map of offset vectors f (slopes, of either sign) is a mip-map. Each texel also keeps a covariance
+A bump map of offset vectors f (slopes, of either sign) is a mip-map. Each texel also stores a covariance
 matrix K = [a b; b c] of the offsets that it covers:
 
     f_l = mean of four f_(l-1)
@@ -72,7 +72,8 @@ def pyramid(offsets, covariance=None):
     """Both pyramids down to one texel: a tuple of Level, level 0 first.
 
     offsets     float64 [rows, columns, 2], rows and columns powers of two
-    covariance  what is rough beneath level 0: three numbers (a, b, c) or [rows, columns, 3]; None: nothing
+    covariance  the roughness beneath level 0: three numbers (a, b, c) or [rows, columns, 3]; None: level 0 is
+                smooth
 
     Raises ValueError for other shapes, numbers that are not finite, or a covariance that is none.
     """
@@ -110,8 +111,8 @@ def from_heights(heights, scale=1.0, periodic=True):
 def checked_covariance(covariance):
     """Covariances [..., 3] as float64.
 
-    Raises ValueError where they are not finite or no covariance: a, c below zero, b^2 above a c by more than
-    rounding.
+    Raises ValueError if they are not finite, or are no covariance: a or c below zero, or b^2 above a c by
+    more than rounding.
     """
     k = np.asarray(covariance, np.float64)
     if k.shape[-1:] != (3,):
@@ -170,7 +171,8 @@ def principal(covariance):
 def deviation_bytes(stored, scale):
     """D as three bytes a texel: d_1 and d_3 unsigned, d_2 biased, zero at 128: uint8 [..., 3].
 
-    ``scale``: the deviation that is one, above zero; what is larger clamps. Raises ValueError for another.
+    ``scale``: the deviation that is stored as one, above zero; larger ones are clamped. Raises ValueError for
+    another.
     """
     if not (np.isfinite(scale) and scale > 0.0):
         raise ValueError(f"The scale of stored deviations is {scale}; give a number above zero.")

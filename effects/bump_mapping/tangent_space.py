@@ -170,9 +170,8 @@ class Report:
 
     areas      float64 [k]: twice the signed area in texture space
     stretch    float64 [k]: ``stretches``; infinite where there is no area
-    zero_area, mirrored, stretched
-               int64: numbers of the triangles with no area, with a negative one, and with a stretch above
-               ``largest_stretch``, ascending; a triangle without area is in neither of the others
+    zero_area, mirrored, stretched int64: numbers of the triangles with no area, with a negative one, and with
+    a stretch above ``largest_stretch``, ascending; a triangle without area is in none of the other lists
     """
 
     areas: np.ndarray
@@ -259,7 +258,7 @@ def vertex_tangents(surface):
 
     t is the mean of the triangles' tangents at each vertex, made perpendicular to the normal and of length
     one. The sign is 1, or -1 if the mean binormal lies on the other side of n x t. Triangles without an area
-    in texture space take no part; a vertex with no other triangles keeps the surface's own tangent.
+    in texture space are left out; a vertex with only such triangles keeps the surface's own tangent.
     """
     points, coordinates = _corners(surface)
     kept = ~without_area(coordinates)

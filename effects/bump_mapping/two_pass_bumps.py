@@ -4,9 +4,9 @@ The host (``vertex_vectors``) or a vertex program (H44) takes l and h to tangent
 they are interpolated. As vertex colours they lose length between the vertices. As texture coordinates of the
 normalization cube map (K12), which takes the second of two units, they get it back.
 
-1. (n.l)+ times the light's colour and min(1, 8 (l_z)+), plus ambient light; the self-shadow in alpha.
-2. Times the surface's colours, if it has some; only colours are written.
-3. k_s (n.h)^E, added by destination alpha. Neither light reaches what the surface itself hides.
+1. (n.l)+ times the light's colour and min(1, 8 (l_z)+), plus ambient light; the self-shadow in alpha. 2.
+Times the surface's colours, if it has some; only colours are written. 3. k_s (n.h)^E, added by destination
+alpha. Neither light reaches places that the surface itself hides.
 
 A general combiner squares, and the final one squares twice more: E = 2, 4 or 8 with two general combiners, 16
 with three. No multiplication is left for k_s, so h has the length k_s^(1/E): the cube map of h holds such
@@ -141,13 +141,13 @@ def lighting_passes(
 ):
     """The passes: two draws, three with a colour map.
 
-    vectors         (l, h) at the vertices in their frames, float64 [n, 3] each: of length one for vertex
-                    colours; for the cube maps of any length
+    vectors         (l, h) at the vertices in their frames, float64 [n, 3] each. Vertex colours need length
+                    one; cube maps take any length
     normal_map      the name of a texture with normals for EXPAND_NORMAL
     color, ambient  RGB in [0, 1]; ``specular``: k_s, in [0, 1]; ``exponent``: one of ``EXPONENTS``
-    color_map       the name of a texture by whose colours all but the highlight is multiplied
-    normalized      whether vectors come from the cube maps that ``load_normalizers`` has loaded; else they
-                    are vertex colours
+    color_map       the name of a texture whose colours multiply everything except the highlight
+    normalized      whether vectors come from the cube maps that ``load_normalizers`` has loaded; otherwise
+                    they are vertex colours
 
     Raises ValueError for another exponent or strength.
     """

@@ -1,4 +1,4 @@
-"""H44: l and h in tangent space from a vertex program; ``vertex_vectors`` is the host's way.
+"""H44: l and h in tangent space from a vertex program; ``vertex_vectors`` computes them on the host.
 
 The program has registers of four single-precision numbers. Its inputs are the position in v[OPOS], the normal
 in v[NRML], the tangent and the binormal's sign in v[TEX1], the light in c[4], and the eye in c[5]. c[4].w and
@@ -63,10 +63,10 @@ def _towards(positions, place, is_place):
 
 
 def light_and_half_vectors(surface, view, light):
-    """(l, h) at the vertices in their frames, of length one but for the arithmetic: float64 [n, 3] each,
-    every number a single-precision one.
+    """(l, h) at the vertices in their frames, of length one up to rounding: float64 [n, 3] each. Every number
+    is a single-precision one.
 
-    surface  a ``Surface``; the binormals' signs are taken of it, and the binormals made anew
+    surface  a ``Surface``; only the signs of its binormals are used, and the program computes the binormals
     """
     positions, normals, tangents = map(_single, (surface.positions, surface.normals, surface.tangents))
     turned = dot(cross(surface.normals, surface.tangents), surface.binormals) < 0.0

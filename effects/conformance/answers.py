@@ -1,4 +1,6 @@
-"""What a real board answered to the open questions: docs/gl_questions.c's output, and which facts stand."""
+"""A real board's answers to the open questions: the output of docs/gl_questions.c, and which facts they
+confirm.
+"""
 
 import re
 from collections.abc import Mapping
@@ -44,7 +46,7 @@ QUESTIONS: Mapping[str, Question] = {
 
 @dataclass(frozen=True)
 class Answer:
-    """A board's answer: a byte, or None and why it was not asked."""
+    """A board's answer: a byte, or None and why the board was not tested."""
 
     name: str
     byte: int | None

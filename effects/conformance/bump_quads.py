@@ -44,7 +44,7 @@ def dxt1_of(rgba):
 
 def case_of(image, linear, stages, register, signs, checkers, coordinates, ycbcr=False):
     """The frame: ``image`` on unit 0, a checkerboard of two colours 0xAABBGGRR on the last stage's unit;
-    ``ycbcr``: whether all that units read is converted.
+    ``ycbcr``: whether all texels that units read are converted.
 
     ``linear``: coordinates of unit 0 count texels. ``signs(column, row)``: unit 0's signed components.
     ``coordinates``: the other units', each [4, 1..4].

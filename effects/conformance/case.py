@@ -17,8 +17,8 @@ Box = tuple[int, int, int, int]  # device pixels, half open: left, top, right, b
 
 
 class Shows(IntEnum):
-    """Which buffer a capture holds: the colours, or the depth words read as colours, by the processor
-    or (16 bits, as R5G6B5) by a texture that the program then drew.
+    """Which buffer a capture holds: the colours, or the depth words as colours. The processor read these
+    words or, with 16 bits as R5G6B5, a texture that the program then drew.
     """
 
     COLOR = 0
@@ -42,7 +42,7 @@ class Case:
     """What a program drew, and where to compare. Raises ValueError for a region that cannot be compared.
 
     commands     the frame, on a 640x480 window
-    region       boxes that are compared; text, which the processor drew over the picture, never is
+    region       boxes that are compared, without the text that the processor drew over the picture
     exclusions   pixels inside them whose rule is not decidable; at most MOST_EXCLUDED of the region
     shows        which buffer the capture holds
     depth_bits   of the window's depth buffer, or its DepthFormat
@@ -83,7 +83,9 @@ class Case:
         return pixels
 
     def compared(self):
-        """Bool [HEIGHT, WIDTH]: the pixels inside the region and no exclusion; text is not yet left out."""
+        """Bool [HEIGHT, WIDTH]: the pixels inside the region and outside all exclusions; text is still among
+        them.
+        """
         pixels = self._inside()
         for exclusion in self.exclusions:
             pixels &= ~exclusion.pixels
@@ -123,7 +125,7 @@ class Inputs:
 
 @dataclass(frozen=True, kw_only=True)
 class Suite:
-    """A suite's cases, each built when it is asked for.
+    """A suite's cases, each built when it is needed.
 
     name   the captures' folder
     cases  by name, in order: the function that builds the Case, from nothing or from ``inputs``

@@ -25,9 +25,9 @@ _f = np.float32
 def times(a, b, wide=False):
     """Row vectors or a matrix times a matrix, float32: each sum's four terms from left to right.
 
-    ``wide``: rounded once, when the sum is stored. Measured: Depth_buffer_fixed_function's captures are of a
-    program that rounds every step (40 of 47 exact; rounded once, 25), Texture_cubemap's of one that rounds
-    once, as the x87 does (DotReflectDiffuse_-1to1GL, all pixels; rounded at every step, all but 70).
+    ``wide``: rounded once, when the sum is stored. Measured: the program of Depth_buffer_fixed_function's
+    captures rounds every step (40 of 47 exact; rounded once, 25). That of Texture_cubemap's rounds once, as
+    the x87 does (DotReflectDiffuse_-1to1GL, all pixels; rounded at every step, all but 70).
     """
     a, b = (np.asarray(m, _f).astype(np.float64 if wide else _f) for m in (a, b))
     terms = [a[..., k, None] * b[k] for k in range(4)]

@@ -139,7 +139,7 @@ def point(position, light_range, attenuation, **given):
 
 def spotlight(position, direction, light_range, cone, attenuation, falloff, **given):
     """Spotlight at a world position; ``cone``: degrees of the outer and the inner cone, ``falloff``: its
-    coefficients. None where the cones are equal: the program's axis is then not finite.
+    coefficients. None if the cones are equal, because the program's axis is then not finite.
 
     Source: Spotlight::Commit: the axis is scaled so that the factor runs from 0 to 1 between the cones.
     """
@@ -160,8 +160,8 @@ def unproject(x, y, z):
 
 
 def lit_colors(vertex, points, normals, sides):
-    """What the chip's lighting unit puts in the place of a vertex program's colours: (primary, secondary),
-    each [n, 4], for every side given in ``sides``, whose colours are the vertices' own.
+    """The colours by which the chip's lighting unit replaces those of a vertex program: (primary, secondary),
+    each [n, 4], for every side in ``sides``, whose colours are the vertices' own.
 
     Measured: ControlFlagsNoLight captures; where specular colour is not separate, each side keeps its own
     secondary colour.

@@ -87,9 +87,9 @@ def known_suites():
 def zeta_colors(framebuffer):
     """The depth buffer as the captures show it: 16-bit words as R5G6B5, depth and stencil as A8R8G8B8.
 
-    5 bits become a byte by ``floor(255 v / 31)``; of 6 bits the upper and lower three do, each by
-    ``floor(255 v / 63)``, as SDL's tables do, with which the programs wrote the files. Measured: all of the
-    32 and 64 values (DepthFmt_z16 captures).
+    5 bits become a byte by ``floor(255 v / 31)``; of 6 bits the upper and lower three do, each by ``floor(255
+    v / 63)``. So do SDL's tables, with which the programs wrote the files. Measured: all of the 32 and 64
+    values (DepthFmt_z16 captures).
     """
     depth, out = framebuffer.depth, np.empty((*framebuffer.depth.shape, 4), np.uint8)
     if framebuffer.depth_bits == 16:
@@ -105,7 +105,7 @@ def zeta_colors(framebuffer):
 def compare(suite, known, name, theirs, inputs, threads=None, profile=NV2A):
     """Redraw one case on a machine and compare it with its capture ``theirs``, uint8 [HEIGHT, WIDTH, 4].
 
-    ``suite``: its name; ``known``: the Suite, None where nobody has redrawn it.
+    ``suite``: its name; ``known``: the Suite, None if it is not redrawn yet.
     """
     given = {"suite": suite, "name": name, "theirs": theirs}
     try:

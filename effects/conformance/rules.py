@@ -230,7 +230,9 @@ class Distinction:
 
 
 def distinction(ours: Comparison, changed: Comparison) -> Distinction | None:
-    """The Distinction of one capture by its two Comparisons, or None where no compared pixel tells."""
+    """The Distinction of one capture by its two Comparisons, or None if no compared pixel distinguishes the
+    rules.
+    """
     if not (ours.covered and changed.covered):
         return None
     apart = (ours.ours != changed.ours).any(axis=2) & ours.compared

@@ -27,8 +27,8 @@ class Capture:
 
 
 def compared(suite, name, theirs, known, inputs, profile):
-    """The Comparison of a capture ``theirs``; arguments as of ``redraw.compare``. What a case raises is its
-    note.
+    """The Comparison of a capture ``theirs``; arguments as of ``redraw.compare``. An exception of the case
+    becomes its note.
     """
     try:
         return compare(suite, known, name, theirs, inputs, 1, profile)
@@ -46,8 +46,8 @@ def compare_all(captures, suites, inputs, threads=None, profile=NV2A):
     threads  cases at a time; None: one per processor
     profile  the machine
 
-    The bits are the same for any number. What ``read`` raises is raised here; what a case raises is its
-    Comparison's note.
+    The bits are the same for any number. Exceptions of ``read`` are raised here; a case's exception becomes
+    its Comparison's note.
     """
     threads = threads or default_threads()
 

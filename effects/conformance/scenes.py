@@ -143,7 +143,7 @@ def unprojected_rectangle(left, top, right, bottom, z=0.0):
 
 
 def unprojected(x, y, z):
-    """The point (x, y, z) of the XDK's view, of a given z, that the chip puts at pixel (x, y), further by the
+    """The point (x, y, z) of the XDK's view, with a given z, that the chip draws at pixel (x, y) plus the
     viewport's offset.
     """
     w = z + XDK_EYE

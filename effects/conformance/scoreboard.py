@@ -66,7 +66,7 @@ def row_of(comparison: Comparison, other: NDArray[np.uint8] | None) -> Row:
 
 
 def reader(folder: Path) -> Callable[[str, str], NDArray[np.uint8] | None]:
-    """What reads the other renderer's picture FOLDER/SUITE/CASE.png, uint8 [h, w, 4], or gives None where
+    """A function that reads the other renderer's picture FOLDER/SUITE/CASE.png, uint8 [h, w, 4]; None if
     there is none of a capture's size. Raises Refusal for a file that is no picture.
     """
     from PIL import Image

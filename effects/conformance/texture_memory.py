@@ -45,8 +45,8 @@ _PACKED = {
 
 @dataclass(frozen=True)
 class Format:
-    """One entry of the programs' format table: its name there, the words, whether rows lie in order (such
-    textures have coordinates that count texels), whether SDL converts to it, and to which words.
+    """One entry of the programs' format table. It has the name there, the words, whether rows lie in order
+    (coordinates of such textures count texels), and whether and to which words SDL converts.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Format:
 
     @property
     def target(self):
-        """What the chip calls such a texture."""
+        """The chip's name of such a texture."""
         return TextureTarget.TEXTURE_RECTANGLE if self.linear else TextureTarget.TEXTURE_2D
 
 
@@ -204,8 +204,8 @@ def swizzled_places(width, height, depth=1):
 def read_as(words, written, word, swizzled):
     """The words [layers, rows, columns] that the chip reads of a texture of that size.
 
-    ``written``: the words that the program wrote, of the format of ``words``; ``word``: the format that it
-    told.
+    ``written``: the words that the program wrote, in the format of ``words``; ``word``: the format that it
+    set.
     """
     if WORD_BYTES[written] == WORD_BYTES[word]:
         return words

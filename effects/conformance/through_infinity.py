@@ -90,7 +90,7 @@ def _middle(ws):
 
 
 def outlines(corners, edges):
-    """Ends of the lines between corners (device x, y and w) of which one has a negative w.
+    """Ends of the lines between two corners (device x, y and w), one of which has a negative w.
 
     From the other corner the line leads away from the negative one, and leaves the screen. Its length is a
     whole multiple of the corners' distance, so its direction is exact.

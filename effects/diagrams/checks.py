@@ -34,8 +34,9 @@ def letters_check(figure, renderer):
     """The Check that the displayed letters are the font's glyphs, upright, in their label's order.
 
     The glyphs are Pillow's own, not those of the texture that is drawn. The measured number is the least
-    share of a label's glyph pixels that have its colour, minus the share of its other pixels that have it. Of
-    a label with an outline those others are the outline's, for what lies behind may be as light.
+    share of a label's glyph pixels that have its colour, minus the share of its other pixels that have it.
+    For a label with an outline the other pixels are the outline's, because the background may be as light as
+    the glyphs.
     """
     image = renderer.machine_window(figure, figure.size)
     font, least, labels = ImageFont.load_default_imagefont(), 1.0, 0

@@ -200,7 +200,7 @@ def strokes(label, view, lines, color, *, width=LINE, dash=None, depth_test=None
     """Polylines, each [k, 2 or 3] (its last point its first again: closed), as one command.
 
     ``dash``: (drawn, left out) in UNITs, or None. ``depth_test``: ``VISIBLE`` where things hide them.
-    ``alpha``: how much of what lies under them is covered, or None: all.
+    ``alpha``: how much they cover of what lies under them; None: all.
     """
     half, parts = 0.5 * pixels(view, width), []
     for line in lines:
@@ -332,7 +332,7 @@ def magnification(view):
 
 
 def text(label, view, anchor, color, *, align=(0, 0), offset=(0.0, 0.0), outline=None, depth_test=None):
-    """A label, in lines separated by newlines; what is read is the command's label too, in one line.
+    """A label, in lines separated by newlines; its text in one line is also the command's label.
 
     ``anchor``: the point of the view where it stands. ``align``: which part of the text is there, -1, 0 or
     1: left, middle or right, and lower edge, middle or upper edge. ``offset``: moved by so many UNITs.

@@ -1,6 +1,6 @@
 """A scene in the plane for diagrams of visibility: polygons, rays that meet them, the volumes behind them.
 
-Everything is computed by intersecting rays with edges, so that what a diagram shows is what is the case.
+Everything is computed by intersecting rays with edges, so that a diagram shows the scene as rays find it.
 Points are pairs of a sheet's units.
 """
 
@@ -72,7 +72,7 @@ def first_hit(start, towards, shapes):
 
 
 def is_visible(point, source, shapes, margin=1e-6):
-    """Whether nothing is between a point and the light at ``source``."""
+    """Whether the way between a point and the light at ``source`` is free."""
     return all(c.parameter >= 1.0 - margin for c in crossings(source, point, shapes))
 
 
@@ -90,8 +90,9 @@ def pieces(shape, count):
 
 
 def shadow_volume(shape, source, length):
-    """What the shape hides from a point light: its edges that face away from the light and its silhouette's
-    two corners extruded, ``length`` units beyond them. A Shape, convex where ``shape`` is.
+    """The region that the shape hides from a point light. Its edges are those that face away from the light,
+    and the silhouette's two corners extruded, ``length`` units beyond them. A Shape, convex where ``shape``
+    is.
     """
     x, y = source
     a, b = shape.edges

@@ -1,6 +1,6 @@
-"""The textures that a frame's passes read and write, found in its commands, for diagrams of what runs.
+"""The textures that a frame's passes read and write, found in its commands, for diagrams of these passes.
 
-A ``Step`` is a run of commands that draw into one panel. It ends with the command that keeps the panel: a
+A ``Step`` is a run of commands that draw into one panel. It ends with the command that stores the panel: a
 copy into a texture, or pixels for the host. Its ``Lookup`` names the picture that a command reads, and the
 source of the coordinates. The source is the vertices, the texels of another picture (texture shaders), an
 image of the host's (pixel textures), or the host itself. A picture is a texture's name and how often it was
@@ -42,7 +42,7 @@ _TEXTURE_REGISTERS = (Register.TEXTURE0, Register.TEXTURE1, Register.TEXTURE2, R
 
 
 class By(Enum):
-    """Who gives the coordinates of a lookup, where no picture does."""
+    """Where a lookup's coordinates come from, if not from a picture."""
 
     VERTICES = "vertices"
     IMAGE = "an image"
@@ -51,7 +51,9 @@ class By(Enum):
 
 @dataclass(frozen=True)
 class Picture:
-    """What a texture, or the host, holds: its name, and how often the frame has written it before."""
+    """The contents of a texture, or of the host's copy: its name, and how often the frame has written it
+    before.
+    """
 
     name: str
     version: int
@@ -72,11 +74,11 @@ class Lookup:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Commands that draw into a panel one after the other, and what is kept of it.
+    """Commands that draw into a panel one after the other, and the Pictures that store the result.
 
     commands  in their order
     lookups   what they read, each once
-    kept      Pictures that are the panel's content after them; none where nothing is kept
+    kept      Pictures of the panel's content after them; none if nothing is stored
     """
 
     commands: tuple
@@ -224,8 +226,8 @@ class _Walk:
 def steps_of(commands: Iterable, panel) -> tuple[Step, ...]:
     """The Steps of a frame's ``commands`` that draw into a ``views.Panel``, in their order.
 
-    Commands that draw elsewhere, or into the whole window, take no part. What the host reads by the name of a
-    texture that was kept in the same step is that picture.
+    Commands that draw elsewhere, or into the whole window, take no part. If the host reads by the name of a
+    texture that the same step stored, it reads that picture.
     """
     walk = _Walk((panel.x, panel.y, panel.width, panel.height))
     for command in commands:

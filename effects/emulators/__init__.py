@@ -1,3 +1,3 @@
-"""For authors of emulators: the NV2A's arithmetic as code that they can paste, and a judge of what they
-have.
+"""For authors of emulators: the NV2A's arithmetic as code that they can paste, and a judge of their own
+code.
 """

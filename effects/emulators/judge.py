@@ -1,7 +1,7 @@
-"""Judges another program: asks it for the rules' vectors, a line each, and counts what it has right.
+"""Judges another program: sends it the rules' vectors, a line each, and counts its correct answers.
 
-A program is a process of its own for each rule, so that one that crashes or hangs loses one rule. What it
-writes is read a line at a time, and no more is kept than a line and the end of its complaints.
+A program is a process of its own for each rule, so that one that crashes or hangs loses one rule. Its output
+is read a line at a time. Only that line and the end of its error messages stay in memory.
 """
 
 import contextlib
@@ -31,7 +31,7 @@ class Score:
 
     right, vectors   how many of how many
     first            the first difference: case, inputs, expected, answered; None where there is none
-    failure          a sentence, where the program did not come to the rule's end; else empty
+    failure          a sentence if the program did not reach the rule's end; otherwise empty
     absent           it answered null always: it has no such rule
     """
 
@@ -48,7 +48,7 @@ class Score:
         return not self.failure and self.right == self.vectors
 
     def record(self) -> dict[str, Any]:
-        """What a JSON object has of it."""
+        """The score as a JSON object."""
         rule = self.rule
         return {
             "rule": rule.id,
@@ -68,7 +68,7 @@ class Score:
 
 
 def tag_of(rule: Rule) -> str:
-    """What the evidence begins with: Measured, Inferred, Source or Assumed."""
+    """The evidence's first word: Measured, Inferred, Source or Assumed."""
     return rule.evidence.partition(":")[0]
 
 
@@ -207,7 +207,7 @@ class _Asked:
 
 
 def question(rule: Rule, number: int, case: dict[str, Any]) -> bytes:
-    """The line that asks for a case."""
+    """The line that requests a case."""
     inputs = {name: case[name] for name in rule.inputs}
     return json.dumps({"rule": rule.id, "case": number, "inputs": inputs}).encode() + b"\n"
 
@@ -260,8 +260,8 @@ def judged(
 
 
 def totals(scores: Sequence[Score]) -> dict[str, Any]:
-    """Rules that are whole and all rules, by evidence; vectors; rules that the program has not, or fails
-    in.
+    """Rules that are all correct and all rules, by evidence; vectors; and rules that the program lacks or
+    fails.
     """
     tags = sorted({tag_of(score.rule) for score in scores})
     by_tag = {tag: [score for score in scores if tag_of(score.rule) == tag] for tag in tags}

@@ -1,4 +1,4 @@
-"""How the code names what the rules name: one scheme for C and GLSL."""
+"""The code's names for the rules' names: one scheme for C and GLSL."""
 
 # By what an input is called: the words before its names' constants.
 _PREFIXES = {

@@ -2,8 +2,8 @@
 
 S10 is Becker and Max's method (1993), as the paper describes it. Near by, it uses the bumps of level 0. Far
 away it uses a BRDF, here the normal distribution of all the map's offsets, which filters the environment.
-Between two levels of the footprint it blends both. One blend serves one width of bumps. A map with many
-widths is split into bands, each with a blend of its own; with octaves as bands that is the roughness pyramid.
+Between two levels of the footprint it blends both. One blend serves one width of bumps. A map with bumps of
+many widths is split into bands, each with its own blend; with octaves as bands this is the roughness pyramid.
 Their redistribution of bumps by visibility is left out. It belongs to displaced geometry, and bump maps have
 none.
 
@@ -73,7 +73,7 @@ def switched(view, mirror, levels, cube_levels, first=1.0, last=4.0):
     """S10: bumps of level 0 where a pixel's footprint on the map is at level ``first`` or below, a BRDF of
     the whole map from ``last`` on, a blend between: float64 [height, width, 3].
 
-    Raises ValueError where ``last`` is not above ``first``.
+    Raises ValueError if ``last`` is not above ``first``.
     """
     if not last > first:
         raise ValueError(f"Bumps end at level {first:g} and the BRDF begins at {last:g}; give a higher one.")

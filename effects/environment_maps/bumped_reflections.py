@@ -15,8 +15,8 @@ the normal map's alpha, which the combiners multiply. Alternatively it is a seco
 On a Matrox G400 the bump map holds two signed numbers (du, dv). A 2x2 matrix turns them, and they displace
 the coordinates of a sphere map (OFFSET_TEXTURE_2D), which SPHERE_MAP generates for the smooth surface. The
 matrix says how much the reflection's (s, t) moves with the normal. It differs from point to point, but it is
-state, constant in a draw. So the surface is drawn in parts, each with the matrix of its middle. Nothing
-clamps: coordinates beyond the map's circle read its edge.
+state, constant in a draw. So the surface is drawn in parts, each with the matrix of its middle. Nothing is
+clamped: coordinates beyond the map's circle read its edge.
 
 Source: Zwicker 2016, "Environment mapped bump mapping" and "'Dirt' texture"; NV_texture_shader, section
 3.8.13.1.18; ATI_envmap_bumpmap; pass sequence A-Z08/Z09 of the catalogue.
@@ -110,7 +110,7 @@ def load(normals, dirt, name, profile):
     """Commands that load a normal map with dirt in alpha, and dirt alone; and their Names.
 
     normals  float64 [rows, columns, 3], bottom row first, in tangent space
-    dirt     float64 [rows, columns] in [0, 1]: what is left of the reflection; or one number
+    dirt     float64 [rows, columns] in [0, 1]: the share of the reflection that stays; or one number
     """
     dirt = np.broadcast_to(unit_numbers(dirt, "The dirt"), normals.shape[:2])
     names = Names(f"{name} n, dirt", f"{name} dirt")
@@ -308,8 +308,8 @@ def _sphere_map_coordinates(normals, to_eye):
 
 
 def offset_matrix(part, view):
-    """By what (du, dv) of a part's bumps displace the sphere map's coordinates at the part's middle: (a1, a2,
-    a3, a4), by columns, d(s, t)/d(du) and d(s, t)/d(dv), rounded to multiples of 1/4096.
+    """The matrix by which (du, dv) of a part's bumps displace the sphere map's coordinates at the part's
+    middle: (a1, a2, a3, a4), by columns, d(s, t)/d(du) and d(s, t)/d(dv), rounded to multiples of 1/4096.
     """
     turn, vertices = np.array(view.modelview)[:3, :3], np.unique(part.triangles)
     t, b, n = (

@@ -81,7 +81,7 @@ def load(names, discs, profile):
 
 def filtered_copies(sources, names, size, kernel):
     """Commands that draw each disc into the window's lower left corner, ``size`` pixels wide, and copy it
-    through a filter into a texture of another name; what the corner held is lost.
+    through a filter into a texture of another name. They overwrite that corner.
     """
     out = []
     for source, name in zip(sources, names, strict=True):

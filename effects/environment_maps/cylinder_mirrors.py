@@ -1,9 +1,9 @@
 """S07: an environment mirrored by upright cylinders, whose curvature is in one direction only.
 
 Round a cylinder the mirrored ray turns fast, so a pixel covers a long arc of the environment. Along its axis
-it covers no more than a flat mirror's pixel does. A level of detail is one number: a value for one direction
-blurs the other, or leaves noise in it. The environment is a panorama, a 2D texture of longitude and latitude.
-Boards of the time filter it anisotropically, if they can at all.
+it covers no more than a flat mirror's pixel does. A level of detail is one number: a level that suits one
+direction blurs the other, or leaves noise in it. The environment is a panorama, a 2D texture of longitude and
+latitude. Boards of the time filter it anisotropically, if they can at all.
 
 Let p be the azimuth of the cylinder's normal and q that of the direction to the eye. The mirrored ray's
 azimuth is then 2 p - q, and its elevation is d's. Both are exact at vertices; between them the machine
@@ -96,7 +96,7 @@ def sampler(lod=None, **settings):
 def mesh(pipe, eye, slices, stacks, shade=0.0):
     """The half of a pipe that is turned to the eye, with the panorama's coordinates at its vertices.
 
-    ``shade``: how much darker it is where it is seen edge-on, of full; its vertices have the colours.
+    ``shade``: how much of full brightness it loses where it is seen edge-on; its vertices have the colours.
     """
     toward = np.array(eye, np.float64)
     front = float(_turns(toward[0] - pipe.x, toward[2] - pipe.z))
@@ -128,8 +128,8 @@ def mesh(pipe, eye, slices, stacks, shade=0.0):
 
 
 def coordinates(ray, turn):
-    """(s, t) of the panorama that rays [..., 3] see which meet a cylinder where its normal's azimuth is
-    ``turn`` turns from +z: float64 [..., 2]; s goes on beyond 0 and 1.
+    """(s, t) in the panorama that rays [..., 3] see: float64 [..., 2]. The rays meet a cylinder where its
+    normal's azimuth is ``turn`` turns from +z; s continues beyond 0 and 1.
     """
     # Azimuths from +z by way of +x; the panorama's begin at -z and run the other way round. That of the way
     # back to the eye does not jump where an eye in front sees the middle of a pipe.
@@ -249,8 +249,9 @@ def _sampled(ray, eye, pipes, end, shade, image, jitter, side, first, last, out)
 
 @computed_once
 def supersampled(view, pipes, image, side=16, threads=None, *, shade=0.0):
-    """The truth: ``side`` squared rays a pixel: float64 [height, width, 5], bottom row first, the mean colour
-    of what meets a pipe, the share of the pixel that does, and that which meets an upper end.
+    """The reference by ``side`` squared rays a pixel: float64 [height, width, 5], bottom row first. It has
+    the mean colour of the rays that meet a pipe, their share of the pixel, and the share of those that meet
+    an upper end.
 
     view   a perspective View
     pipes  Pipes, solid

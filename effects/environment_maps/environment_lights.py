@@ -45,9 +45,9 @@ def _total(values):
 def lights_of(cube, count):
     """The Lights of a cube map, float64 [6, n, n, 3] of radiance from 0 on.
 
-    ``count``: how many, from 1; fewer come out where fewer texels shine. The sums of their irradiance and of
-    the map's power are the same but for rounding. Raises ValueError for a cube map that is none, radiance
-    below zero, a map that is black, and a count that is none.
+    ``count``: how many, from 1; fewer come out where fewer texels shine. The sum of their irradiance equals
+    the map's power, up to rounding. Raises ValueError for a cube map that is none, radiance below zero, a map
+    that is black, and a count that is none.
     """
     cube = cube_maps.checked(cube, "The environment")
     if count < 1:

@@ -1,4 +1,4 @@
-"""A room with windows as an environment: a cube map, a sphere map or a picture of what mirrors in it show.
+"""A room with windows as an environment: a cube map, a sphere map or a picture of the part that mirrors show.
 
 The room is a box, with the eye of an environment map at its centre. A direction sees the wall that it meets.
 Everything is a function of directions, in elementwise arithmetic, so texels have the same bits everywhere.
@@ -102,7 +102,7 @@ _SIDES = (_left, _right, _floor, _ceiling, _ahead, _behind)
 
 
 def room(toward):
-    """What a ray from the room's centre sees: RGB float64 [..., 3] in [0, 1].
+    """The colour that a ray from the room's centre sees: RGB float64 [..., 3] in [0, 1].
 
     ``toward``: float64 [..., 3], not zero, of any length; -z is the wall that a viewer on the z axis faces.
     """
@@ -139,8 +139,8 @@ def _averaged(function, toward, texel):
 
 @lru_cache(maxsize=4)
 def faces(size, environment=room):
-    """A cube map of floats, the mean of four rays in each texel: float64 [6, size, size, 3], kept, not to be
-    written to; ``size`` from 2 on.
+    """A cube map of floats, the mean of four rays in each texel: float64 [6, size, size, 3], cached and
+    read-only; ``size`` from 2 on.
     """
     toward = directions(size)
     toward = toward / np.abs(toward).max(axis=-1, keepdims=True)
@@ -169,8 +169,8 @@ def discs(size, environment=room, margin=2):
 def sphere_map(size, view, profile, environment=room):
     """The environment as SPHERE_MAP coordinates read it in a view, ``size`` texels along an edge.
 
-    Texel (s, t) is what is seen along the reflection of +z in the normal (2s - 1, 2t - 1, .), in eye
-    coordinates, a mean of four rays; outside the circle, what its edge has.
+    Texel (s, t) is the colour along the reflection of +z in the normal (2s - 1, 2t - 1, .), in eye
+    coordinates, a mean of four rays. Texels outside the circle continue its edge.
     """
     turn = np.array(view.modelview)[:3, :3].T
     return texture_2d(_texels(_sphere(size, tuple(map(tuple, turn.tolist())), environment), profile))

@@ -132,7 +132,7 @@ def diffuse_pass(surface, view, colors, *, coat):
 
 
 def under_coat_pass(mesh, view, read):
-    """What a texture unit reads, seen through the coat: times one minus destination alpha, added.
+    """The texels of a texture unit, seen through the coat: times one minus destination alpha, added.
 
     ``mesh``: with the unit's texture coordinates, of the positions that the mirror's passes drew.
     """

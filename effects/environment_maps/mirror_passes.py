@@ -32,7 +32,7 @@ FRONT = PolygonState(cull_face=Face.BACK)
 
 
 def weighted_mesh(mesh, weight):
-    """The mesh with grey vertex colours, ``weight`` from 0 to 1: what a pass is multiplied by."""
+    """The mesh with grey vertex colours of ``weight``, from 0 to 1, which multiply a pass."""
     if not 0.0 <= weight <= 1.0:
         raise ValueError(f"A pass is multiplied by {weight!r}; give a number from 0 to 1.")
     return replace(mesh, colors=np.full((len(mesh.positions), 3), float(weight)))

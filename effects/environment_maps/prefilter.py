@@ -118,7 +118,7 @@ def _filtered(toward, blocks, texels, power, least, scratch, out):
 def exponent_of(exponent):
     """Phong's exponent as the nearest multiple of ``EXPONENT_STEP``.
 
-    Raises ValueError for what is no number from that step to ``LARGEST_EXPONENT``.
+    Raises ValueError unless it is a number from that step to ``LARGEST_EXPONENT``.
     """
     try:
         value = float(exponent)
@@ -232,7 +232,7 @@ def phong(cube, exponent, size=None, threads=None):
     size      texels along the result's edge; None: as many as the cube map has
     threads   None: one a processor. Any number gives the same bits
 
-    Raises ValueError for what is no cube map, for NaN and infinity, and for numbers out of range.
+    Raises ValueError for anything but a cube map, for NaN and infinity, and for numbers out of range.
     """
     cube = cube_maps.checked(cube)
     exponent = exponent_of(exponent)
@@ -254,7 +254,7 @@ def phong(cube, exponent, size=None, threads=None):
 
 
 def cosine(cube, size, threads=None):
-    """Irradiance over pi, what a white diffuse surface sends back, by its normal: [6, size, size, 3].
+    """Irradiance over pi by the normal, which is the radiance of a white diffuse surface: [6, size, size, 3].
 
     Arguments and errors as ``phong``'s.
     """
@@ -266,6 +266,6 @@ _BELOW_ONE = 0.995
 
 
 def exposure(cube):
-    """What a cube map of floats [6, n, n, 3] is multiplied by so that 99.5 % of its numbers are below one."""
+    """The factor of a cube map of floats [6, n, n, 3] with which 99.5 % of its numbers are below one."""
     level = float(np.sort(cube, axis=None)[int(_BELOW_ONE * (cube.size - 1))])
     return 1.0 / level if level > 0.0 else 1.0

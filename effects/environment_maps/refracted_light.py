@@ -49,9 +49,10 @@ def _turn(view):
 
 
 def load_disc(name, environment, view, size, profile):
-    """The command that loads what lies before the eye as a disc, ``size`` texels along an edge.
+    """The command that loads the directions ahead of the eye as a disc, ``size`` texels along an edge.
 
-    ``environment``: world directions [..., 3] to RGB in [0, 1]: smooth, for it is sampled at texel centres.
+    ``environment``: world directions [..., 3] to RGB in [0, 1]. It must be smooth, because it is sampled at
+    texel centres.
     """
     toward = parabolic_maps.directions(size, parabolic_maps.margin(size))[0]
     colors = environment(rotate(_turn(view).T, toward))

@@ -81,8 +81,8 @@ _WITH_WEIGHT = AlphaTest(ComparisonFunction.GREATER, 0.0)
 
 @dataclass(frozen=True)
 class Stored:
-    """What was loaded: the bump map's name, the cube maps' names from the smoothest on, the offset that is
-    stored as one, and the I_1 that is.
+    """What was loaded: the bump map's name, the cube maps' names from the smoothest on, and the offset and
+    the I_1 that are stored as one.
     """
 
     bumps: str
@@ -100,8 +100,8 @@ class Stored:
 
 
 def with_curvature(levels):
-    """The pyramids with what f differs by over half of a texel in each direction added to K, above level 0:
-    a tuple of Level. The bump map repeats.
+    """The pyramids as a tuple of Level. Above level 0, K also has the change of f over half of a texel in
+    each direction. The bump map repeats.
     """
     out = [levels[0]]
     for level in levels[1:]:

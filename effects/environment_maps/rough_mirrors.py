@@ -70,8 +70,8 @@ class Antialiasing(StrEnum):
 
 @dataclass(frozen=True)
 class Mirror:
-    """A plane without end: a point of it, two unit vectors e_1 and e_2 in it at a right angle, and how long a
-    period of the bump map is, in world units. The normal is e_1 x e_2; u runs along e_1, v along e_2.
+    """An infinite plane: one of its points, two unit vectors e_1 and e_2 in it at a right angle, and the
+    length of the bump map's period in world units. The normal is e_1 x e_2; u runs along e_1, v along e_2.
     """
 
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -180,8 +180,8 @@ def _checked_offsets(offsets):
 
 
 def supersampled(view, mirror, offsets, cube, side=SIDE, threads=None):
-    """The truth: ``side`` squared rays a pixel, each in a cell of its own, bumps of level 0: float64 [height,
-    width, 3], bottom row first. What is above the horizon is the environment itself.
+    """The reference by ``side`` squared rays a pixel, each in its own cell, with bumps of level 0: float64
+    [height, width, 3], bottom row first. Pixels above the horizon show the environment itself.
 
     view     a perspective View; its panel's size is the picture's
     offsets  float64 [rows, columns, 2]: f, as level 0 of a pyramid
@@ -243,8 +243,8 @@ def probe(levels, toward, level):
 
 
 def face_changes(toward, changes, size):
-    """What changes of direction are in texels of the face that the direction meets: float64 [..., k, 2], and
-    the two vectors in the face's plane that are a texel's step along s and t, [..., 2, 3].
+    """Changes of direction in texels of the face that the direction meets, float64 [..., k, 2]; and the two
+    vectors in the face's plane that are a texel's step along s and t, [..., 2, 3].
 
     toward   float64 [..., 3]
     changes  float64 [..., k, 3]
@@ -263,7 +263,7 @@ def face_changes(toward, changes, size):
 
 @dataclass(frozen=True, eq=False)
 class Beam:
-    """What a plane's pixels mirror, float64 [height, width, ...].
+    """The beams that a plane's pixels mirror, float64 [height, width, ...].
 
     hits        bool: whether the plane is met
     toward      [3]: r
@@ -286,7 +286,7 @@ class Beam:
 
 
 def mirrored(incoming, offsets, frame):
-    """r and what it changes by with f: float64 [..., 3] and [..., 2, 3].
+    """r and its derivatives by f: float64 [..., 3] and [..., 2, 3].
 
     incoming  float64 [..., 3]: d, towards the plane
     offsets   float64 [..., 2]
@@ -358,8 +358,8 @@ def beams(view, mirror, levels, antialiasing=Antialiasing.ANISOTROPIC, probes=1)
     """The Beam of each pixel of a perspective view.
 
     levels  both pyramids, as roughness_pyramids makes them
-    probes  of the bump map at most, along the longer edge of a pixel's footprint; what f differs by from
-            probe to probe is added to K, as what is lost between two levels is
+    probes  most probes of the bump map, along the longer edge of a pixel's footprint. K also gets the
+            difference of f from probe to probe, as it gets what is lost between two levels
     """
     antialiasing, frame = Antialiasing(antialiasing), mirror.frame
     rows, columns = levels[0].offsets.shape[:2]
@@ -426,7 +426,7 @@ def environment_probes(sigma, most):
 
 
 def shown(beam, cube_levels, antialiasing=Antialiasing.ANISOTROPIC, most=16):
-    """What an environment looks like in each pixel's Beam: float64 [height, width, 3], bottom row first.
+    """The environment's colour in each pixel's Beam: float64 [height, width, 3], bottom row first.
 
     cube_levels  as ``cube_pyramid``
     most         probes of the environment at most

@@ -46,7 +46,9 @@ _ENVIRONMENT = replace(EDGE, min_filter=TextureFilter.LINEAR_MIPMAP_LINEAR)
 
 @dataclass(frozen=True)
 class Ahead:
-    """A central projection of what lies ahead: its axis, what is up, and the tangent of half its angle."""
+    """A central projection of the directions ahead: its axis, its up vector, and the tangent of half its
+    angle.
+    """
 
     axis: tuple[float, float, float] = (0.0, 0.0, -1.0)
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
@@ -58,7 +60,7 @@ class Ahead:
 
     @property
     def frame(self):
-        """What is right, up and ahead: unit vectors, float64 [3, 3]."""
+        """The unit vectors to the right, up and ahead: float64 [3, 3]."""
         ahead = unit_vector(self.axis, "The projection's axis")
         right = normalize(cross(ahead, unit_vector(self.up, "The projection's upward direction")))
         return np.stack([right, cross(right, ahead), ahead])
@@ -71,10 +73,10 @@ class Ahead:
         return across + (self.reach * t)[:, None, None] * up + ahead
 
     def coordinates(self, toward, changes):
-        """(s, t) of directions [n, 3], float64 [n, 2], and what they change by, [n, 2, k], where these change
-        by [n, k, 3].
+        """(s, t) of directions [n, 3], float64 [n, 2], and their changes, [n, 2, k], for changes [n, k, 3] of
+        the directions.
 
-        Raises ValueError where a direction does not lead ahead.
+        Raises ValueError if a direction does not lead ahead.
         """
         *across, ahead = self.frame
         depth = dot(toward, ahead)
@@ -112,7 +114,7 @@ def load(levels, environment, bump_scale, rough_scale):
     """Commands that load the pyramids, a tuple of ``roughness_pyramids.Level``, and the environment, RGB in
     [0, 1], float64 [rows, columns, 3].
 
-    bump_scale   the offset that is one; what is larger clamps
+    bump_scale   the offset that is stored as one; larger ones are clamped
     rough_scale  the deviation that is one
     """
     _checked(bump_scale, "the bumps")
@@ -138,7 +140,7 @@ def plane_mesh(view, mirror, u, v, ahead, bump_scale):
     """The plane at rising distances u along e_1 and v along e_2 from the mirror's origin, world units, with
     coordinates of the bumps and both rows of dot products.
 
-    Raises ValueError where a mirrored ray does not lead ahead.
+    Raises ValueError if a mirrored ray does not lead ahead.
     """
     first, second, _ = mirror.frame
     at_u, at_v = (c.ravel() for c in np.meshgrid(u, v))
@@ -156,7 +158,7 @@ def plane_mesh(view, mirror, u, v, ahead, bump_scale):
 def reflection(mesh, view, bump_scale, rough_scale, *, probes=8, filtered=True, depth_test=FIRST_PASS):
     """The pass over a ``plane_mesh``.
 
-    probes    the most along the ellipse's longer axis (S24); 1: one at that axis's level (S25)
+    probes    most probes along the ellipse's longer axis (S24); 1: one probe at that axis's level (S25)
     filtered  whether roughness filters the environment; if not, it is read at level 0
     """
     reads = {"previous_texture_input": 0, "dot_product_mapping": DotProductMapping.SIGNED_IDENTITY}

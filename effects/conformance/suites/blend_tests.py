@@ -1,7 +1,7 @@
 """Blend_tests: every blend equation with every pair of factors, on a small surface, shown on the window.
 
 Source: src/tests/blend_tests.cpp of nxdk_pgraph_tests. The surface is A8R8G8B8 and is read as A8B8G8R8, which
-exchanges red and blue once more. The colours here are those of the pictures.
+exchanges red and blue a second time. The colours here are those of the pictures.
 """
 
 from dataclasses import replace

@@ -2,7 +2,7 @@
 
 Source: src/tests/clear_tests.cpp of nxdk_pgraph_tests. Measured: CLEAR_SURFACE ignores the masks of colour,
 depth and stencil, and writes the word of SET_COLOR_CLEAR_VALUE unchanged. A surface is shown as words
-A8B8G8R8, whatever its own are; such a word holds two of 16 bits.
+A8B8G8R8, whatever its own format; such a word holds two words of 16 bits.
 """
 
 from dataclasses import replace

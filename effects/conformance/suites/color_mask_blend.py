@@ -1,4 +1,4 @@
-"""Color_mask_blend: quads blended by the destination's alpha, which the color mask keeps.
+"""Color_mask_blend: quads blended by the destination's alpha, which the color mask protects.
 
 Source: src/tests/color_mask_blend_tests.cpp of nxdk_pgraph_tests.
 """

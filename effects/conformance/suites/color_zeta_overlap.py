@@ -1,9 +1,8 @@
 """Color_zeta_overlap: a square drawn while colours and depths go to the same memory.
 
-Source: src/tests/color_zeta_overlap_tests.cpp of nxdk_pgraph_tests. Each case here has the buffer that the
-square does not reach: the window after its last clear, and the depth buffer beside the window. The program
-calls the contents of the shared memory mixed at random. The captures show blocks of colours and of depths
-there.
+Source: src/tests/color_zeta_overlap_tests.cpp of nxdk_pgraph_tests. Each case here shows the buffer outside
+the square: the window after its last clear, and the depth buffer beyond the window. The program calls the
+contents of the shared memory mixed at random. The captures show blocks of colours and of depths there.
 """
 
 from functools import partial

@@ -1,7 +1,7 @@
 """Context_switch: vertices that are sent while the graphics class of the channel's context is set to zero.
 
-Source: src/tests/context_switch_tests.cpp of nxdk_pgraph_tests. Measured: nothing sent meanwhile arrives, no
-vertex and no colour (GRZero).
+Source: src/tests/context_switch_tests.cpp of nxdk_pgraph_tests. Measured: nothing that is sent meanwhile
+arrives, neither vertices nor colours (GRZero).
 """
 
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Image_blit: the 2D engine's copies of a picture, plain, mixed by a constant and clipped, beside drawn
+"""Image_blit: the 2D engine's copies of a picture, plain, mixed by a constant and clipped, next to drawn
 quads.
 
 Source: src/tests/image_blit_tests.cpp of nxdk_pgraph_tests. Measured: BLEND_AND mixes as blending by a

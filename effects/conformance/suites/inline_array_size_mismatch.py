@@ -1,4 +1,4 @@
-"""Inline_array_size_mismatch: a triangle, and after it the first numbers of one more, which draw nothing.
+"""Inline_array_size_mismatch: a triangle, followed by the first numbers of a second one, which draw nothing.
 
 Source: src/tests/inline_array_size_mismatch.cpp of nxdk_pgraph_tests.
 """

@@ -2,7 +2,7 @@
 
 Source: src/tests/null_surface_tests.cpp of nxdk_pgraph_tests. First the program draws the same quad to the
 window's memory as 512 by 512 pixels, and to a texture's memory. Then it clears and draws the picture, so
-nothing of the two remains.
+neither leaves a trace.
 """
 
 from fixedpipe.effects.conformance import scenes

@@ -1,4 +1,4 @@
-"""Texture_border_color: the border colour beside textures of nineteen formats, over a checkerboard.
+"""Texture_border_color: the border colour around textures of nineteen formats, over a checkerboard.
 
 Source: src/tests/texture_border_color_tests.cpp of nxdk_pgraph_tests.
 """

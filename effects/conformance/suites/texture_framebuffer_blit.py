@@ -1,7 +1,7 @@
 """Texture_Framebuffer_Blit: four triangles, copied into memory, and that as a texture over them.
 
-Source: src/tests/texture_framebuffer_blit_tests.cpp of nxdk_pgraph_tests. The copy has every pixel as it is,
-so the triangles are drawn to a pbuffer as well, which is the texture.
+Source: src/tests/texture_framebuffer_blit_tests.cpp of nxdk_pgraph_tests. The copy leaves every pixel as it
+is. So the triangles are also drawn to a pbuffer, which serves as the texture.
 """
 
 from dataclasses import replace
