@@ -1,4 +1,4 @@
-"""The cost of each figure: the cheapest are drawn first, and how long all will take is said before."""
+"""The cost of each figure: the cheapest are drawn first, and the total time is estimated before."""
 
 import math
 
@@ -167,13 +167,15 @@ def seconds_of(figures, machines=None):
 
 
 def longest_after_the_first(figures):
-    """The cheapest figure, so that there is one soon; then from what was never measured and the longest down,
-    so that several processes end at about the same time.
+    """The cheapest figure first, so that one is ready soon. Then figures that were never measured, and the
+    others from the longest down, so that several processes end at about the same time.
     """
     in_order = cheapest_first(figures)
     return [*in_order[:1], *reversed(in_order[1:])]
 
 
 def cheapest_first(figures):
-    """The figures in the order of their costs; what was never measured comes last, in the order given."""
+    """The figures in the order of their costs; those that were never measured come last, in the order
+    given.
+    """
     return sorted(figures, key=lambda figure: SECONDS.get(figure.id, math.inf))

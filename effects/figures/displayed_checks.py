@@ -1,4 +1,4 @@
-"""What the displayed picture of every figure is asked, beside the figure's own checks."""
+"""The checks of every figure's displayed picture, besides the figure's own."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING

@@ -88,21 +88,21 @@ class Figure:
     title        what it is, in a few words
     caption      what is shown
     must_see     what must be visible for the figure to be right
-    source       key in docs/bibliography.bib; "" of what is after no paper
+    source       key in docs/bibliography.bib; "" if no paper has the figure
     techniques   the catalogue's ids of the techniques used
-    panels       what each of its panels shows, from left to right, in a label's few words; whatever
-                 presents the figure draws the labels, the machine does not
-    parts        labels of the Draws that must be seen, which ``parts_check`` asks for
+    panels       a label of each panel, from left to right. The machine does not draw the labels; pages and
+                 sheets that show the figure do
+    parts        labels of the Draws that must be visible, as ``parts_check`` tests
     compared     numbers, from 1, of the panels whose pixels a check compares with the reference's
     shown_by     for each sentence of ``must_see`` the names of the checks that fail where it is untrue, in a
                  tuple. Of a check in a data file, the name is the table's, with its fields
     size         default height of a panel, pixels
     aspect       a panel's width to its height, as whole numbers: (8, 5)
-    parameters   what may be changed of it, by name; ``commands`` takes other values by these names
-    methods      how it is drawn, a machine in one of them at most; first the one that the paper used
+    parameters   its Parameters by name; ``commands`` takes other values by these names
+    methods      the ways to draw it, the paper's first. A machine is in one of them at most
     acceptance   its checks: an Acceptance
-    reference    what its algorithm approximates, computed without it: a Reference; None where the ideal of
-                 the same commands is that
+    reference    a Reference: what its algorithm approximates, computed without that algorithm; None if the
+                 ideal of the same commands is the reference
     """
 
     id: str
@@ -174,7 +174,8 @@ class Figure:
         return {name: parameter.default for name, parameter in self.parameters.items()}
 
     def method(self, machine: str) -> Method:
-        """How a machine draws it, by the machine's key; the ideal, which can do all, draws as the first does.
+        """The Method of a machine, by the machine's key; the ideal, which can do all, has the first
+        machine's.
 
         Raises ValueError where it cannot.
         """
@@ -186,8 +187,8 @@ class Figure:
         raise ValueError(f"{self.id} cannot be drawn on {machine}; it can on {', '.join(self.machines)}.")
 
     def method_for(self, profile: Profile) -> Method:
-        """How a machine draws it: a machine that was changed as the one it was made from, the ideal as the
-        figure's own.
+        """The Method of a machine. A changed machine has that of its original, and the ideal has the figure's
+        first.
 
         Raises ValueError where it cannot.
         """
@@ -290,8 +291,8 @@ class Figure:
         method   one of ``methods``; None: the machine's (the ideal's: the first)
         changes  other values of parameters, by name
 
-        Raises ValueError, a sentence that says what there is, for a machine that cannot draw it and for what
-        is none: a machine, a size, a method, a parameter, a parameter's value.
+        Raises ValueError for a machine that cannot draw it, and for an unknown machine, size, method,
+        parameter or parameter's value. The sentence says what there is.
         """
         machine = self._machine(profile)
         if method is None:
@@ -320,7 +321,7 @@ class Figure:
         watch: Callable[[tuple[Command, ...]], "Watch"] | None = None,
         **changes: Any,
     ) -> Rendering:
-        """The figure on a machine, and the ideal of the same fragments: a Rendering.
+        """The figure drawn on a machine, and the ideal of the same fragments: a Rendering.
 
         profile, size, method, changes  as for ``commands``. ``IDEAL`` gives the ideal's own picture
         threads                         how many threads; None: one per processor. The bits are the same for
@@ -359,7 +360,7 @@ class Figure:
         **changes: Any,
     ) -> Any:
         """The figure in a notebook, drawn live: a widget with sliders, machines, passes and pixels, as the
-        page of ``fixedpipe view`` (docs/viewer.md). Its ``state`` says what is seen, and changes it.
+        page of ``fixedpipe view`` (docs/viewer.md). Its ``state`` describes what is shown, and changes it.
 
         profile  key of the machine; None: the figure's own
         size     a panel's height in pixels; None: the figure's own
@@ -437,7 +438,7 @@ class Figure:
         return tuple(self.each_check(renderer))
 
     def each_check(self, renderer: "Renderer") -> Iterator[Check]:
-        """``checks``, each measured when it is asked for: those of every displayed picture
+        """``checks``, each measured when it is needed: those of every displayed picture
         (``displayed_checks``), then the figure's own.
         """
         yield from displayed_checks(self, renderer)
@@ -469,12 +470,12 @@ def _own_scene(figure: Figure, method: Method, machine: Profile, edge: int) -> t
 
 @dataclass(frozen=True, eq=False)
 class Renderer:
-    """How checks get what they measure: a machine, how it draws, and ``execute`` and ``execute_ideal`` of
-    ``fixedpipe.pipeline``.
+    """Gives checks the pictures that they measure: a machine, its Method, and ``execute`` and
+    ``execute_ideal`` of ``fixedpipe.pipeline``.
 
     Checks measure windows, not pictures: [y, x] are window coordinates, so row 0 is at the bottom and y grows
-    upwards as in the equations. They are drawn once, and not to be written to. ``kept``: the ideal's, which
-    machines that draw in the same way share.
+    upwards as in the equations. They are drawn once, and are read-only. ``kept``: the ideal's, which machines
+    that draw in the same way share.
     """
 
     profile: Profile

@@ -43,8 +43,8 @@ def _seen(texels, ridges, flank, direction):
 def scene(profile, size, *, texels, ridges, flank, direction, bits):
     """S_i, its coordinates as red and green; the field from the side.
 
-    Coordinates are of the texture in which light is looked up, twice as wide and high as the field, so that
-    all are below one half: drawn twice they fill the range.
+    The coordinates address the texture in which light is looked up. It is twice as wide and high as the
+    field, so all coordinates are below one half, and are drawn twice as bright to fill the range.
     """
     left, right = row_of_panels(2, size)
     field, seen = _seen(texels, ridges, flank, direction)
@@ -94,10 +94,10 @@ def height_at(heights, x, y):
 
 
 def by_steps(heights, row, column, direction, steps=64, longest=3.0):
-    """Where a ray from a texel first is below the field, in texels (x, y), by small steps; None where it
+    """Where a ray from a texel is first below the field, in texels (x, y), found by small steps; None if it
     leaves.
 
-    ``steps``: to a texel. Raises nothing: a ray that stays level is followed for ``longest`` edges.
+    ``steps``: to a texel. A level ray is followed for ``longest`` edges.
     """
     rows, columns = heights.shape
     dx, dy, dz = direction[0] * columns, direction[1] * rows, direction[2]
@@ -143,7 +143,7 @@ def _agreement(field, seen, direction):
 
 
 def checks(figure, renderer):
-    """What is stored, read back from the picture, against rays that take small steps."""
+    """The stored coordinates, read back from the picture, against rays that take small steps."""
     values = dict(figure.values_of(renderer.method))
     texels, size = values["texels"], 4 * values["texels"]
     direction = normalize(np.array(values["direction"], np.float64))

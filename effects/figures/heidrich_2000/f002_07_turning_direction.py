@@ -49,13 +49,15 @@ def turned(base, at):
 
 
 def in_panel(base, vector, x):
-    """A vector [3] of the frame at x as the panel has it: float64 [2]."""
+    """A vector [3] of the frame at x in the panel's coordinates: float64 [2]."""
     t, b, n = base.frames(x, 0.0)
     return (vector[0] * t + vector[1] * b + vector[2] * n)[[0, 2]]
 
 
 def make(profile, size, *, curvatures, at):
-    """A panel for each curvature; p's frame and what it sees are drawn in the base's frame at the valley."""
+    """A panel for each curvature; p's frame and the points that p sees are drawn in the base's frame at the
+    valley.
+    """
     commands = [drawing.load_font()]
     for panel, curvature in zip(row_of_panels(3, size), curvatures, strict=True):
         base = Base((curvature, 0.0))
@@ -103,7 +105,7 @@ _SMALL = (0.02, 0.05, 0.1, 0.2)
 
 
 def checks(figure, renderer):
-    """The law of small angles, the picture's turn beside it, and the marks."""
+    """The law of small angles, the turn in the picture against it, and the marks."""
     at = figure.values["at"]
     apart, half = 0.0, 0.0
     for angle in _SMALL:

@@ -33,8 +33,9 @@ _LINE = (0.08, 0.09, 0.11)
 
 
 def bent_texel(curvature, directions, texel):
-    """A texel of the groove on the flank that faces -s: a Bent of the groove's row, with the paper's weights,
-    and the texel's directions [n, 3] with y upward, weights [n] and what it sees [n].
+    """A texel of the groove on the flank that faces -s. The result is a Bent of the groove's row, with the
+    paper's weights; and the texel's directions [n, 3] with y upward, its weights [n] and the texels that it
+    sees [n].
     """
     field = height_field.ridges(_TEXELS, 2, 45.0, 1)
     seen = visibility.precompute(field, spiral(directions))
@@ -45,7 +46,9 @@ def bent_texel(curvature, directions, texel):
 
 
 def color_of(weights):
-    """Colours of ratios of areas [n], float64 [n, 3]; what has folded over is as the smallest."""
+    """Colours of ratios of areas [n], float64 [n, 3]; an area that has folded over has the smallest one's
+    colour.
+    """
     # (w - 1) / (w + 1) is the same but for its sign for a factor and its inverse.
     most = (_FACTOR - 1.0) / (_FACTOR + 1.0)
     weights = np.maximum(weights, 0.0)

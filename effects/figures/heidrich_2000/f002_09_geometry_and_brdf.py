@@ -77,7 +77,7 @@ def _checks_by_pixels(figure, renderer):
 
 
 def checks(figure, renderer):
-    """What geometry shows by pixels; its colours against those of the BRDF; what scattering does to both."""
+    """The geometry's pixels; its colours against those of the BRDF; the effect of scattering on both."""
     yield from _checks_by_pixels(figure, renderer)
     above, below, ball = ridged_body.regions(figure.size // 2, 1.0)
     for on in Answer:

@@ -75,7 +75,9 @@ def _places(edge):
 
 
 def coordinates_of(normals):
-    """Texture coordinates of places on the half of the sphere that is seen; others lie on the edge."""
+    """Texture coordinates of places on the visible half of the sphere; those of other places lie on the
+    edge.
+    """
     radius = np.maximum(1.0 + normals[..., 2], 1e-6)[..., None]
     at = normals[..., :2] / radius / REACH
     beyond = np.maximum(np.abs(at).max(axis=-1, keepdims=True), 1.0)
@@ -240,7 +242,9 @@ def _displayed(figure, renderer, on):
 
 
 def checks(figure, renderer):
-    """The spheres' means, their valleys beside their tops, what longer paths add, and what must be seen."""
+    """The spheres' means, their valleys against their tops, the light of longer paths, and what must be
+    seen.
+    """
     size = figure.size // 2
     inside = (lambda x, y: x * x + y * y < 0.9)(*pixel_grid(size, 1.0 / HALF_HEIGHT))
     for on in Answer:

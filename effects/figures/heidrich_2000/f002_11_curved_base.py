@@ -1,5 +1,5 @@
-"""F002-11: ridges with a red and a white flank, on bases of different curvature; red gets indirect light
-alone.
+"""F002-11: ridges with a red and a white flank, on bases of different curvature; red gets only indirect
+light.
 """
 
 import math
@@ -62,8 +62,8 @@ _ALONG = math.degrees(math.atan2(_CLIMB, _HEIGHT))
 def closed_form(ridges):
     """The flanks' means on a flat base, light along the red ones, after one reflection: red and white.
 
-    White sends rho_white c, c the cosine of the light's angle there; red gets F of it, by crossed strings.
-    White gets none back: after one reflection red has sent nothing.
+    White sends rho_white c, where c is the cosine of the light's angle there. Red gets F of that, by crossed
+    strings. White gets none back, because after one reflection red has sent nothing.
     """
     red, white = ridges.lengths
     angle = math.radians(_ALONG) - math.atan2(ridges.height, 1.0 - ridges.climb)

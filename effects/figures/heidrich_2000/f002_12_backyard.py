@@ -1,5 +1,5 @@
-"""F002-12: a backyard in which all but the floor and the bin has bumps, with their shadows and scattered
-light.
+"""F002-12: a backyard in which everything except the floor and the bin has bumps, with their shadows and
+scattered light.
 """
 
 from dataclasses import dataclass, replace
@@ -150,9 +150,7 @@ def _in_sun(part, draw, sun):
 
 
 def scene(profile, size, *, light, directions, bounces):
-    """The sky's light on everything, what the things hide of the sun counted in the stencil, then the
-    sun's.
-    """
+    """The sky's light on everything; the stencil buffer counts the objects' shadows; then the sun's light."""
     (panel,) = row_of_panels(1, size, ASPECT)
     (edge, cell), still = detail_of(size), _still(size)
     sun = tuple(float(c) for c in unit_vector(light, "The light's direction"))
@@ -291,7 +289,7 @@ def _displayed(figure, renderer):
 
 
 def checks(figure, renderer):
-    """What must be seen, scattered light's share, and the passes beside the software renderer."""
+    """What must be seen, scattered light's share, and the passes against the software renderer."""
     yield from _displayed(figure, renderer)
     size = 128
     rays = by_rays(size, **figure.values)[::-1, :, :3]

@@ -1,4 +1,4 @@
-"""G15: bumps without and with the shadows that ellipses tell, beside the rays'."""
+"""G15: bumps without and with shadows by ellipses, next to those by rays."""
 
 import numpy as np
 
@@ -64,7 +64,7 @@ def imaging_scene(profile, size, **parameters):
 
 
 def reference(size, **parameters):
-    """The middle panel by rays, between texels as a texture has it."""
+    """The middle panel by rays, interpolated between texels like a texture."""
     bed = stones.bed_of(size, parameters)
     picture = stones.sampled(stones.by_rays(bed, parameters), size)[::-1]
     out = np.zeros((size, 3 * size, 4))

@@ -84,7 +84,7 @@ def scene(profile, size, **p):
 
 
 def reference(size, **p):
-    """Every panel by rays, between texels as a texture has it."""
+    """Every panel by rays, interpolated between texels like a texture."""
     picture = stones.sampled(stones.by_rays(stones.bed_of(size, p), p), size)[::-1]
     out = np.ones((size, len(_NAMES) * size, 4))
     out[..., :3] = np.clip(np.tile(picture, (1, len(_NAMES), 1)), 0.0, 1.0)

@@ -41,8 +41,8 @@ def reference(size, *, stretches, texels, directions, bounces, exposure, red, wh
 def closed_form(stretch, own, other):
     """A flank's mean after one reflection, light from above: rho_own c (1 + rho_other F).
 
-    c is the cosine of the flank's slope 1 / stretch. F = 1 - sin of half the angle between the flanks; that
-    sine is c too.
+    c is the cosine of the flank's slope 1 / stretch. F is 1 minus the sine of half the angle between the
+    flanks; c is the same sine.
     """
     cosine = stretch / math.hypot(stretch, 1.0)
     return [a * cosine * (1.0 + b * (1.0 - cosine)) for a, b in zip(own, other, strict=True)]

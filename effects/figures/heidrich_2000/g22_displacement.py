@@ -122,7 +122,7 @@ def _shadows_apart(values):
 
 
 def checks(figure, renderer):
-    """Both panels beside rays, what geometry hides and where it stands out, and the scattered light."""
+    """Both panels against rays, what geometry hides and where it stands out, and the scattered light."""
     size = 128
     values = {name: value for name, value in figure.values.items() if name not in ("texels", "exposure")}
     yield DATA.check(

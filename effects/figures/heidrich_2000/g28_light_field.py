@@ -54,7 +54,7 @@ def _shown(size, light, depth, bounces, directions, eye, intensity):
 
 
 def scene(profile, size, **values):
-    """G28: all pictures, one from between them, and what is seen from there by rays."""
+    """G28: all pictures, one from between them, and one by rays from the same place."""
     some, *single = _shown(size, **values)
     shown = mosaic(some, size), *(enlarged(one[0, 0], size) for one in single)
     out = []

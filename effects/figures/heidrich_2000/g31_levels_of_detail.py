@@ -20,7 +20,7 @@ TEXELS_A_PIXEL = (0.05, levels.BUMP_MAP, 1.0, levels.BRDF, 20.0)
 
 
 def scene(profile, size, **values):
-    """G31: five panels, each with the levels that so many texels a pixel ask for."""
+    """G31: five panels, each with the levels for a number of texels a pixel."""
     body = ridged_body.Body(**values)
     out = []
     for k, (panel, texels) in enumerate(zip(row_of_panels(len(PANELS), size), TEXELS_A_PIXEL, strict=True)):
@@ -49,7 +49,7 @@ def _checks_by_pixels(figure, renderer):
 
 
 def checks(figure, renderer):
-    """What panels show by pixels; the light that the levels send, and where they differ."""
+    """The panels' pixels; the light that the levels send, and where they differ."""
     yield from _checks_by_pixels(figure, renderer)
     size = figure.size // 2
     above, below, ball = ridged_body.regions(size, 1.0)

@@ -120,8 +120,8 @@ def redness(colors):
 
 
 def by_rays(size, angle, surface, light):
-    """Which pixels of a half show a Surface, by rays, and the colours that its texture has there: bool [n,
-    m], bottom row first, and float64 [k, 3].
+    """Which pixels of a half show a Surface, by rays, and its texture's colours there: bool [n, m], bottom
+    row first, and float64 [k, 3].
     """
     seen = seen_places.surface(surface, camera(halves_of(Panel(0, 0, size, size))[1], angle))
     return seen.where, seen_places.nearest(light, seen)
@@ -142,7 +142,7 @@ def _outline(picture):
 
 
 def checks(figure, renderer):
-    """What panels show by pixels; how much of the far sides each half shows; outlines."""
+    """The panels' pixels; how much of the far sides each half shows; outlines."""
     values, size = figure.values, figure.size
     true = [by_rays(size, values["angle"], *part) for part in _parts(size, **values)]
     panels = {

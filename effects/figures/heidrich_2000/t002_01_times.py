@@ -95,7 +95,7 @@ def scene(profile, size, *, background):
 
 
 def checks(figure, renderer):
-    """What the paper's own numbers say, and ours read back from the drawn bars."""
+    """The relations among the paper's own numbers, and ours read back from the drawn bars."""
     ratios = [times[2][0] / times[3][0] for times in SECONDS.values()]
     yield DATA.check(
         "software over hardware in the paper's table, the least of three", min(ratios), Answer.IDEAL

@@ -41,7 +41,7 @@ class Part:
 
     surface  in world coordinates; a flat part's texture coordinates count periods of its field
     field    the name of its height field, or "" where it is smooth and round
-    color    RGB albedo of what is smooth
+    color    RGB albedo, if the part is smooth
     """
 
     name: str
@@ -140,8 +140,8 @@ GLASS = (0.10, 0.13, 0.16)
 
 @lru_cache(maxsize=4)
 def parts(detail):
-    """Everything that is seen: a tuple of Part. ``detail``: metres of a cell, whose corners ask for the
-    sky.
+    """Everything that is seen: a tuple of Part. ``detail``: size of a cell in metres; the sky is evaluated at
+    its corners.
     """
     out = [
         Part("floor", _rectangle((-3.6, 0.0, 3.4), (4.65, 0, 0), (0, 0, -6.4), 0.8, detail), "slabs"),
@@ -242,8 +242,8 @@ def _known(name, edge, directions):
 
 @lru_cache(maxsize=64)
 def radiance(name, edge, frame, light, directions, bounces):
-    """What a part's field sends back of the sun and of the sky: two float64 [edge, edge, 3], without and with
-    scattering where ``bounces`` is 0 and more.
+    """The light of the sun and of the sky that a part's field sends back: two float64 [edge, edge, 3]. It is
+    without scattering if ``bounces`` is 0, and with it otherwise.
 
     frame  the part's (tangent, binormal, normal) in the world, tuples; light: towards the sun
     """
@@ -310,8 +310,8 @@ def seen_by_rays(everything, origins, directions, light, lights, shares):
 
 
 def frame_of(surface):
-    """A flat surface's frame, as ``radiance`` takes it; rounded, and zeros without a sign, so that parts that
-    are turned alike share it.
+    """A flat surface's frame, as ``radiance`` takes it. It is rounded, and zeros have no sign, so that parts
+    with one orientation share it.
     """
     axes = (surface.tangents[0], surface.binormals[0], surface.normals[0])
     return tuple(tuple(round(float(c), 9) + 0.0 for c in normalize(axis)) for axis in axes)

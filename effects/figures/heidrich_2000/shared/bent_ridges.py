@@ -1,7 +1,7 @@
 """Ridges with two flanks of different colour, as a strip on a bent or stretched base.
 
-The module has their light by stored visibility and by rays among the bent triangles, their mesh, and measures
-of each flank in a picture.
+The module computes their light, by stored visibility and by rays among the bent triangles, and their mesh. It
+also measures each flank in a picture.
 """
 
 import math
@@ -95,8 +95,8 @@ def lamp(angle):
 def lit_share(ridges, base, light):
     """The share of each texel that a distant light reaches: float64 [2, texels].
 
-    The light is ``light`` degrees from the base's normal at each texel. A part of a texel is lit where no
-    point of the bent profile, up to the crest after the next, stands above the way to the light.
+    The light is ``light`` degrees from the base's normal at each texel. A part of a texel is lit if no point
+    of the bent profile, up to the crest after the next, rises above the way to the light.
     """
     heights = ridges.field(_PARTS).heights[0]
     n = len(heights)
@@ -112,7 +112,9 @@ def lit_share(ridges, base, light):
 
 @cache
 def radiance(ridges, base, directions, light, count):
-    """What the texels send with ``count`` reflections, by visibility that is kept: float64 [2, texels, 3]."""
+    """The light that the texels send with ``count`` reflections, by stored visibility: float64 [2, texels,
+    3].
+    """
     field = ridges.field()
     seen = visibility.precompute(field, spiral(directions))
     bent = curved_base.bend(field, seen, base)
@@ -215,8 +217,8 @@ def picture_by_rays(size, ridges, bases, lights, camera=along, nearest=False):
 
 def flank_colors(image, ridges, bases, left=True, camera=along):
     """The colours of the middle valley's flank that faces -x, or +x, in a window of each panel, from the
-    valley upwards: list of float64 [n, 3]. Texels are read at their centres, but for those at the flank's
-    ends, whose colour the filter mixes with the other flank's.
+    valley upwards: list of float64 [n, 3]. Texels are read at their centres. Those at the flank's ends are
+    left out, because the filter mixes their colour with the other flank's.
     """
     out, field, fallen = [], ridges.field(), ridges.fallen
     at = np.arange(fallen + 1, ridges.texels - 1) if left else np.arange(fallen - 2, 0, -1)

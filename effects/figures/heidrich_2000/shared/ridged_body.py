@@ -48,7 +48,7 @@ PARAMETERS = {
 
 @dataclass(frozen=True)
 class Body:
-    """What the pictures of one ball are made of: the parameters, as values that can be told apart."""
+    """The parameters of the pictures of one ball, as values that can be compared."""
 
     light: tuple[float, ...]
     red: tuple[float, ...]
@@ -145,8 +145,8 @@ def _corners(body, pieces):
 
 
 def displaced(body, size, share=1.0):
-    """The ball as geometry: two belts for each ridge, one up to the crest and one down, ``share`` of the
-    ridges' height; none is the smooth ball.
+    """The ball as geometry: two belts for each ridge, one up to the crest and one down, with ``share`` of the
+    ridges' height; a share of zero is the smooth ball.
     """
     belts = 2 * body.ridges
     place = np.stack([np.arange(belts), np.arange(1, belts + 1)], axis=-1) / belts
@@ -193,8 +193,8 @@ def textured(label, surface, view, name):
 
 
 def by_rays(body, size, share, light):
-    """Which of a panel's pixels rays find on the ball with ``share`` of its ridges' height, bool [size,
-    size], and what a texture of ``light`` has there: [n, 3].
+    """Which of a panel's pixels show the ball with ``share`` of its ridges' height, by rays: bool [size,
+    size]; and the texture of ``light`` there: [n, 3].
     """
     seen = seen_places.surface(displaced(body, size, share), orthographic_view(Panel(0, 0, size, size)))
     return seen.where, seen_places.looked_up(light, seen)

@@ -60,8 +60,8 @@ def mosaic(pictures, size):
 
 
 def as_computed(panel, pictures):
-    """The share of a mosaic's pixels [size, size, 3] that are within 2/255 what ``pictures``, as for
-    ``mosaic``, have there: the least of the pictures.
+    """The share of a mosaic's pixels [size, size, 3] that equal ``pictures``, as for ``mosaic``, within
+    2/255: the least of the pictures.
     """
     n = len(pictures)
     cell = panel.shape[0] // n

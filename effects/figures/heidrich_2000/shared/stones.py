@@ -74,7 +74,7 @@ def _bed(texels, stones, buried, height, directions, smoothing, own, scale):
 
 def bed_of(size, p):
     """The Bed of ``PARAMETERS`` for panels of ``size`` pixels: one texel for two pixels, a power of two from
-    32 to 256, where the parameters do not say how many.
+    32 to 256, unless the parameters give the number.
     """
     edge = 32
     while 2 * edge <= min(size // 2, 256):

@@ -123,7 +123,7 @@ def camera(panel, eye, target, field_of_view):
 
 
 def light_colors(sun, low, high, ambient_low, ambient_high):
-    """The colours of the sun and of the ambient light, RGB each, as the sun stands: ``low`` on the horizon,
+    """The colours of the sun and of the ambient light, RGB each, by the sun's height: ``low`` on the horizon,
     ``high`` from 45 degrees on.
     """
     elevation = float(normalize(np.asarray(sun, np.float64))[2])
