@@ -40,7 +40,7 @@ class Own:
         return self.accept(text)
 
     def show(self, value: Any) -> str:
-        """The name, or what it is in words."""
+        """The name, or a description in words."""
         return self.called(value)
 
 
@@ -99,7 +99,7 @@ HEIGHT_SCALE = Word(
 
 
 def height_field(instead: str, repeats: bool = True) -> Parameter:
-    """A Parameter: heights in the place of what ``instead`` names. ``repeats``: on the surface."""
+    """A Parameter: heights that replace what ``instead`` names. ``repeats``: on the surface."""
     faded = "; as it repeats, its edges are faded into each other" if repeats else ""
     return Parameter(
         None,
@@ -109,13 +109,13 @@ def height_field(instead: str, repeats: bool = True) -> Parameter:
 
 
 def photograph(instead: str, repeats: bool = True) -> Parameter:
-    """A Parameter: a photograph in the place of what ``instead`` names. ``repeats``: on the surface."""
+    """A Parameter: a photograph that replaces what ``instead`` names. ``repeats``: on the surface."""
     faded = "; as it repeats, its edges are faded into each other" if repeats else ""
     return Parameter(None, _PHOTOGRAPH, f"A photograph in the place of {instead}: {_ROWS}{faded}.")
 
 
 def mesh(instead: str) -> Parameter:
-    """A Parameter: a mesh in the place of what ``instead`` names."""
+    """A Parameter: a mesh that replaces what ``instead`` names."""
     return Parameter(
         None,
         _MESH,

@@ -18,7 +18,7 @@ from fixedpipe.effects.shadows.lit_scene import SceneShading
 
 
 class Unfit(ValueError):  # noqa: N818 (it says what the value is)
-    """A value is not fit for a parameter; the message is the reason, a sentence that ends with what to do."""
+    """A value does not fit a parameter; the message is a sentence with the reason and what to do."""
 
 
 class Kind(Protocol):
@@ -197,7 +197,7 @@ _SEPARATORS = ",/;"
 class Several:
     """A tuple of values: one of each kind in ``parts``, or ``least`` to ``most`` of the one kind that it is.
 
-    what      what they are called together: "three numbers from 0 to 1"; empty: the kinds' own words
+    what      their common name: "three numbers from 0 to 1"; empty: the kinds' own words
     not_zero  numbers that are not all zero
     """
 
@@ -228,7 +228,7 @@ class Several:
         return kinds
 
     def accept(self, value: Any) -> tuple[Any, ...]:
-        """A tuple; a list or an array with as many is taken too."""
+        """A tuple; a list or an array of the same length is accepted too."""
         if not isinstance(value, tuple | list | np.ndarray) or not np.iterable(value):
             raise ValueError
         found = tuple(k.accept(v) for k, v in zip(self._kinds(len(value)), value, strict=True))
@@ -313,7 +313,7 @@ class Parameter:
     kind     which values there may be
     does     what it does, a sentence
     unit     of the numbers; "" where they have none
-    brings   value -> values that it brings for other parameters, by name, where these are not given
+    brings   value -> values for other parameters that are not given, by name
     of       the parameter without which this one takes no part; "" where there is none
     """
 
@@ -332,7 +332,8 @@ class Parameter:
     def accept(self, value: Any, what: str) -> Any:
         """The value as scenes take it.
 
-        Raises ValueError, a sentence that begins with ``what`` it is called: what was given, what may be.
+        Raises ValueError, a sentence that begins with its name ``what``, and says what was given and what is
+        possible.
         """
         return self._or_refuse(self.kind.accept, value, what)
 
@@ -365,7 +366,7 @@ def _shown(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Word:
-    """Makes Parameters of one kind: what means the same in many figures is said once."""
+    """Makes Parameters of one kind, so that a meaning that many figures share is described once."""
 
     kind: Kind
     does: str = ""

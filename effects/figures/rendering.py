@@ -1,4 +1,4 @@
-"""A figure drawn on a machine: its picture, the ideal's of the same fragments, and their difference."""
+"""A figure drawn on a machine: its picture, the ideal picture of the same fragments, and their difference."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,8 +25,8 @@ _FILLED, _PERCENT = 0.5, 99.0
 
 def gain_for(delta: NDArray[np.int32], bits: int = 8) -> int:
     """The largest power of two, 1 to 128, with which 99 of 100 of the pixels that differ are neither white
-    nor black: their differences times the gain are at most half of full intensity. 1 where even that is too
-    large; 128 where nothing differs.
+    nor black: their differences times the gain are at most half of full intensity. 1 if even that is too
+    large; 128 if nothing differs.
 
     ``delta``: differences of codes of ``bits`` bits, [h, w, 3].
     """
@@ -46,8 +46,8 @@ def difference(
 
     machine  its codes of ``bits`` bits a component, integers [h, w, 3 or 4]: ``Rendering.codes()``, or where
              it has bytes ``image()``
-    ideal    float64 [h, w, 3 or 4], 1.0 = full, rows in the same order; it is rounded to codes as the
-             machine's, so that a machine that is right to its last bit does not differ
+    ideal    float64 [h, w, 3 or 4], 1.0 = full, rows in the same order; it is rounded to the machine's codes,
+             so that a machine that is right to its last bit does not differ
     gain     how many times as large the differences are shown; None: as ``gain_for`` says
     """
     return _shown(delta_of(machine, ideal, bits), gain, bits)
@@ -79,13 +79,13 @@ def _largest_component(values: NDArray[Any]) -> NDArray[Any]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Difference(Pictured):
-    """(machine - something better) made visible. A notebook shows it, ``save`` writes it; where nothing
-    differs a notebook says so in words. Arrays have their top row first.
+    """(machine - something better) made visible. A notebook shows it, and ``save`` writes it; if nothing
+    differs, a notebook says so in words. Arrays have their top row first.
 
     delta  the machine's codes minus the other's, rounded to the machine's format: int32 [h, w, 3]
-    error  the same without rounding of the other, 1.0 = full: float64 [h, w, 3]
+    error  the same, but the other is not rounded, 1.0 = full: float64 [h, w, 3]
     bits   of a component of the machine's colours
-    of     what it is compared with, in a word: "ideal" or "reference"
+    of     the other's name: "ideal" or "reference"
     where  the pixels that are compared: bool [h, w]; None: all. In the others ``delta`` and ``error`` are 0
     """
 
@@ -197,7 +197,7 @@ class Rendering(Pictured):
 
     @cached_property
     def ideal(self) -> IdealResult:
-        """The ideal's answer for the same fragments, float64, computed when it is first asked for."""
+        """The ideal picture of the same fragments, float64, computed at the first use."""
         if isinstance(self.result, IdealResult):
             return self.result
         from fixedpipe.pipeline.ideal.evaluate import execute_ideal

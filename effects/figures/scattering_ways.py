@@ -43,7 +43,7 @@ def setup_of(profile, field, visibility, bits=8):
 
 
 def seen_picture(name, setup, number):
-    """The command that loads S_i as it is shown: s in red and t in green, black where none is seen."""
+    """The command that loads S_i as a picture: s in red and t in green, black where a texel sees none."""
     field, seen = setup.field, setup.visibility.seen[number]
     codes = coordinates(seen, 8) / 255.0
     # The texture that is looked up is larger than the field: shown are coordinates of the field.

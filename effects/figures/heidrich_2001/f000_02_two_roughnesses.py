@@ -42,7 +42,7 @@ def torus(size, tilt, quads):
 
 
 def make_scene(units):
-    """The scene drawn with as many texture units."""
+    """The scene, drawn with the given number of texture units."""
 
     def scene(
         profile, size, *,

@@ -44,7 +44,9 @@ def bodies(size, lean, hole, slices):
 
 
 def scene(profile, size, *, light, exponent, diffuse, specular, color, lean, hole, slices, background):
-    """A panel for each kind of grooves; a pass a body, the tangent the texture coordinate."""
+    """A panel for each kind of grooves. Each body takes one pass, and the tangent is the texture
+    coordinate.
+    """
     panels = row_of_panels(3, size, ASPECT)
     model = {"diffuse": diffuse, "specular": specular, "exponent": exponent}
     lights = ((Light(light), (1.0, 1.0, 1.0)),)

@@ -70,7 +70,7 @@ def factors(blue, red, angle, bounces, directions, map_size, terms):
 
 
 def turned(size, side):
-    """The teapot as it is seen from a side, its tangents across the grooves."""
+    """The teapot, turned as it is seen from a side, with tangents across the grooves."""
     return framed_along(teapot(the.detail(size)), AXIS).rotated(rotation("y", 180.0 + side))
 
 
@@ -172,7 +172,7 @@ def reference(size, *, light, intensity, lacquered, turn, map_size, terms, **gro
 
 
 def mean_ratio(panel):
-    """Mean blue over mean red of what is lit."""
+    """Mean blue over mean red of the lit pixels."""
     red, _, blue = panel[the.covered(panel)].mean(axis=0)
     return float(blue / red)
 

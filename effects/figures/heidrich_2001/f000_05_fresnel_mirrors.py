@@ -1,6 +1,6 @@
 """F000-5: mirrors by Fresnel's factor, alone, over diffuse light and as its coat, and a filtered map.
 
-The first column has what the others are made of: the map, the diffuse light, F, and the filtered map.
+The first column has the inputs of the others: the map, the diffuse light, F, and the filtered map.
 """
 
 from functools import lru_cache
@@ -53,7 +53,7 @@ def white(toward):
 
 
 def lamp(toward):
-    """An environment that is black but for a disc of 1.5 degrees' radius, 25 times as bright as white."""
+    """A black environment with a disc of 1.5 degrees' radius, 25 times as bright as white."""
     inside = dot(normalize(toward), LAMP) > 0.99966
     return np.where(inside[..., None], 25.0, 0.0) * np.ones(3)
 
@@ -68,7 +68,7 @@ def camera(panel):
 
 def cells(size):
     """Panels for all columns, from left to right, and in each for the rows, from top to bottom; the first
-    column is of what is used.
+    column has the inputs.
     """
     width, height = panel_width(size, ASPECT), size // ROWS
     if height < 1:
@@ -86,8 +86,8 @@ def segments(edge):
 
 @lru_cache(maxsize=8)
 def maps(seen, edge, roughness):
-    """An environment, directions to colours, as cube maps of floats: as it is, filtered by Phong's lobe, and
-    by the cosine.
+    """An environment, directions to colours, as cube maps of floats: unfiltered, filtered by Phong's lobe,
+    and filtered by the cosine.
     """
     cube = environments.faces(edge, seen)
     glossy = prefilter.phong(cube, 1.0 / roughness)
@@ -164,7 +164,9 @@ def make_scene(way):
 
 
 def reference(size, *, indices, roughness, exposure, diffuse, environment, photograph, objects, detail, **_):
-    """The equations at each pixel that a ray finds on the objects; none beside them, nor of the maps."""
+    """The equations at each pixel that a ray finds on the objects. Other pixels, and the maps, have no
+    reference.
+    """
     edge, (first, *columns) = size // ROWS, cells(size)
     surface = glass.OBJECTS[objects](segments(edge) if detail is None else detail)
     seen = photograph.panorama if photograph else ENVIRONMENTS[environment]
@@ -350,7 +352,9 @@ def _displayed(figure, renderer):
 
 
 def checks(figure, renderer):
-    """What must be seen; and a ball whose normals rays find, in a white room, the room, with a lamp alone."""
+    """What must be seen; and a ball whose normals come from rays, in a white room, in the room, and in one
+    with only a lamp.
+    """
     yield from _displayed(figure, renderer)
     size, indices = ROWS * _ROW, figure.values["indices"]
     _, *columns = cells(size)

@@ -250,7 +250,7 @@ def _marks(size):
 
 
 def checks(figure, renderer):
-    """What rays say of P, Q and the map, and that all three pictures of the map are of the same depths."""
+    """P, Q and the map against rays; and that all three pictures of the map show the same depths."""
     size, lamp, hidden = figure.size // 2, THE_LAMP, hidden_point()
     caster = scene_caster(small_scene(size))
     position = np.array(LAMP)

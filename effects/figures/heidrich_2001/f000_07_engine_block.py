@@ -135,7 +135,7 @@ def _compared(figure, renderer, on, size):
 
 
 def checks(figure, renderer):
-    """Masks and light against rays cast at the same densities; what shadows change, and what they do not."""
+    """Masks and light against rays cast at the same densities; which pixels shadows change."""
     _, ideal_other, ideal_missing, _, _ = _compared(figure, renderer, Answer.IDEAL, _IDEAL_SIZE)
     agreeing, other, missing, agreed, phong = _compared(figure, renderer, Answer.MACHINE, _SIZE)
     apart = np.abs(renderer.machine_window(figure, _SIZE)[:, _SIZE:] - phong)[agreed]

@@ -28,8 +28,8 @@ _LEFT_FLANK, _RIGHT_FLANK = (0.33, 0.36, 0.42), (0.23, 0.25, 0.31)
 
 @lru_cache(4)
 def groove(angle, directions):
-    """The HeightField, the directions above the horizon [n, 3], what each of the columns sees along them
-    [n, columns], how far away that is, and the Ellipses.
+    """The HeightField; the directions above the horizon [n, 3]; the texels that each column sees along them
+    [n, columns], and their distances; and the Ellipses.
     """
     field = ridges(COLUMNS, 2, angle, count=1)
     found = sphere.spiral(directions)

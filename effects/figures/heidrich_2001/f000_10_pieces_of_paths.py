@@ -41,7 +41,8 @@ def _bed():
 
 @lru_cache(8)
 def paths(points, direction):
-    """(p, q) of each point: float64 [3] in the field's frame, twice as large; q is None where nothing is met.
+    """(p, q) of each point: float64 [3] in the field's frame, twice as large; q is None if the ray meets
+    nothing.
 
     points  texels (column, row)
     """

@@ -50,8 +50,8 @@ def _setup(profile, size, p):
 
 
 def chain(way, setup, light):
-    """The frame: direct light, then at S_3, S_2 and S_1 the light so far, bumps, and direct light again; what
-    each step leaves is kept as a texture "step" and its number, too.
+    """The frame: direct light, then at S_3, S_2 and S_1 the light so far, bumps, and direct light again; each
+    step's result is also stored as a texture, named "step" and its number.
     """
     lit = free_view(setup.field, light)
     share = dependent_tests.share_of(setup)

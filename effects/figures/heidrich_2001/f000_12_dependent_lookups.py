@@ -135,7 +135,7 @@ def boxes_of_images(commands):
 
 
 def boxes(commands):
-    """The Boxes of the passes of a dependent lookup, and what combines what they give."""
+    """The Boxes of the passes of a dependent lookup, and how their results are combined."""
     draws = [command for command in commands if isinstance(command, Draw)]
     if draws:
         (command,) = draws

@@ -105,7 +105,7 @@ _ALONE = {"diffuse": (0.0, 0.0, 0.0), "specular": (1.0, 1.0, 1.0)}
 
 
 def checks(figure, renderer):
-    """What the clamp takes, and what is left of it with a divided table."""
+    """The light that the clamp takes, and how much of that a divided table still loses."""
     values = {**figure.values, **_ALONE}
     expected, on_floor = at_pixels(
         _SIZE, values["light"], values["roughness"], values["index"], values["specular"], values["diffuse"]

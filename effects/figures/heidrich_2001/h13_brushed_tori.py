@@ -37,7 +37,7 @@ def _torus(size, tilt, around):
 
 
 def make_scene(units):
-    """The scene drawn with as many texture units."""
+    """The scene, drawn with the given number of texture units."""
 
     def scene(
         profile, size, *, light, alpha_along, alpha_across, exponent_along, exponent_across, specular,
@@ -99,7 +99,7 @@ def _panel(size, light, tilt, model, specular, diffuse, background):
 
 
 def ward_model(alpha_x, alpha_y):
-    """Ward's model under a light that makes k_s / (4 pi alpha_x alpha_y) the colour, G kept below 2."""
+    """Ward's model under a light that makes k_s / (4 pi alpha_x alpha_y) the colour, with G limited to 2."""
 
     def model(light, view, frame, specular):
         # The row's radiance at k_s = 4 pi alpha_x alpha_y; above it only where G is clamped.
@@ -114,7 +114,7 @@ def ward_model(alpha_x, alpha_y):
 
 
 def ashikhmin_model(exponent_x, exponent_y):
-    """Ashikhmin and Shirley's specular term by angles, as their equation has it, without its constant."""
+    """Ashikhmin and Shirley's specular term by angles, as in their equation, without its constant."""
 
     def model(light, view, frame, specular):
         half = normalize(light + view)

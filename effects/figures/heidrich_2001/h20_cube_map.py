@@ -1,4 +1,4 @@
-"""H20: a sphere map, which serves the view that it was made for, beside a parabolic and a cube map."""
+"""H20: a sphere map, which serves only the view that it was made for, next to a parabolic and a cube map."""
 
 from fixedpipe.effects.acceptance.check import Answer, Check
 from fixedpipe.effects.acceptance.measures import arithmetic_check, root_mean_square

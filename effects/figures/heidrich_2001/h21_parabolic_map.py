@@ -59,7 +59,7 @@ def one_unit_scene(profile, size, **values):
 
 
 def two_units_scene(profile, size, **values):
-    """H21 by one pass: both discs, which combiners mix; beside it one disc alone."""
+    """H21 by one pass: both discs, which combiners mix; next to it one disc alone."""
 
     def passes(surface, view, edge, whole):
         if whole:

@@ -46,9 +46,10 @@ def detail(size):
 
 @lru_cache(maxsize=4)
 def solved(elements, edge, exposure):
-    """The walls that are shown, light maps, and cube maps of what the ball sees, sharp and by the cosine.
+    """The visible walls, light maps, and cube maps of the room as the ball sees it, sharp and filtered by the
+    cosine.
 
-    All are clamped to one, which textures hold, but for what is filtered.
+    All are clamped to one, the most that textures hold, except for maps that are still to be filtered.
     """
     room = small_room.small_room(elements)
     maps = light_maps.light_maps(room, solve(room, THINGS).radiosity, THINGS, exposure)
@@ -102,7 +103,7 @@ def _load_sphere(cube, view, profile):
 def make_scene(load, read):
     """The figure's scene.
 
-    load  (cube, view, profile) -> the command that loads what the ball sees
+    load  (cube, view, profile) -> the command that loads the room as the ball sees it
     read  (texture, view) -> the texture unit that reads its reflections
     """
 

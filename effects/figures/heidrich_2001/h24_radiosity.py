@@ -31,7 +31,7 @@ def fitting_elements(size):
 
 @lru_cache(maxsize=4)
 def solved(elements, left, right):
-    """The room's rectangles, what the lamp alone gives, and the whole solution."""
+    """The room's rectangles, the light of the lamp alone, and the whole solution."""
     room = small_room.small_room(elements, left, right)
     # As many parts of the lamp as tell its shadows' edges from steps.
     direct = solve(room, THINGS, parts=4, most=LAMP_PATCHES)

@@ -1,4 +1,4 @@
-"""H25: an environment map as it is, filtered by Phong's lobe twice (H29), and by a cosine."""
+"""H25: an environment map unfiltered, filtered by two of Phong's lobes (H29), and by a cosine."""
 
 import numpy as np
 
@@ -99,7 +99,7 @@ def _sums(cube, exponent, toward):
 
 
 def checks(figure, renderer):
-    """Panels against sums over all texels for what rays meet; a constant map; a point's image."""
+    """Panels against sums over all texels where rays meet the objects; a constant map; a point's image."""
     size, values = 128, figure.values
     panel = row_of_panels(4, size)[0]
     surface, view = reflecting.ball_in_ring(size), reflecting.camera(panel, values["eye"])

@@ -55,7 +55,7 @@ def segments(size):
 
 @lru_cache(maxsize=8)
 def maps(seen, edge, roughnesses):
-    """An environment, directions to colours, as cube maps of floats: as it is, and filtered by Phong's lobe
+    """An environment, directions to colours, as cube maps of floats: unfiltered, and filtered by Phong's lobe
     for each roughness.
     """
     cube = environments.faces(edge, seen)
@@ -104,7 +104,7 @@ def bent(eye, normals, index):
 
 
 def reference(size, *, index, roughnesses, environment, photograph, objects, detail, **_):
-    """The equation at each pixel that a ray finds on the glass; no reference beside it."""
+    """The equation at each pixel that a ray finds on the glass; other pixels have no reference."""
     surface = glass.OBJECTS[objects](segments(size) if detail is None else detail)
     panels = row_of_panels(3, size)
     normals, eye, there = glass.surface_by_rays(surface, camera(panels[0]))

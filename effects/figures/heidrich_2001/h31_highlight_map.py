@@ -1,4 +1,4 @@
-"""H31: highlights of lights from an environment map, beside those of lighting at vertices."""
+"""H31: highlights of lights from an environment map, next to those of lighting at vertices."""
 
 import numpy as np
 

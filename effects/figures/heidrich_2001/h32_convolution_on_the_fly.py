@@ -1,4 +1,4 @@
-"""H32: a parabolic map filtered by the imaging subset's convolution, beside one filtered beforehand."""
+"""H32: a parabolic map filtered by the imaging subset's convolution, next to one filtered beforehand."""
 
 import numpy as np
 
@@ -43,7 +43,9 @@ def beforehand(texels, exponent, room):
 
 
 def scene(profile, size, *, eye, environment, texels, exponent, photograph):
-    """H32: a ball in a ring; the map as it is, filtered by both kinds of kernel, filtered beforehand."""
+    """H32: a ball in a ring; the map unfiltered, filtered by both kinds of kernel, and filtered
+    beforehand.
+    """
     surface, panels = reflecting.ball_in_ring(size), row_of_panels(4, size)
     room = photograph.panorama if photograph else _ENVIRONMENTS[environment]
     texels = min(reflecting.texels(size), texels)

@@ -1,4 +1,6 @@
-"""H34: the shadow extension, its comparison in the stencil, beside the form with ambient light in it."""
+"""H34: the shadow extension with its comparison in the stencil buffer, next to the form that includes ambient
+light.
+"""
 
 import numpy as np
 

@@ -46,14 +46,14 @@ _SIZE = 256
 
 
 def throwing_scene_of(size, lamp):
-    """What of the scene is in the map, and its lamp."""
+    """The part of the scene that is in the map, and its lamp."""
     scene, light = alpha_shadows.lit_scene_of(size, lamp)
     return Scene(scene.throwing), light
 
 
 def depths_from_the_lamp(size, lamp):
-    """The linear depth, float64 [size, size], of what rays from the lamp meet, one where they meet nothing;
-    and bool [size, size], where that is the depth of one surface: nothing else is seen in the pixels beside.
+    """The linear depth, float64 [size, size], at which rays from the lamp meet the scene, one where they meet
+    nothing; and bool [size, size], true where the neighbouring pixels show the same surface.
     """
     scene, light = throwing_scene_of(size, lamp)
     view = light.view(Panel(0, 0, size, size))

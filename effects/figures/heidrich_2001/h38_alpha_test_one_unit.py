@@ -28,8 +28,8 @@ DATA = figure_data(__file__, "H38")
 
 
 def stretched(panel, stretch, subtract):
-    """The command that spreads a panel's alpha: from zero on ``stretch`` times as far; without ``subtract``
-    from one downwards.
+    """The command that stretches a panel's alpha by the factor ``stretch``: from zero upwards, or without
+    ``subtract`` from one downwards.
     """
     transfer = PixelTransfer(
         scale=(1.0, 1.0, 1.0, stretch), bias=(0.0, 0.0, 0.0, 0.0 if subtract else 1.0 - stretch)

@@ -1,4 +1,4 @@
-"""H40: shadow volumes beside a shadow map of the same scene."""
+"""H40: shadow volumes next to a shadow map of the same scene."""
 
 from fixedpipe.effects.acceptance import shadow_reference
 from fixedpipe.effects.acceptance.agreement import compare, lit_mask, truth_of
@@ -48,8 +48,8 @@ def scene(profile, size, *, light, close, ratio, factor, units, background, shad
 
 
 def towards_light(truth, least=0.15):
-    """Where what is shown faces the light, its cosine above ``least``: bool [h, w]. Elsewhere a map's bias
-    decides, and no light is missed.
+    """Which pixels show surfaces that face the light, with a cosine above ``least``: bool [h, w]. Elsewhere a
+    map's bias decides, and no light is missed.
     """
     directions, _ = to_light(truth.shown.points, truth.lamp)
     return truth.shown.something & (dot(truth.shown.normals, normalize(directions)) > least)

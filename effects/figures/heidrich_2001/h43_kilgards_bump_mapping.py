@@ -1,4 +1,6 @@
-"""H43: a ring of scales by Kilgard's two passes, with and without the normaliser, beside Blinn's in float."""
+"""H43: a ring of scales by Kilgard's two passes, with and without the normaliser, next to Blinn's in
+float.
+"""
 
 from functools import lru_cache
 
@@ -59,8 +61,8 @@ def _by_host(surface, view, light):
 
 
 def in_float(size, p):
-    """What Blinn's bump mapping sends at texels of a texture that goes once round the ring: RGB [rows,
-    columns, 3], and the ring whose coordinates read it.
+    """The light of Blinn's bump mapping at texels of a texture that goes once around the ring: RGB [rows,
+    columns, 3]; and the ring whose coordinates read it.
     """
     columns, rows = 2 * size, size
     heights, colors = _map(_edge(size), p["scales"], p["depth"], p["height_field"], p["height_scale"])

@@ -80,7 +80,7 @@ def imaging_scene(profile, size, *, light, diffuse, ambient, specular, backgroun
 
 def chords(mask):
     """Mean lengths of the runs of true pixels along the rows and along the columns of a bool image; NaN,
-    which passes no check, where there are none.
+    which passes no check, if there are none.
     """
     begins = [(~np.roll(mask, 1, axis) & mask).sum() for axis in (1, 0)]
     return tuple(float(mask.sum() / count) if count else float("nan") for count in begins)
@@ -105,7 +105,7 @@ def _checks_by_pixels(figure, renderer):
 
 
 def checks(figure, renderer):
-    """The highlights' arithmetic and colour, and that bumps have anisotropic ones of their own."""
+    """The highlights' arithmetic and colour, and that each bump has its own anisotropic highlight."""
     yield from _checks_by_pixels(figure, renderer)
     size, white = 256, {**DARK, "specular": (1.0, 1.0, 1.0)}
     ideal = np.clip(renderer.ideal_window(figure, size, **white)[..., 0], 0.0, 1.0)

@@ -354,7 +354,8 @@ def cone_deviation(image, material):
     """How far Banks's lobe is from constant on each cone l.t = -v.t: the largest relative deviation from its
     mean.
 
-    ``image`` as above, with Banks's model; where |l.t| <= 0.5 and n.l >= 0.5, in steps of l.t of 1/256.
+    ``image`` as above, with Banks's model; compared where |l.t| <= 0.5 and n.l >= 0.5, in steps of l.t of
+    1/256.
     """
     cosine, lit = material.tangents[..., 2], material.normals[..., 2]
     chosen = (np.abs(cosine) <= 0.5) & (lit >= 0.5)

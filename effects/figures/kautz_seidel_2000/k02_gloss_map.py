@@ -1,4 +1,4 @@
-"""K02: a gloss map beside a constant k_s."""
+"""K02: a gloss map next to a constant k_s."""
 
 import numpy as np
 

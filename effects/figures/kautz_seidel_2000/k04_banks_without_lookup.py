@@ -1,4 +1,4 @@
-"""K04: the Banks model with R*(s) = 1 - s by register combiners, beside the exact model."""
+"""K04: the Banks model with R*(s) = 1 - s by register combiners, next to the exact model."""
 
 import math
 
@@ -106,7 +106,7 @@ def scene(
 
 
 def checks(figure, renderer):
-    """R* on the machine against the model in float, and R* beside the exact model."""
+    """R* on the machine against the model in float, and R* against the exact model."""
     size = 160
     white = {**DARK, "specular": (1.0, 1.0, 1.0), "slices": 100, "stacks": 50}
     x, y = pixel_grid(size, figure.values["radius"])

@@ -1,4 +1,6 @@
-"""K05: an exponent per texel, which a dependent lookup of two parameters allows, beside none (K06)."""
+"""K05: an exponent per texel, which a dependent lookup of two parameters allows, next to the model without
+(K06).
+"""
 
 from dataclasses import replace
 from functools import lru_cache
@@ -31,8 +33,8 @@ VIEWER = np.array([0.0, 0.0, 1.0])
 
 @lru_cache(maxsize=4)
 def domes(map_size, exponents, rim_radius, alpha_x, alpha_y, spread, k_s):
-    """Domes on a square, brushed along s, with as many rows and columns as ``exponents``, one for each
-    column.
+    """Domes on a square, brushed along s, in as many rows and columns as there are ``exponents``; each column
+    has one.
 
     ``alpha_y``: that of the lowest row and of the highest, in equal steps between.
     """

@@ -1,4 +1,4 @@
-"""K08: Eq. 1 by the imaging subset, flat triangles, beside a halfway vector for every pixel."""
+"""K08: Eq. 1 by the imaging subset with flat triangles, next to a halfway vector for every pixel."""
 
 import math
 
@@ -86,7 +86,7 @@ def _largest_step(image, inside):
 
 
 def checks(figure, renderer):
-    """That facets are seen, that they hold the smooth highlight's light, and what the bias is for."""
+    """That facets are visible, that they have the smooth highlight's light, and what the bias prevents."""
     size, radius = 256, figure.values["radius"]
     inside, normals, _, _ = _sphere_at(size, radius * 0.97)
     inside &= np.abs(normals[..., 1]) < 0.8  # where a pixel is not as high as the triangles at the poles

@@ -1,4 +1,4 @@
-"""K11: material textures in the local frame beside the same baked in world coordinates."""
+"""K11: material textures in the local frame, next to the same textures baked in world coordinates."""
 
 import numpy as np
 

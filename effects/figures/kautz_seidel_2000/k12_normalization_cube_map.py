@@ -1,4 +1,4 @@
-"""K12: vectors from the normalization cube map beside vectors as vertex colours."""
+"""K12: vectors from the normalization cube map, next to vectors as vertex colours."""
 
 import numpy as np
 

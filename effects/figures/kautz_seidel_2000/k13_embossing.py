@@ -93,7 +93,9 @@ def _second_reading(stored, shift_s, shift_t):
 
 
 def checks(figure, renderer):
-    """What is added to the smooth surface's light against the height's derivative along the light."""
+    """The term that is added to the smooth surface's light, against the height's derivative along the
+    light.
+    """
     gain, added, like, unlike, rounding = _BOARDS[renderer.method.name]
 
     def panels(on, **changes):

@@ -63,7 +63,7 @@ def longest_row(mask):
 
 
 def checks(figure, renderer):
-    """The torus pixel by pixel and against the ideal; that every pebble has a highlight of its own."""
+    """The torus pixel by pixel and against the ideal; that every pebble has its own highlight."""
     size = figure.size // 2
     image = renderer.machine_window(figure, size)
     # Five beds of pebbles lie round the circle of tube centres, of radius 0.7; 2.2 units fill the picture.

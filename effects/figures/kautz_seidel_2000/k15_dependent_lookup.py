@@ -84,7 +84,9 @@ def host_scene(profile, size, *, light, extent, diffuse, specular, background, *
 
 
 def checks(figure, renderer):
-    """The lookup against the float model, the host's picture against the Octane's, and what is copied."""
+    """The lookup against the float model, the host's picture against the Octane's, and the copied
+    coordinates.
+    """
     p = figure.values
     size, by_host = p["map_size"], renderer.method.machines[0] != "OCTANE"
     black, white = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)

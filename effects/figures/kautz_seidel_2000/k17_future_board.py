@@ -101,8 +101,8 @@ def _pixel_points(size, radius):
 
 
 def expected(name, size, parameters):
-    """A model on the finely divided sphere of one material, per pixel, and the pixels that count: none within
-    25 degrees of a pole, where the frames turn within a triangle, nor at the edge.
+    """A model on the finely divided sphere of one material, per pixel, and the pixels that count. Those at
+    the edge do not count, nor those within 25 degrees of a pole, where the frames turn within a triangle.
 
     Returns float64 and bool [size, size], bottom row first.
     """

@@ -107,8 +107,8 @@ def reference(edge, pitch, field_of_view, width, length, repeat, light, **materi
     """The plane at many points per pixel: (n.l)+, Eq. 1, and how much of each pixel it covers: three float64
     [edge, edge], bottom row first.
 
-    The points lie on the surface that the machine's level 0 describes, vectors interpolated between texels;
-    nothing is rounded and nothing filtered but the results.
+    The points lie on the surface that the machine's level 0 describes, with vectors interpolated between
+    texels. Nothing is rounded, and only the results are filtered.
     """
     gold, factor = _metal(**material), 4
     fields = np.concatenate(

@@ -24,8 +24,8 @@ MAP_SIZE = 256
 def parquet(tiles, angles, alpha_x, alpha_y, k_s, joint):
     """A flat square of ``tiles`` x ``tiles``, each brushed at one of ``angles``, multiples of 45 degrees.
 
-    The angle moves on by one from tile to tile and by two from row to row. k_s varies from stroke to stroke
-    between the two of ``k_s`` and is ``joint`` on the tiles' edges.
+    The angle's number grows by one from tile to tile and by two from row to row. From stroke to stroke, k_s
+    varies between the two values of ``k_s``; on the tiles' edges it is ``joint``.
     """
     j, i = np.mgrid[0:MAP_SIZE, 0:MAP_SIZE]
     edge = MAP_SIZE // tiles
@@ -100,7 +100,7 @@ _PLAIN = {**DARK, "specular": (1.0, 1.0, 1.0), "k_s": (1.0, 1.0), "joint": 1.0}
 
 
 def checks(figure, renderer):
-    """What is lost without the signed products, and that halves of them bring it back."""
+    """The light that is lost without the signed products, and that their halves bring it back."""
     size = 128
     x, y = pixel_grid(size, figure.values["extent"])
     inside = np.maximum(np.abs(x), np.abs(y)) < 0.98

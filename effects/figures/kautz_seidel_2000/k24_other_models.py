@@ -33,8 +33,8 @@ BY_TEXTURE_SHADERS, BY_PIXEL_TEXTURES = "texture shaders", "pixel textures"
 def domed_material(map_size, domes, rim, exponents, brushing, k_s):
     """``domes`` x ``domes`` domes of k_s on a dull plate.
 
-    Each dome, row by row from the lower left, has its N of ``exponents`` and is brushed along its angle of
-    ``brushing``, degrees from the s axis.
+    Each dome, row by row from the lower left, has its own N from ``exponents``, and is brushed along its own
+    angle from ``brushing``, degrees from the s axis.
     """
     s, t = height_fields.texel_centers(map_size, map_size)
     normals, _, _ = height_fields.frames(*height_fields.dome_slopes(s * domes, t * domes, rim))
@@ -166,7 +166,7 @@ def _rims_check(figure, renderer):
 
 
 def checks(figure, renderer):
-    """The panels against their models in float, and what is to be seen of rows of domes."""
+    """The panels against their models in float, and what must be seen in rows of domes."""
     yield from _rims_check(figure, renderer)
     parameters = {**figure.values_of(renderer.method), **_MEASURED}
     size, domes, exponents = (parameters[k] for k in ("map_size", "domes", "exponents"))

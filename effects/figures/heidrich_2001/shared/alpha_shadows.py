@@ -49,11 +49,11 @@ PARAMETERS = {
 
 @dataclass(frozen=True)
 class Board:
-    """A way to compare depths: one of ``alpha_coded_shadows``' functions, and what it and ``store_map`` are
-    given beside the rest.
+    """A way to compare depths: one of ``alpha_coded_shadows``' functions, and the extra arguments of it and
+    of ``store_map``.
 
-    free        steps of difference that pass its test besides; the map's bias is so much less
-    ideal_more  steps by which the ideal's bias is less than the machine's in the mean: where both depths are
+    free        further steps of difference that pass its test; the map's bias is smaller by as many
+    ideal_more  steps by which the ideal's bias is less than the machine's in the mean. If both depths are
                 rounded, half a step more of difference passes
     """
 
@@ -108,7 +108,7 @@ def without_shadows(panel, *, lamp, background, shading):
 
 
 def by_rays(size, lamp, background, shading):
-    """What a figure's picture approximates: a Shot of the still life under its lamp."""
+    """The reference of a figure's picture: a Shot of the still life under its lamp."""
     scene, light = lit_scene_of(size, lamp)
     return shadow_reference.Shot(
         scene, still_life_view(Panel(0, 0, size, size)), (light,), background, shading
@@ -151,8 +151,8 @@ def agreements(figure, masks, size, column, bits, bias):
 
 
 def agreement_checks(figure, renderer, board, size, column, *, least, least_facing, other):
-    """Checks that a column's shadows are the rays', as ``least`` and ``least_facing`` fractions of pixels and
-    but for ``other`` unexplained ones; and that the ideal, with the same bias in the mean, agrees better.
+    """Checks that a column's shadows are those of rays: at ``least`` and ``least_facing`` of the pixels, with
+    at most ``other`` unexplained ones. The ideal, with the same bias in the mean, must agree better.
     """
     parameters = figure.values_of(renderer.method)
     bits, bias = parameters["bits"], parameters["bias"]

@@ -145,8 +145,9 @@ def by_polarizations(cosine, index):
 
 
 def surface_by_rays(surface, view):
-    """A surface at the pixels' centres, its normals interpolated in its triangles: unit normals and vectors
-    to the eye, float64 [height, width, 3], zero where it is not, and where it is: bool [height, width].
+    """A surface at the pixels' centres, with normals interpolated in its triangles: unit normals and vectors
+    to the eye, float64 [height, width, 3], zero beside the surface; and which pixels show it, bool [height,
+    width].
     """
     origins, along = primary_rays(view)
     hits = RayCaster(surface.positions[surface.triangles]).nearest(origins, along, 1.0)

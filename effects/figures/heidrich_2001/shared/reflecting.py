@@ -52,8 +52,9 @@ def camera(panel, eye):
 
 
 def normals_by_rays(surface, view):
-    """What rays through the pixels' centres meet: unit normals, interpolated in the triangles; unit vectors
-    to the eye; whether they meet it. Float64 [size, size, 3] twice, zero where they do not, and bool.
+    """The surface that rays through the pixels' centres meet: unit normals, interpolated in the triangles;
+    unit vectors to the eye; whether they meet it. Float64 [size, size, 3] twice, zero where they do not, and
+    bool.
     """
     size = view.panel.height
     caster = RayCaster(surface.positions[surface.triangles])
@@ -72,8 +73,9 @@ def reflections_by_rays(surface, view, least=0.2):
     """Reflected unit vectors [size, size, 3] at the pixels' centres, and where they are known: bool [size,
     size].
 
-    The surface faces the eye there by a cosine of ``least`` and more, and the normals of the pixels around
-    lean by less than 60 degrees: at outlines a machine may cover a pixel that a ray misses.
+    At these pixels the surface faces the eye by a cosine of ``least`` or more, and the normals of the pixels
+    around lean by less than 60 degrees. This leaves out outlines, where a machine may cover a pixel that a
+    ray misses.
     """
     normals, eye, seen = normals_by_rays(surface, view)
     known = seen & (dot(normals, eye) > least)
@@ -84,6 +86,6 @@ def reflections_by_rays(surface, view, least=0.2):
 
 
 def degrees_off(colors, toward):
-    """Angles between directions that colours stand for, and unit vectors: degrees [...]."""
+    """Angles between the directions that colours encode and unit vectors: degrees [...]."""
     found = normalize(2.0 * colors - 1.0)
     return np.degrees(np.arccos(np.clip(dot(found, toward), -1.0, 1.0)))

@@ -23,7 +23,8 @@ COMPARED = 45.0
 
 
 def leaning_seen(values, size, flat):
-    """What is compared of the sphere of F004-5 and F004-6 (``scenes.spheres.leaning_sphere``): Seen.
+    """The pixels of the sphere of F004-5 and F004-6 (``scenes.spheres.leaning_sphere``) that are compared:
+    Seen.
 
     ``values``: the figure's own. ``flat``: whether each triangle is.
     """

@@ -15,7 +15,7 @@ OWN = {
 
 
 def marble(size, height_field, height_scale, photograph, **veins):
-    """``material_textures.marble`` of ``size`` and ``veins`` with what is the user's own in their place."""
+    """``material_textures.marble`` of ``size`` and ``veins``, or the user's own in their place."""
     stone = material_textures.marble(size, **veins)
     if height_field is None and photograph is None:
         return stone
