@@ -61,10 +61,10 @@ def _edges_inside(corners, bounds):
 
 
 def meeting(first, second):
-    """The corners of what two bodies have in common, float64 [n, 3], some twice; n is 0 where they do not
-    meet.
+    """The corners of the intersection of two bodies, float64 [n, 3], some twice; n is 0 if they do not meet.
 
-    Such a corner lies on an edge of one of them: it is an end of what the other's planes leave of the edge.
+    Such a corner lies on an edge of one of them. It is an end of the piece that the other's planes leave of
+    this edge.
     """
     first, second = checked_corners(first, "The first body"), checked_corners(second, "The second body")
     return np.concatenate([_edges_inside(first, planes(second)), _edges_inside(second, planes(first))])

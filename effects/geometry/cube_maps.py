@@ -133,10 +133,10 @@ def _between(place, size):
 
 
 def look_up(cube, toward):
-    """What a cube map [6, n, n, c] holds along directions [..., 3], not zero: float64 [..., c].
+    """The values of a cube map [6, n, n, c] along directions [..., 3], not zero: float64 [..., c].
 
-    Bilinear between texel centres; a face does not see beyond its edge, as with CLAMP_TO_EDGE. Raises
-    ValueError for a direction that is zero, NaN or infinite.
+    Bilinear between texel centres; a face is clamped at its edge, as with CLAMP_TO_EDGE. Raises ValueError
+    for a direction that is zero, NaN or infinite.
     """
     # Copies where an array is kept from being written to, which a kernel does not take.
     cube, toward = (np.require(a, np.float64, ("C", "W")) for a in (cube, toward))
@@ -150,8 +150,8 @@ def look_up(cube, toward):
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """A cube map [6, n, n, c] as an environment, directions to what it holds. Equal to another of the same
-    array, so that what is made of it can be kept.
+    """A cube map [6, n, n, c] as an environment: a function of directions. Two of the same array are equal,
+    so that results made from them can be cached.
     """
 
     cube: NDArray[np.float64]

@@ -89,9 +89,8 @@ def lines_of_force(
     ball. Other lines enter the ball and end at a negative charge.
 
     charges  rows (x, y, z, q), inside the ball
-    count    how many lines begin at positive charges, shared among them in proportion to their charge, at
-             least one each. Negative charges have as many for the same charge; of these, only lines from
-             outside are kept
+    count    how many lines begin at positive charges, in proportion to their charge, at least one each.
+             Negative charges get as many for the same charge; of these, only lines from outside are drawn
     step     length of a piece, in the Runge-Kutta method of fourth order
 
     Raises ValueError if no charge is positive, if a length is not positive, and if no line is as long as a

@@ -30,10 +30,10 @@ def frames(slope_s, slope_t):
 
 
 def numbers(heights):
-    """A height field's numbers as float64. Heights are measured in a unit, so whole numbers are what they say
-    whatever their type, a byte of 64 too.
+    """A height field's numbers as float64. Heights are measured in a unit, so a whole number has its plain
+    value in every type: a byte of 64 is 64.
 
-    Raises ValueError for what is no number, NaN or infinity, another shape, or no texels.
+    Raises ValueError for anything but numbers, for NaN and infinity, another shape, or no texels.
     """
     array = array_of(heights, "The height field")
     if array.dtype.kind not in "biuf":
@@ -166,8 +166,8 @@ def resample(heights, columns, rows):
 def tileable(heights, margin=1 / 8):
     """A height field without seams where it repeats, smaller by ``margin`` along both axes.
 
-    The last strip of the field, ``margin`` wide, is faded into the first: what leaves on one side comes in on
-    the other. Fields of fewer than eight texels along an axis are left alone there.
+    The last strip of the field, ``margin`` wide, is faded into the first, so that the field continues across
+    its edges. Fields of fewer than eight texels along an axis are left alone there.
     """
     heights = numbers(heights).copy()
     for axis in (0, 1):
@@ -256,8 +256,8 @@ def turbulence(s, t, cells, octaves, seed):
 def pebbles(columns, rows, cells, seed):
     """A periodic bed of round stones, ``cells`` x ``cells`` of them: heights in units of the field's edge.
 
-    Every cell of a lattice, whose odd rows are moved by half a cell, holds one stone: a half ball whose
-    centre lies up to a quarter of a cell off the cell's and whose radius is 0.5 to 0.7 cells. Where stones
+    The odd rows of a lattice are moved by half a cell, and every cell holds one stone: a half ball with a
+    radius of 0.5 to 0.7 cells. Its centre lies up to a quarter of a cell from the cell's. Where stones
     overlap the higher one is seen. Centres and radii come from an integer hash.
 
     Raises ValueError when ``cells`` is not an even number from 2 on, as the moved rows could not repeat.

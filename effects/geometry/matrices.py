@@ -65,7 +65,7 @@ def look_at(eye, center, up=(0.0, 1.0, 0.0)):
 
 
 def rigid_inverse(matrix):
-    """The inverse of a viewing matrix that turns and moves, and does nothing else."""
+    """The inverse of a viewing matrix that only turns and moves."""
     turned = [[matrix[j][i] for j in range(3)] for i in range(3)]
     moved = [matrix[i][3] for i in range(3)]
     rows = [(*row, -((row[0] * moved[0] + row[1] * moved[1]) + row[2] * moved[2])) for row in turned]

@@ -10,7 +10,7 @@ texels.
 less if texels remain around the disc (``margin``).
 
 Source: Heidrich, Seidel 1998, View-independent environment maps; Heidrich 2001, section 1.3 (H21 of the
-catalogue; pass sequence A-H21). The second disc is a mirror image of the view of someone who turns round.
+catalogue; pass sequence A-H21). The second disc is the mirror image of the view backwards.
 """
 
 import numpy as np
@@ -25,8 +25,8 @@ def _texels(size, reach):
 
 
 def margin(size, texels=2):
-    """The ``reach`` of a disc that leaves so many texels to each of its map's edges, half the map at
-    least.
+    """The ``reach`` of a disc that leaves so many texels to each edge of its map; it is at least half the
+    map.
     """
     return max(1.0 - 2.0 * texels / size_of(size, "The parabolic map's size"), 0.5)
 
@@ -74,7 +74,7 @@ def coordinates(vectors, reach=1.0):
 
 
 def look_up(discs, vectors, reach=1.0):
-    """What a parabolic map [2, n, n, c] holds along directions [..., 3], bilinear: float64 [..., c]."""
+    """The values of a parabolic map [2, n, n, c] along directions [..., 3], bilinear: float64 [..., c]."""
     discs = np.asarray(discs, np.float64)
     size = discs.shape[1]
     disc, st = coordinates(vectors, reach)
@@ -89,8 +89,8 @@ def look_up(discs, vectors, reach=1.0):
 
 
 def matrix(disc, reach=1.0):
-    """The 4x4 texture matrix that takes a unit vector (x, y, z, 1) to a disc's (s, t, 0, q), 0 the first: s/q
-    and t/q are ``coordinates``', and on the other hemisphere's directions lie beyond the disc.
+    """The 4x4 texture matrix that takes a unit vector (x, y, z, 1) to a disc's (s, t, 0, q); disc 0 is the
+    first. s/q and t/q are those of ``coordinates``; directions of the other hemisphere lie beyond the disc.
     """
     sign = (-1.0, 1.0)[disc]
     half = 0.5 * float(reach)

@@ -22,8 +22,8 @@ def rays(view):
 
 
 def sample_places(side):
-    """Where samples lie in their cells, ``side`` along a pixel's edge: float64 [256, 256, 2] from 0 to 1, by
-    integers and so the same everywhere; a single one is in the middle.
+    """Where samples lie in their cells, ``side`` along a pixel's edge: float64 [256, 256, 2] from 0 to 1,
+    computed by integers, so that they are the same on every computer; a single sample is in the middle.
     """
     if side == 1:
         return np.full((_JITTER, _JITTER, 2), 0.5)

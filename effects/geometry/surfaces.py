@@ -209,10 +209,10 @@ def torus(
     """A torus about the y axis: 2 around across triangles; s runs round the axis, t round the tube.
 
     radius     of the circle of tube centres; s = 1/2 faces +z, and t = 1/2 is the outer equator
-    seen_from  a point, for instance of a light: then its silhouette on the torus lies along edges of the
-               mesh, so that it has no zigzag. Half of the ``across`` segments, an even number, face the
-               point. A point so low that its rays run along the silhouette somewhere sees a zigzag there.
-               t goes from any number to one more. None: segments of one size, and t from 0 to 1.
+    seen_from  a point, for instance a light. The silhouette that it sees lies along edges of the mesh, so
+               that it has no zigzag. Half of the ``across`` segments, an even number, face the point. If the
+               point is so low that its rays run along the silhouette somewhere, a zigzag stays there. t goes
+               from any number to one more. None: segments of one size, and t from 0 to 1.
 
     Raises ValueError for counts or radii that give no torus.
     """
@@ -247,7 +247,7 @@ def torus(
 def box(width: float = 1.0, height: float = 1.0, depth: float = 1.0) -> Surface:
     """A closed box about the origin, its faces flat: 12 triangles; texture coordinates 0..1 on each face.
 
-    Raises ValueError where an edge is not positive.
+    Raises ValueError if an edge is not positive.
     """
     half = np.array([width, height, depth], np.float64) / 2.0
     if not ((half > 0.0) & np.isfinite(half)).all():

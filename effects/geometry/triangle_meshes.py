@@ -184,7 +184,7 @@ class Corners:
     coordinates  float [k, 3, 2]; NaN where the file gives none
     normals      float [k, 3, 3]; likewise
     vertices, faces  how many the file has
-    problems     {what was left out, one and several: [how many, the first in a sentence]}
+    problems     {what was left out, in the singular and the plural: [how many, the first in a sentence]}
     """
 
     points: np.ndarray
@@ -207,7 +207,7 @@ class Corners:
         return from_triangles(self.points, self.coordinates if whole else None, normals, name)
 
     def text(self, smooth: bool = False) -> str:
-        """What was understood of the file, on one line."""
+        """How the file was understood, on one line."""
         made = "normals averaged at vertices" if smooth else "creases"
         normals = self._told(self.normals, "normals", made, f"{made} elsewhere")
         coordinates = self._told(
@@ -245,7 +245,7 @@ def _count(number, what):
 
 
 def note_problem(problems, what, sentence, count=1):
-    """Count what is left out, in ``Corners.problems``."""
+    """Count omitted data in ``Corners.problems``."""
     problems.setdefault(what, [0, sentence])[0] += count
 
 
@@ -455,9 +455,9 @@ def obj_corners(text: str, name: str) -> Corners:
     """The Corners of the text of a Wavefront OBJ file: v, vt, vn and f with plane polygons of any size,
     concave ones too.
 
-    Other statements (groups, materials, smoothing) are ignored. Faces whose vertices are not there, or that
-    have fewer than three, and indices of other things that are not there are left out and counted. Raises
-    ValueError with ``name`` and the line for what is no number, and where no face is left.
+    Other statements (groups, materials, smoothing) are ignored. Faces with missing vertices or fewer than
+    three, and indices of other missing data, are left out and counted. Raises ValueError with ``name`` and
+    the line for anything that should be a number and is not, and if no face is left.
     """
     file = _ObjFile(name)
     file.read(text)

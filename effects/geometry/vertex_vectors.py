@@ -94,8 +94,8 @@ def dot_products(*pairs, biased=False):
     """Texture coordinates [n, k] that are dot products: s of the first pair of vectors [n, 3], t of the next.
 
     One vector [3] goes with all of an array's. ``biased``: (1 + a.b) / 2, for products that have a sign and
-    tables that cover [-1, 1] (E000.3 of the catalogue); else a negative one meets the texture's first texel
-    where the texture clamps to its edge.
+    tables that cover [-1, 1] (E000.3 of the catalogue). Otherwise a negative product reads the first texel of
+    a texture that clamps to its edge.
     """
     if not 1 <= len(pairs) <= 4:
         raise ValueError(f"{len(pairs)} pairs of vectors make no texture coordinates; give 1 to 4 of them.")

@@ -38,7 +38,7 @@ class Panel:
 
     @property
     def scissor(self) -> Scissor:
-        """The panel as the scissor box of what knows no viewport: Clear, Accum, rectangles of pixels."""
+        """The panel as a scissor box for commands without a viewport: Clear, Accum, rectangles of pixels."""
         return Scissor(self.x, self.y, self.width, self.height)
 
     def clear(self, color: tuple[float, float, float], label: str = "clear colour and depth") -> Clear:
@@ -104,9 +104,7 @@ def perspective_view(
     field_of_view: float = 30.0,
     radius: float = 2.0,
 ) -> View:
-    """A camera at ``eye`` that looks at ``center``; what lies within ``radius`` of the centre is not
-    clipped.
-    """
+    """A camera at ``eye`` that looks at ``center``; nothing within ``radius`` of the centre is clipped."""
     distance = float(np.sqrt(sum((e - c) ** 2 for e, c in zip(eye, center, strict=True))))
     near, far = max(distance - radius, distance / 64.0), distance + radius
     projection = perspective(field_of_view, panel.width / panel.height, near, far)

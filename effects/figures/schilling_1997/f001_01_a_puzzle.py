@@ -27,7 +27,7 @@ def scene(profile, size, *, stretch, background):
 
 
 def checks(figure, renderer):
-    """The stretch, found again in what is drawn."""
+    """The stretch, found again in the picture."""
     size = figure.size
     for on in Answer:
         image = renderer.window(on, figure, size)

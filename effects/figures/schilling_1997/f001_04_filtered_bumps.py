@@ -1,4 +1,4 @@
-"""F001-4: filtering makes a bump map smooth, and what its roughness keeps of the bumps."""
+"""F001-4: filtering makes a bump map smooth, and its roughness stores how rough the lost bumps were."""
 
 import math
 
@@ -58,7 +58,7 @@ def _normals(levels, number):
 
 
 def scene(profile, size, *, seed, slope, background):
-    """F001-4: profiles of five levels, their normals, and the wedge that roughness says of each."""
+    """F001-4: profiles of five levels, their normals, and the wedge for the roughness of each."""
     (panel,) = row_of_panels(1, size)
     view, levels = drawing.sheet(panel), rough.pyramid(white(seed, slope))
     out = [drawing.load_font(), panel.clear(background)]
@@ -80,7 +80,7 @@ def scene(profile, size, *, seed, slope, background):
 
 
 def checks(figure, renderer):
-    """Variances from level to level, and that profiles lie where they are said to."""
+    """Variances from level to level, and that profiles lie at the computed places."""
     levels = rough.pyramid(white(figure.values["seed"], figure.values["slope"]))
     variances = [level.offsets.reshape(-1, 2).var(axis=0) for level in levels]
     off = max(float(np.abs(variances[k + 1] / variances[k] * 4.0 - 1.0).max()) for k in range(3))

@@ -55,8 +55,8 @@ def mean_and_deviation(slope, count=SAMPLES):
 
 
 def cone(slope, angle):
-    """Directions of the cone's edges and of its middle: float64 [3, 2]. Its edges are what the mean slope,
-    a deviation more and a deviation less mirror.
+    """Directions of the cone's edges and of its middle: float64 [3, 2]. Its edges are the directions that the
+    mean slope mirrors, and that slopes one deviation more and less mirror.
     """
     mean, deviation = mean_and_deviation(slope)
     return mirrored(incoming(angle), np.array([mean - deviation, mean, mean + deviation]))

@@ -1,4 +1,6 @@
-"""F001-9: a bump map's pyramid, which loses its bumps, and the pyramid of roughness, which keeps them."""
+"""F001-9: a bump map's pyramid, which loses its bumps, and the pyramid of roughness, which stores their
+deviation.
+"""
 
 from functools import lru_cache
 
@@ -117,7 +119,7 @@ def scene(profile, size, *, height_field, height_scale, background):
 
 
 def checks(figure, renderer):
-    """The recursion against all texels, D in bytes, and that every level is the one that is seen."""
+    """The recursion against all texels, D in bytes, and that the picture shows every level."""
     values = figure.values
     levels, _, deviation = pyramids(256, values["height_field"], values["height_scale"])
     worst, stored, finest = 0.0, 0.0, levels[0].offsets

@@ -27,7 +27,9 @@ _BOUNDS = {
 
 
 def checks(figure, renderer):
-    """The catalogue's: RMS, the far water's mean, the column's shape; and what no roughness makes of it."""
+    """The catalogue's checks: RMS, the far water's mean, the column's shape; and the same without
+    roughness.
+    """
     size, lake = figure.size, the.Lake(**figure.values)
     view = the.SUBJECT.at_origin(size)
     truth, water, far = the.truth(lake, view), the.rows_of_water(view), the.far(view)

@@ -1,4 +1,4 @@
-"""F001-11: the lake without antialiasing, beside the one that roughness filters."""
+"""F001-11: the lake without antialiasing, next to the one that roughness filters."""
 
 import numpy as np
 
@@ -23,7 +23,7 @@ _TIMES_LARGER = {
 
 
 def checks(figure, renderer):
-    """The catalogue's: RMS and fine changes; and how much the far water changes from time to time."""
+    """The catalogue's checks: RMS and fine changes; and how much the far water changes over time."""
     size, lake = figure.size, the.Lake(**figure.values)
     view, small = the.SUBJECT.at_origin(size), the.SUBJECT.at_origin(_SMALL)
     truth, water = the.truth(lake, view), the.rows_of_water(view)

@@ -1,4 +1,4 @@
-"""F001-17: the angle between normal and halfway vector, and what the roughness makes of it."""
+"""F001-17: the angle between normal and halfway vector, and how the roughness changes it."""
 
 import numpy as np
 

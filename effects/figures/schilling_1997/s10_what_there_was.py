@@ -1,4 +1,4 @@
-"""S10: the moon on a lake by what there was, by roughness, and by a ray tracer with the same ellipses."""
+"""S10: the moon on a lake by earlier methods, by roughness, and by a ray tracer with the same ellipses."""
 
 import numpy as np
 

@@ -51,8 +51,8 @@ def _placed(patch):
 
 
 def interpolated(size, p):
-    """The fine surface, its frame in which corners' vectors go straight, that with lengths apart, directions
-    alone, and lengths of s_u and s_v over the normal's.
+    """The fine surface; its frame with the corners' vectors interpolated straight; the frame with lengths
+    apart; its directions alone; and the lengths of s_u and s_v over the normal's.
     """
     columns, rows = p["corners"]
     divided, repeats = _parts(size), (p["ribs"], 1)

@@ -76,7 +76,7 @@ def globe_normals(size, corners):
 
 
 def axis():
-    """The globe's main direction, its axis, as it is turned to the viewer."""
+    """The globe's main direction: its axis, turned to the viewer."""
     return rotate(rotation("x", _TILT), np.array(_AXIS))
 
 
@@ -242,7 +242,9 @@ def _lengths(size, corners):
 
 
 def checks(figure, renderer):
-    """East and the displaced globe; pictures against light in float; what is lost, and where frames part."""
+    """East and the displaced globe; pictures against light in float; lost relief, and where the frames
+    differ.
+    """
     p, size, way = dict(figure.values), 256, renderer.method.name
     longitude = np.linspace(-3.0, 3.0, 61)
     for latitude in (-1.2, 0.0, 0.7):

@@ -122,7 +122,7 @@ def _between(a, b):
 
 
 def checks(figure, renderer):
-    """Axes by second moments of tables and of what is drawn, against K's own; RMS from all bumps."""
+    """Axes by second moments of tables and of the picture, against K's own; RMS from all bumps."""
     p = {name: figure.values[name] for name in ("long", "short", "direction")}
     k = bumps(**p)[1]
     *_, axis = rough.principal(k)

@@ -70,7 +70,7 @@ def scene(profile, size, *, height_field, height_scale):
 
 
 def checks(figure, renderer):
-    """What is stored of flat texels and of others, and that the machine shows these bytes."""
+    """The stored normals of flat and of other texels, and that the machine shows these bytes."""
     size = 128
     heights = rosette(size)
     normals = normal_maps.normals(heights, 1.0 / size, 1.0 / size)

@@ -34,7 +34,7 @@ def _arrows():
 
 
 def scene(profile, size, *, background):
-    """F003-7: steps along u and v, and what they are on the triangle."""
+    """F003-7: steps along u and v in texture space, and the same steps on the triangle."""
     flat, solid = _views(size)
     foot, along_u, along_v, up = _arrows()
     beyond = along_u + along_v - foot

@@ -84,7 +84,7 @@ def cube_scene(profile, size, *, tint, environment, cube, photograph, **waves):
 
 
 def offset_scene(profile, size, *, tint, environment, cube, photograph, **waves):
-    """F003-8 by offsets of a sphere map, whose edge is twice ``cube``; ``tint`` takes no part."""
+    """F003-8 by offsets of a sphere map, whose edge is twice ``cube``; ``tint`` is not used."""
     surface = the_sphere(size)
     room = photograph.panorama if photograph else ENVIRONMENTS[environment]
     across, along = (8, 6) if size < 64 else (16, 12)
@@ -107,7 +107,7 @@ def offset_scene(profile, size, *, tint, environment, cube, photograph, **waves)
 
 def reference(surface, view, normals, size):
     """(reflected directions, n.e, covered) at the pixels of a panel: rays cast at the surface's triangles,
-    frames interpolated there, the normal map filtered; nothing of the machine's.
+    frames interpolated there, and the normal map filtered. No result of the machine is used.
     """
     caster = RayCaster(surface.positions[surface.triangles])
     origins, along = primary_rays(view)

@@ -47,7 +47,7 @@ def _metal(edge, relief, height_field, height_scale, photograph):
 
 
 def cube_scene(profile, size, *, tint, second_pass, **metal):
-    """F003-9 by texture shaders. ``second_pass``: dirt is a draw of its own, not the normal map's alpha."""
+    """F003-9 by texture shaders. ``second_pass``: dirt is a separate draw, and not the normal map's alpha."""
     edge, surface = texels(size), _surface(size)
     loading, names = bumped_reflections.load(*_metal(edge, **metal), "hammered metal", profile)
     out = [bumped_reflections.load_environment(2 * texels(size), profile, environments.room), *loading]

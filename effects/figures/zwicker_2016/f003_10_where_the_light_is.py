@@ -63,7 +63,8 @@ def plan(panel, scene, position):
 def map_scene(profile, size, *, positions, texels, factor, shading, background, plans):
     """The still life with its own shadow map for each of the lamp's ``positions``.
 
-    ``texels``: texels of a map's edge for each pixel of a panel's, at most; ``factor``: the polygon offset's.
+    ``texels``: texels of a map's edge for each pixel of a panel's edge, at most; ``factor``: the polygon
+    offset's.
     """
     scene = still_life.still_life(objects_and_lamps.detail_of(size))
     panels = row_of_panels(len(positions), size)

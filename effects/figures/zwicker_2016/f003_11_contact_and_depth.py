@@ -33,7 +33,9 @@ _TILES = {"light tiles": (0.66, 0.63, 0.58), "dark tiles": (0.52, 0.50, 0.47)}
 
 
 def camera(panel):
-    """A parallel view from above: what moves towards the viewer keeps its place in the picture."""
+    """A parallel view from above: an object that moves towards the viewer stays in its place in the
+    picture.
+    """
     eye = tuple(c + 6.0 * e for c, e in zip(_CENTER, _EYE, strict=True))
     edge = _HALF_HEIGHT
     return View(panel, look_at(eye, _CENTER), orthographic(-edge, edge, -edge, edge, 1.0, 12.0), _EYE, True)
@@ -115,7 +117,7 @@ def gap(mask, shown, column):
 
 
 def checks(figure, renderer):
-    """Masks against rays; the box's picture is one and the same; the gap is linear in the height."""
+    """Masks against rays; the box's picture is always the same; the gap is linear in the height."""
     heights, size = figure.values["heights"], figure.size // 2
     panels = [slice(k * size, (k + 1) * size) for k in range(len(heights) + 1)]
     view = camera(row_of_panels(1, size)[0])

@@ -93,7 +93,7 @@ def scene(profile, size, *, shading, background):
 
 
 def checks(figure, renderer):
-    """Each panel's mask against rays; what the self-shadows are."""
+    """Each panel's mask against rays; the size of the self-shadows."""
     size, found, own, elsewhere = 256, [], [], 0
     mask = agreement.lit_mask(renderer.machine_window(figure, size, shading=SceneShading.MASK))
     view = camera(row_of_panels(1, size)[0])

@@ -28,7 +28,7 @@ DATA = figure_data(__file__, "F003-13")
 
 
 def scene(profile, size, *, extent, half_width, background):
-    """A light ``extent`` wide over an occluder, and what it leaves dark on the floor."""
+    """A light ``extent`` wide over an occluder, and the umbra and penumbra on the floor."""
     (panel,) = row_of_panels(1, size)
     view, light = drawing.sheet(panel), Light("area light", extent=extent)
     _, _, inner_right, outer_right = light.edges(half_width)
@@ -57,7 +57,7 @@ def scene(profile, size, *, extent, half_width, background):
 
 
 def checks(figure, renderer):
-    """The penumbra's width by similar triangles, by what is seen of the light, and in the picture."""
+    """The penumbra's width by similar triangles, by the visible part of the light, and in the picture."""
     half_width, extent = figure.values["half_width"], figure.values["extent"]
     light = Light("area light", extent=extent)
     outer_left, inner_left, inner_right, outer_right = light.edges(half_width)

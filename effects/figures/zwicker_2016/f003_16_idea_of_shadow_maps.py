@@ -61,7 +61,7 @@ def points():
 def outlines():
     """Every part of the shapes' outlines, float64 [n, 2 ends, 2], and whether its middle is lit, bool [n].
 
-    Without what lies on the floor or below it, where nothing is seen.
+    Outlines on the floor or below it are left out, since they are not visible.
     """
     parts = np.concatenate([pieces(shape, _PIECES) for shape in SHAPES])
     middles = parts.mean(axis=1)

@@ -35,7 +35,7 @@ def lamp_view(panel):
 
 
 def distances(view, lamp):
-    """The lamp, two points, and for each its distance from the light beside the map's value for it."""
+    """The lamp, two points, and for each its distance from the light next to the map's value for it."""
     points, ends, position = (LIT_POINT, SHADOWED_POINT), (LIT_POINT, BETWEEN), np.array(lamp.position)
     across = np.array(view.modelview[0][:3]) * _BESIDE
     yellow = [np.stack([position, np.array(point)]) for point in points]

@@ -64,7 +64,7 @@ def _over(view, number, one, frusta):
 
 
 def scene(profile, size, *, shading, ratio, one, background, frusta):
-    """F003-19: a room lit through one map, through six, and which of them lights what."""
+    """F003-19: a room lit through one map, through six, and which part each of them lights."""
     room, row, edge = _room(size), row_of_panels(3, size), map_edge(size, ratio)
     parts = [
         parted_shadow_maps.parts_of_cube(room, lit_room.LAMP, lit_room.lit_room_view(p), edge) for p in row
@@ -183,7 +183,7 @@ def _beside_another(face):
 
 
 def reference(size, *, shading, ratio, one, background, frusta):
-    """The room's shadows by rays; in the first panel where one map's field of view is, alone."""
+    """The room's shadows by rays; in the first panel only within one map's field of view."""
     room, row = _room(size), row_of_panels(3, size)
     view = lit_room.lit_room_view(row[0])
     lamp = cube_of_maps.face_lamp(lit_room.LAMP, one, 0.05, 10.0)

@@ -1,4 +1,4 @@
-"""F003-20: z-fighting on a slanted surface, and what a bias does, drawn.
+"""F003-20: a diagram of z-fighting on a slanted surface, and of the effect of a bias.
 
 The surface and a plate above it are seen from the side; parallel light falls straight down. A texel of the
 shadow map has one depth over its width. It is the nearest depth at the texel's middle, moved away by the bias
@@ -83,8 +83,8 @@ def parts(bias):
 
 
 def shares(bias):
-    """How much of the surface that sees the light is in shadow by the map, and how much of what the plate
-    hides is lit.
+    """Which share of the surface that sees the light is in shadow by the map, and which share of the hidden
+    surface is lit.
     """
     plate = (PLATE[1] - PLATE[0]) * WIDTH
     wrong = [part for part in parts(bias) if part.wrong]
@@ -193,7 +193,7 @@ def _marks(size, settings):
 
 
 def checks(figure, renderer):
-    """What the map gets wrong with each bias, and that the picture has it where it is computed."""
+    """The map's errors with each bias, and that the picture shows them at the computed places."""
     p = figure.values
     none, right, too_much = biases(p["right"], p["too_much"])
     least = polygon_offset(0.5, 0.5)

@@ -37,8 +37,8 @@ def view_of(panel):
 def make(profile, size, *, ratio, factors, kernel, shading):
     """The three side by side. ``factors``: PolygonOffset's for each; ``ratio``: the map's edge over size.
 
-    What is compared lies up to half a texel beside the place, or one, or half the kernel: the offset must
-    grow with it.
+    The compared texel lies beside the place by up to half a texel, one texel, or half the kernel. The offset
+    must grow with this distance.
     """
     panels, edge = row_of_panels(3, size), map_edge(size, ratio)
     scene, lamp = scene_of(size)

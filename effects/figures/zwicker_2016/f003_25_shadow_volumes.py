@@ -1,4 +1,4 @@
-"""F003-25: shadow volumes: silhouette edges, what they are extruded to, and the shadows."""
+"""F003-25: shadow volumes: silhouette edges, the sides that they are extruded to, and the shadows."""
 
 from functools import lru_cache
 
@@ -166,7 +166,7 @@ def panel_checks(figure, renderer, truth, counts, volumes):
 
 
 def checks(figure, renderer):
-    """Closed loops, closed volumes, counts, and what the panels show."""
+    """Closed loops, closed volumes, counts, and the pixels of the panels."""
     size = 384
     light = figure.values["light"]
     for name, objects in (("cube and torus", solids(40, light)), ("the still life", still_life(40))):

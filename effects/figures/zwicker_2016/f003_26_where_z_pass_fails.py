@@ -45,8 +45,8 @@ def setting(case, panel, detail, *, light, hidden, shares, boards, nears):
     """Things on the floor, a board beside the picture, the lamp and the camera: Scene, Lamp, View.
 
     The board's shadow falls over the eye or over the near plane. For each case: ``hidden`` is the middle of
-    the board's shadow; ``shares`` tells how far along the way from the lamp to there the board is; ``boards``
-    has its edges; ``nears`` the near plane's distance.
+    the board's shadow; ``shares`` is the board's place on the way from the lamp to there, as a fraction;
+    ``boards`` has its edges; ``nears`` the near plane's distance.
     """
     k = CASES.index(case)
     view = View(panel, look_at(EYE, CENTER), perspective(FIELD_OF_VIEW, 1.0, nears[k], 60.0), EYE, False)
@@ -149,7 +149,7 @@ def checks(figure, renderer):
 
 
 def reference(size, *, background, shading, **places):
-    """Both cases' shadows by rays, whatever algorithm a panel has."""
+    """Both cases' shadows by rays, for every algorithm."""
     cases = (CASES[0], CASES[0], CASES[1], CASES[1], CASES[1])
     shots = {}
     for case in CASES:

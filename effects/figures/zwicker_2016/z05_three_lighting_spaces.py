@@ -160,7 +160,7 @@ def _displayed_checks(figure, renderer):
 
 
 def checks(figure, renderer):
-    """That the three spaces show one picture, as far as what is interpolated allows."""
+    """That the three spaces show one picture, up to errors of interpolation."""
     size, maps = 128, 256
     black = {"background": (0.0, 0.0, 0.0), "maps": maps, "differences": False}
     images = {

@@ -33,7 +33,8 @@ _AIMS = (
 
 
 def count(towards):
-    """A ray from the eye: what it hits, and the crossings of shadow volumes in front of that, in order.
+    """A ray from the eye: the point that it hits, and the crossings of shadow volumes before that point, in
+    order.
 
     The counter at the hit is the sum of +1 for each crossing that enters and -1 for each that leaves.
     """
@@ -113,7 +114,7 @@ def scene(profile, size, *, background):
 
 
 def checks(figure, renderer):
-    """The counter against what the light sees, for every ray of the eye; and the drawn marks."""
+    """The counter against the points that the light sees, for every ray of the eye; and the drawn marks."""
     angles = np.radians(np.arange(-900, 301) / 10.0 - 0.03)
     rays = [(EYE[0] + float(np.cos(a)), EYE[1] + float(np.sin(a))) for a in angles]
     counts, dark, inside = [], [], []

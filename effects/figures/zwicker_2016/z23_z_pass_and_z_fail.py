@@ -1,4 +1,4 @@
-"""Z23: the same shadows by z-pass and z-fail, and what the stencil buffer counts on the way."""
+"""Z23: the same shadows by z-pass and z-fail, and the counts in the stencil buffer."""
 
 from dataclasses import replace
 

@@ -64,7 +64,7 @@ def the_mesh():
 
 
 def flagged(surface, report):
-    """The triangles' colours, float64 [k, 3]: each in that of what was found."""
+    """The triangles' colours, float64 [k, 3], by the class that was found."""
     colors = np.tile(np.array(COLORS["good"]), (len(surface.triangles), 1))
     for kind, found in (
         ("stretched", report.stretched),

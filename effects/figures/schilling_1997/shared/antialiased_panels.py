@@ -1,7 +1,7 @@
 """F001-10 to F001-13: a bumpy mirror in a row of panels, each antialiased in another way.
 
-Two methods draw them: computed in floats, as the paper did, and shown as a picture; and by texture shaders,
-in passes (``rough_mirror_passes``).
+Two methods draw them. One computes them in floats, as the paper did, and shows them as a picture. The other
+uses texture shaders, in passes (``rough_mirror_passes``).
 """
 
 from collections.abc import Callable
@@ -45,9 +45,9 @@ class Subject:
     drawn: Callable[..., Any]
 
     def row(self, ways, passes=PASSES):
-        """What a Figure is given: panels, aspect, parameters, methods and the reference.
+        """The arguments of a Figure: panels, aspect, parameters, methods and the reference.
 
-        ways    of each panel its name and its Antialiasing; None: 256 samples a pixel, which are computed
+        ways    the name and the Antialiasing of each panel; None: 256 samples a pixel, computed by the host
         passes  the name of the method by texture shaders
         """
 

@@ -1,6 +1,7 @@
 """F001-3's and F001-5's bumps on a line: heights and slopes as sums of waves, and rays that they mirror.
 
-Assumed: the waves, few enough to be told apart and many enough for slopes that are nearly normal.
+Assumed: the waves, few enough to be seen separately, and many enough for slopes that are nearly normally
+distributed.
 """
 
 import math

@@ -63,7 +63,7 @@ PARAMETERS = {
 
 @dataclass(frozen=True)
 class Lake:
-    """A lake by PARAMETERS' names: what is asked for again and again is kept by it."""
+    """A lake by PARAMETERS' names, which caches what is needed repeatedly."""
 
     slope: float
     period: float
@@ -217,7 +217,7 @@ def _rough_cubes(moon, brightness, edge, roughness):
 
 
 def load(lake, height, profile):
-    """The commands that load waves and cube maps for texture shaders, and what they are stored as."""
+    """The commands that load waves and cube maps for texture shaders, and their Stored."""
     levels = rough_mirror_passes.with_curvature(pyramids(lake, TEXELS))
     names = (bumped_reflections.CUBE_MAP, *(f"night, roughness {k}" for k in range(1, 5)))
     stored = rough_mirror_passes.Stored("waves", names, *rough_mirror_passes.largest(levels))
@@ -270,8 +270,8 @@ def fine_energy(picture, view):
 
 
 def column(picture, view):
-    """(length, width) of the column of glitter in pixels: rows and columns in which what the water is lighter
-    by than its row's median sums to half of the largest sum.
+    """(length, width) of the column of glitter in pixels: rows and columns whose light above the row's median
+    sums to at least half of the largest such sum.
     """
     gray = picture[rows_of_water(view)].mean(axis=-1)
     lighter = np.maximum(gray - np.median(gray, axis=1, keepdims=True), 0.0)

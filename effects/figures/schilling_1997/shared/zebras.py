@@ -163,7 +163,7 @@ def _smooth(x):
 
 @dataclass(frozen=True)
 class Plate:
-    """The plate by PARAMETERS' names: what is asked for again and again is kept by it."""
+    """The plate by PARAMETERS' names, which caches what is needed repeatedly."""
 
     slope: float
     strength: float
@@ -202,7 +202,7 @@ def cube_edge(size):
 
 def at(view):
     """Where the pixels of a view look, in turns: azimuth from -z to the right, and how far below the horizon,
-    float64 [height, width] each. A flat plate mirrors what is as far above it.
+    float64 [height, width] each. A flat plate mirrors the places that are as far above the horizon.
     """
     x, y = np.meshgrid(np.arange(view.panel.width) + 0.5, np.arange(view.panel.height) + 0.5)
     to = rays(view)[0] + x[..., None] * rays(view)[1] + y[..., None] * rays(view)[2]
@@ -322,7 +322,7 @@ def _rough_cubes(edge, roughness):
 
 
 def load(plate, height, profile):
-    """The commands that load bumps and cube maps for texture shaders, and what they are stored as."""
+    """The commands that load bumps and cube maps for texture shaders, and their Stored."""
     levels = rough_mirror_passes.with_curvature(pyramids(plate))
     names = ("zebras", *(f"zebras, roughness {k}" for k in range(1, rough_mirror_passes.ROUGHNESSES)))
     stored = rough_mirror_passes.Stored("bumps", names, *rough_mirror_passes.largest(levels))

@@ -20,8 +20,8 @@ LIT, DARK = (0.92, 0.86, 0.66), (0.08, 0.11, 0.26)
 
 @dataclass(frozen=True)
 class Light:
-    """``extent``: how wide it is, 0: a point. ``infinite``: its rays are parallel, from ``x`` to the left
-    or the right by so much in each unit of height; else ``x`` is where its middle is.
+    """``extent``: how wide it is, 0: a point. ``infinite``: its rays are parallel, and ``x`` is how far they
+    lean to the left or the right in each unit of height. Otherwise ``x`` is the place of its middle.
     """
 
     name: str
@@ -44,8 +44,8 @@ class Light:
         return x + (x - end) * (OCCLUDER - FLOOR) / (LIGHT - OCCLUDER)
 
     def edges(self, half_width):
-        """Where on the floor, from left to right, the penumbra begins, the umbra, the other penumbra, and
-        where that ends.
+        """Four places on the floor, from left to right: where the penumbra begins, the umbra, and the other
+        penumbra, and where that ends.
 
         A light without extent has a penumbra without width.
         """
@@ -179,8 +179,8 @@ def guide(view, points):
 
 
 def drawn_edges(panel, middle=0.0):
-    """Where in a panel's picture [size, size, 3] the floor begins to darken, is dark, and so on: ``edges`` as
-    they are drawn. ``middle``: an x in the umbra.
+    """``edges`` as a panel's picture [size, size, 3] shows them: where the floor begins to darken, is dark,
+    and so on. ``middle``: an x in the umbra.
     """
     size = len(panel)
     step = 2.0 / size

@@ -64,7 +64,7 @@ SUN = word.of(
 
 
 def panels_of(panels):
-    """The parameter ``panels`` of a figure: what each shows, of as many as it has or fewer."""
+    """The parameter ``panels`` of a figure: the content of each, for all of its panels or fewer."""
     return word.of(
         word.Several(PANEL_KIND, 1, len(panels)),
         panels,
@@ -74,7 +74,7 @@ def panels_of(panels):
 
 
 def parameters_of(panels, **others):
-    """The parameters of a figure that shows such panels, among them ``others`` of its own."""
+    """The parameters of a figure that shows such panels, including its own, ``others``."""
     return {
         "panels": panels_of(panels),
         "background": word.BACKDROP(avenue.SKY),
@@ -105,8 +105,8 @@ def scene(profile, size, *, shading, panels, background, sun):
 
 def sliced_scene(profile, size, *, shading, panels, background, sun, mixture):
     """Commands that draw the avenue on a row of panels, as many as ``panels`` has, which are (MapFit, ratio
-    of the map's edge to the panel's, number of slices, look). Panels of the same maps share them. A frame on
-    panels that show the whole says what the others magnify.
+    of the map's edge to the panel's, number of slices, look). Panels of the same maps share them. On panels
+    that show the whole, a frame marks the region that the others magnify.
     """
     looks = [look for *_, look in panels] if shading is SceneShading.LIT else []
     things, window = avenue.avenue(detail_of(size)), (len(panels) * size, size)
@@ -148,7 +148,7 @@ def _lines(panel, look, looks, sun):
 
 
 def reference(size, *, shading, panels, background, sun, mixture=frustum_slices.LAMBDA):
-    """The same panels with their shadows by rays, whatever map each has: a figure's ``reference``."""
+    """The same panels with shadows by rays in place of each map: a figure's ``reference``."""
     things, row, shots = avenue.avenue(detail_of(size)), row_of_panels(len(panels), size), {}
     for panel, (fit, ratio, slices, look) in zip(row, panels, strict=True):
         if look in shots and look != TINTED:
@@ -183,7 +183,7 @@ def agreements(picture, size, panels, sun, mixture=frustum_slices.LAMBDA):
     """An agreement.Agreement for each panel of a picture [size, n size, 3] of ``SceneShading.MASK``.
 
     A slice's pixels are compared with its own camera's texels. Only surfaces that face the light are
-    compared. Others are dark in any case, whatever a map says of them.
+    compared. Other pixels are dark whatever the map says.
     """
     scene, out = avenue.avenue(detail_of(size)), []
     for number, (fit, ratio, slices, look) in enumerate(panels):
@@ -217,8 +217,8 @@ def machine_agreements(figure, renderer, size, panels=None):
 
 
 def shown_and_whole(figure, renderer, size):
-    """``agreements`` of the near shadow with the machine's maps of panels that are magnified, and of the same
-    maps over all that the viewer sees.
+    """``agreements`` of the near shadow, with the machine's maps of the magnified panels; and of the same
+    maps over the whole view.
     """
     near = tuple((*panel[:3], NEAR_SHADOW) for panel in figure.values["panels"] if panel[3] in MAGNIFIED)
     whole = tuple((*panel[:3], WHOLE) for panel in near)

@@ -18,8 +18,8 @@ BRICK_NORMALS, BRICK_COLORS = "normal map of bricks", "colours of bricks"
 
 
 def slices(size):
-    """How many slices a round surface has on a panel of ``size`` pixels: few enough at small sizes that the
-    plain-Python specification draws it, a multiple of 8.
+    """How many slices a round surface has on a panel of ``size`` pixels: a multiple of 8, and at small sizes
+    few enough for the plain-Python specification to draw it.
     """
     return 16 if size < 64 else 48 if size < 200 else 96
 
@@ -86,8 +86,8 @@ def own_normals(height_field, columns, rows, scale, repeated=True):
 def recovered_normals(pictures, lights):
     """Unit normals from pictures of (n.l)+ under three lights: float64 [h, w, 3].
 
-    ``pictures``: three float64 [h, w]; ``lights``: float64 [3, 3], a unit vector each, on whose lit side
-    every normal lies. Source: Woodham 1980 (photometric stereo).
+    ``pictures``: three float64 [h, w]; ``lights``: float64 [3, 3], unit vectors, each with every normal on
+    its lit side. Source: Woodham 1980 (photometric stereo).
     """
     return normalize(np.stack(pictures, axis=-1) @ np.linalg.inv(np.asarray(lights)).T)
 
@@ -100,7 +100,7 @@ def angles(a, b):
 def silhouette_check(figure, renderer, size, without, with_bumps):
     """That an object covers the same pixels of the first panel with and without bumps.
 
-    ``without``, ``with_bumps``: what of the figure's parameters differs. The background alone is blue.
+    ``without``, ``with_bumps``: the figure's parameters that differ. The background alone is blue.
     """
     colors = {"background": (0.0, 0.0, 1.0), "diffuse": (1.0, 1.0, 0.0), "ambient": (0.25, 0.25, 0.0)}
     images = [

@@ -19,7 +19,7 @@ def lamp_without_frustum(light, infinite=False):
 def counted(renderer, algorithm, view, objects, lamp, on, **way):
     """The stencil's counts and the lit mask after an algorithm, bottom row first; the panel is the window.
 
-    ``way``: what the algorithm is given beside (operations, start).
+    ``way``: the algorithm's other arguments (operations, start).
     """
     panel, profile = view.panel, renderer.profile
     passes = algorithm(objects, view, lamp, profile, SceneShading.MASK, **way)
@@ -34,7 +34,7 @@ def counted(renderer, algorithm, view, objects, lamp, on, **way):
 
 
 def expected_counts(volumes, truth, start=0.0):
-    """Z21's counter at what each pixel shows, int64 [h, w], zero where nothing is."""
+    """Z21's counter at each pixel's surface, int64 [h, w], zero in empty pixels."""
     seen, eye = truth.shown.something, np.array(truth.view.eye)
     points = truth.shown.points[seen]
     out = np.zeros(seen.shape, np.int64)
@@ -44,15 +44,15 @@ def expected_counts(volumes, truth, start=0.0):
 
 
 def known_counts(objects, view, lamp):
-    """What rays say, the Truth, and how many volumes each pixel's surface is in: no machine has a part in it,
-    so that a figure's machines may share it.
+    """The Truth by rays, and how many volumes each pixel's surface is in. It depends on no machine, so that a
+    figure's machines may share it.
     """
     truth = truth_of(objects, view, lamp)
     return truth, expected_counts(shadow_volumes.shadow_volumes(objects, lamp.homogeneous), truth)
 
 
 def count_checks(renderer, view, objects, lamp, least, reason, known=None):
-    """Both algorithms' counts against rays, and their masks' differences that nothing explains.
+    """Both algorithms' counts against rays, and their masks' unexplained differences.
 
     ``known``: ``known_counts`` of these, where they are there already.
     """

@@ -1,7 +1,7 @@
 """Rings for shadow volumes: the silhouette that the light sees lies along edges of the mesh.
 
 Where a silhouette runs to and fro between edges, each step throws a thin wall of its own. The walls are
-right, but they litter a picture that shows the volumes, or what was counted with them.
+right, but they clutter a picture of the volumes, or of their counts.
 """
 
 import numpy as np
