@@ -8,7 +8,7 @@ import numpy as np
 
 
 def checked_rgb(color, what="The colour"):
-    """RGB in [0, 1] as three floats: what a machine's colours, constants and tables hold.
+    """RGB in [0, 1] as three floats, the range of a machine's colours, constants and tables.
 
     Raises ValueError, naming ``what``, for anything else.
     """
@@ -36,7 +36,7 @@ def member_of(kind, given, what):
 
 
 def positive(number, what):
-    """A number as a float. Raises ValueError, naming ``what``, where it is not finite and above zero."""
+    """A number as a float. Raises ValueError, naming ``what``, if it is not finite and above zero."""
     if not 0.0 < number < math.inf:
         raise ValueError(f"{what} is {number!r}; give a positive number.")
     return float(number)

@@ -129,12 +129,12 @@ def one_minus(register):
 
 
 def alpha_of(register):
-    """A register's alpha, replicated where RGB is asked for."""
+    """A register's alpha, replicated to RGB."""
     return replace(_input(register), usage=ComponentUsage.ALPHA)
 
 
 def blue_of(register):
-    """A register's blue, where alpha is asked for: how a dot product gets there."""
+    """A register's blue as an alpha: so an alpha portion reads a dot product."""
     return replace(_input(register), usage=ComponentUsage.BLUE)
 
 
@@ -177,7 +177,7 @@ def _one_product(value):
 
 
 def gate(register):
-    """min(1, 4 b) of a register's blue, to its alpha: the alpha half by which later passes stay where (n.l)+
+    """min(1, 4 b) of a register's blue, to its alpha: the alpha half that limits later passes to where (n.l)+
     is not zero.
     """
     return scaled(4, product(blue_of(register), ONE, to=register))
@@ -292,8 +292,8 @@ def stage(rgb=NOTHING, alpha=NOTHING, constant0=None, constant1=None, lookup=Non
 def final(a, b=ONE, *, plus=ZERO, alpha=ONE):
     """The final combiner with a b + ``plus`` in [0, 1] as its colour, and ``alpha``.
 
-    One of the three may be a ``product`` or a ``square``, E times F; one product may stand in several places.
-    Raises ValueError for two different products.
+    One of the three may be a ``product`` or a ``square``, E times F; the same product may be used several
+    times. Raises ValueError for two different products.
     """
     products = dict.fromkeys(value for value in (a, b, plus) if isinstance(value, RGBPortion))
     if len(products) > 1 or any(value != product(value.a, value.b) for value in products):
@@ -314,8 +314,8 @@ def shown(rgb, alpha=ONE):
 def program(*combiners, constant0=None, constant1=None):
     """Register combiners: general ones in their order, then the final one.
 
-    ``combiners``: a portion by itself is a stage whose alpha half writes nothing; without any the program has
-    a stage that does nothing. ``constant0``, ``constant1``: RGB in [0, 1], with an alpha of one; None: zero.
+    ``combiners``: a single portion is a stage whose alpha half writes nothing; an empty program gets a stage
+    that does nothing. ``constant0``, ``constant1``: RGB in [0, 1], with an alpha of one; None: zero.
     """
     if not combiners or not isinstance(combiners[-1], FinalCombiner):
         last = in_words(combiners[-1]) if combiners else "nothing"

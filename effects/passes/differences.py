@@ -1,7 +1,7 @@
 """How one panel's picture differs from another's, sixteen times as large.
 
 Both are copied into textures. Two general combiners subtract one from the other and multiply by four twice.
-The final one adds what is positive of the difference and of its negative.
+The final combiner adds the positive part of the difference and that of its negative.
 """
 
 import numpy as np
@@ -64,7 +64,8 @@ def _combiners():
 
 
 def show_difference(first, second, panel, surface):
-    """The command that shows on a panel how two pictures differ that ``keep`` kept of panels of its size.
+    """The command that shows on a panel the difference of two pictures that ``keep`` stored from panels of
+    its size.
 
     ``surface``: a rectangle (``surfaces.plane``) of half width and half height one.
     """

@@ -75,7 +75,7 @@ def draw(label, mesh, view, combiners, units=(), *, depth_test=LATER_PASS, blend
 
 
 def keep_positive(mesh, view):
-    """(.)+ of what the framebuffer holds where the mesh was drawn: the maximum with black."""
+    """(.)+ of the framebuffer where the mesh was drawn: the maximum with black."""
     black = constant_product(ZERO, (0.0, 0.0, 0.0))
     return draw("keep (.)+", mesh, view, black, blending=AT_LEAST_ZERO)
 

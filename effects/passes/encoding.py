@@ -81,8 +81,8 @@ def colors_of(texels):
 def vector_colors(vectors, profile):
     """Vectors [n, 3] as the primary colour of n vertices, for EXPAND_NORMAL: float64 [n, 3].
 
-    On a machine the floats are the combiners' integers divided by their one, bytes by 255, which its
-    conversion of vertex colours turns back into the same integers (Measured: a float colour keeps 14
+    On a machine the floats are the combiners' integers divided by their one; with bytes that is 255. The
+    conversion of vertex colours turns them back into the same integers (Measured: a float colour keeps 14
     significant bits, then rounds).
     """
     if profile.arithmetic.exact:

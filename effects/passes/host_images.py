@@ -12,8 +12,8 @@ from fixedpipe.pipeline.pixel_transfer import PixelTransfer
 
 @dataclass(frozen=True, eq=False)
 class HostImage:
-    """Vectors as the host keeps them: ``values`` = v / (2 ``scale``) + 1/2, floats [rows, columns, 3] in
-    [0, 1], bottom row first.
+    """Vectors as the host stores them: ``values`` = v / (2 ``scale``) + 1/2, floats [rows, columns, 3] in [0,
+    1], bottom row first.
     """
 
     values: np.ndarray

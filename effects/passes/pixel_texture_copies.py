@@ -134,8 +134,8 @@ def load_products(label, name, values, rows, profile, bits=8, *, alpha=1.0):
 
 
 def load_squares(label, name, vectors, half, profile, bits=8, *, scale=1.0):
-    """The command that loads (v.h)^2 scale into R, G, B and A: products biased to (d + 1)/2 for the sake of
-    their sign, squared by the table after the color matrix. Beyond 1 they are 1.
+    """The command that loads (v.h)^2 scale into R, G, B and A: products are biased to (d + 1)/2 to keep their
+    sign, and squared by the table after the color matrix. Beyond 1 they are 1.
     """
     transfer = PixelTransfer(
         color_matrix=(dot_with(half, math.sqrt(scale)),) * 4,
@@ -199,7 +199,7 @@ def _copy(label, view, rows, mask, blending, units=(), pixel_texture=None, table
 def through_host(commands, type="UNSIGNED_BYTE"):
     """The commands with every copy of colours made through the host's memory: ReadPixels, then DrawPixels.
 
-    DrawPixels has the copy's pixel transfer and pixel texture. ``type``: ReadPixels'; FLOAT keeps a
+    DrawPixels has the copy's pixel transfer and pixel texture. ``type``: of ReadPixels; FLOAT keeps a
     framebuffer's twelve bits.
     """
     out = []

@@ -88,7 +88,7 @@ def read_back(name, *, x=0, y=0, width=None, height=None, label="read back for t
 
 
 def look_up(pixels, texture, texture_filter=TextureFilter.LINEAR, wrap=WrapMode.CLAMP_TO_EDGE):
-    """What a pixel texture gives for each pixel: its texel at s = R/A, t = G/A, lambda zero.
+    """The result of a pixel texture for each pixel: its texel at s = R/A, t = G/A, lambda zero.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def _blended(pair, fraction, exact):
 
 
 def drawn(label, image, *, x=0, y=0, state=None):
-    """The command that draws what was looked up, its lower left pixel at (x, y): DrawPixels."""
+    """The command that draws the looked-up pixels, the lower left one at (x, y): DrawPixels."""
     return DrawPixels(
         label=label, image=PixelImage(image), position=at_pixel(x, y), state=state or PassState()
     )

@@ -1,4 +1,4 @@
-"""What a machine draws of a small state: the pixel that is asked for, and its history."""
+"""A machine draws a small state: the requested pixel, and its history."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -48,7 +48,9 @@ class ExpectedPixel:
 
 
 def expected_pixel(state: PixelState, profile: Profile) -> ExpectedPixel:
-    """Draw a small state on a machine, and the ideal beside it. Raises Refusal for what the machine lacks."""
+    """Draw a small state on a machine, and the ideal beside it. Raises Refusal if the machine lacks
+    something.
+    """
     with refusals():
         commands = state.commands(profile)
         frame = record(commands, profile, state.width, state.height, **state.window)

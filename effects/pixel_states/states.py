@@ -1,4 +1,4 @@
-"""A file of a small state: a window, textures, polygons, and the pixel that is asked for."""
+"""A file of a small state: a window, textures, polygons, and the requested pixel."""
 
 from dataclasses import dataclass, replace
 from typing import Any

@@ -30,8 +30,8 @@ def wrong(path: str, given: Any, wanted: str) -> NoReturn:
 def read_json(text: str, name: str) -> Any:
     """The value of a JSON text. ``name``: of the text, for sentences.
 
-    Raises Refusal for what is no JSON, for a key that an object has twice, for NaN and infinities (which
-    JSON has not), and for brackets or numbers too long to be read.
+    Raises Refusal for invalid JSON, for a key that an object has twice, for NaN and infinities (which JSON
+    lacks), and for brackets or numbers too long to be read.
     """
 
     def once(pairs):

@@ -9,8 +9,8 @@ from fixedpipe.effects.presentation.variation import Track
 
 @dataclass(frozen=True)
 class Animation:
-    """A declared animation: what it ``does``, in a few words, a Track each by a parameter's name, the first
-    and the last ``bits`` of every number, how many frames there are (None: as ``frames_of`` says), and how
+    """A declared animation: what it ``does``, in a few words; a Track for each parameter's name; the first
+    and the last ``bits`` of every number; how many frames there are (None: as ``frames_of`` says), and how
     many a second.
     """
 

@@ -115,7 +115,7 @@ def _largest(area, columns, pictures, panels):
 
 
 def height_of(area, columns, arrangement):
-    """Of all pictures with what is written at them."""
+    """The height of all pictures with their labels."""
     rows = math.ceil(columns / arrangement.panels) * math.ceil(len(area.notes) / arrangement.pictures)
     return _fixed(area, columns, arrangement)[1] + rows * arrangement.height
 
@@ -125,7 +125,7 @@ def arrange(area, columns, small=SMALL):
 
     The rows of panels stay whole unless a panel is lower than ``small`` mm. Among arrangements with lines of
     equal length, the one with the largest panels is taken. Pictures of one panel may stand side by side; then
-    it is the flattest whose panels are nearly as large. If nothing fits, its height is zero or less.
+    it is the flattest whose panels are nearly as large. If no arrangement fits, its height is zero or less.
     """
     count = len(area.notes)
     shares = [n for n in range(1, count + 1) if count % n == 0]
@@ -141,7 +141,7 @@ def arrange(area, columns, small=SMALL):
 
 
 def place(area, columns, arrangement):
-    """Where each picture stands: a Place each. What is narrower than the area stands in its middle."""
+    """Where each picture stands: a Place each. An arrangement narrower than the area is centred."""
     c, across = arrangement.panels, arrangement.width
     rows = math.ceil(columns / c)
     left, above = _side(area, arrangement)

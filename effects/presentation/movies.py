@@ -122,9 +122,9 @@ KINDS = {
 
 
 def kind_of(path):
-    """(who writes a file of that name, what it is).
+    """(the writer of a file of that name, the file's kind).
 
-    Raises Refusal for another ending, and for MP4 where imageio-ffmpeg is not installed.
+    Raises Refusal for another ending, and for MP4 if imageio-ffmpeg is not installed.
     """
     ending = path.suffix.lower()
     if ending not in KINDS:
@@ -135,7 +135,7 @@ def kind_of(path):
 
 
 def check_edges(path, width, height):
-    """Raise Refusal where a file of that name cannot have frames of so many pixels."""
+    """Raise Refusal if a file of that name cannot have frames of so many pixels."""
     if path.suffix.lower() == ".mp4" and (width % 2 or height % 2):
         raise Refusal(
             f"MP4 halves the edges of what holds its colours, and {width}x{height} pixels are odd; give an "
@@ -156,7 +156,7 @@ def write_animation(path, frames, count, rate, loop=True):
     frames  uint8 [h, w, 3] each, of one shape, top row first; asked for one after the other
     count   how many there are
     rate    frames a second, 1 to 60
-    loop    whether players begin again at the end; MP4 has no word for it
+    loop    whether players begin again at the end; MP4 cannot store this
 
     Raises Refusal as ``kind_of`` does, for MP4 of an odd width or height, and for a rate out of range.
     """

@@ -31,8 +31,8 @@ class Shown:
     name      one of PICTURES
     heading   what it is, in a few words
     note      what is written below it; ""
-    panels    uint8 [height, width, 3] each, top row first, None where it has none; empty where the picture is
-              said and not drawn: a difference that is none
+    panels    uint8 [height, width, 3] each, top row first, None for an absent one. It is empty if words
+              replace the picture, as for a difference of zero
     """
 
     name: str
@@ -96,13 +96,14 @@ def is_diagram(figure, profile):
 
 
 def names_of(figure, profile, names=None, alone=False):
-    """Names of the pictures of a sheet: those asked for; else those that tell what the figure is about.
+    """Names of the pictures of a sheet: the requested ones, or else those that show the figure's subject.
 
     These are the machine's picture, the reference and their difference; without a reference the ideal and
     the difference from it; of a diagram the machine's picture alone. ``alone``: of any figure the machine's,
     as on a slide.
 
-    Raises Refusal for another name, for one twice, and for what the figure has not on that machine.
+    Raises Refusal for another name, for a name given twice, and for a picture that the figure lacks on that
+    machine.
     """
     there = list(PICTURES)
     if figure.reference is None:

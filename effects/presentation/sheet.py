@@ -66,7 +66,7 @@ class Sheet:
     style                                    its Style
     panels, lines                            its contents
     dpi, scale                               of a PNG file: pixels an inch, and the edge of the square that
-                                             shows one of the figure's pixels; None: pixels stay single
+                                             shows one of the figure's pixels; None: pixels are not enlarged
     title, caption, source, bibtex, command  for the file's own fields, and for the file beside it; source and
                                              bibtex are empty without a paper
     """

@@ -139,7 +139,7 @@ _SETTINGS = {
 
 
 def file_of(sheet, kind):
-    """The bytes of a file of that kind, of a sheet that was composed for it."""
+    """The bytes of a file of that kind, from a sheet composed for it."""
     matplotlib = drawing_library()
     # Without what a user's settings change.
     with matplotlib.rc_context():

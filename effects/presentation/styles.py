@@ -12,7 +12,7 @@ LEAST_POINTS = 6.0
 
 @dataclass(frozen=True)
 class Face:
-    """A typeface: files of matplotlib's own fonts, and the families by which an SVG's reader looks for it."""
+    """A typeface: files of matplotlib's own fonts, and the font families that an SVG names."""
 
     regular: str
     bold: str
@@ -31,14 +31,14 @@ class Style:
 
     does          what it is for
     width         of a sheet where none is given, mm
-    least, most   widths that can be asked for, mm
+    least, most   the least and the greatest width, mm
     tall          the greatest height as a multiple of the width, or of the style's own width where that is
                   larger; ``fixed``: it is the height, as a multiple of the width
     dpi           of a PNG file at least, where none is given: pixels an inch
     caption       whether the figure's caption is set below, under the title; else the title stands on top
     paper, ink, quiet   colours of the ground, of text, of text that stands back
     title, text, label, note   sizes in points, of a sheet ``width`` wide; ``scales``: they grow with it
-    margin, gutter, gap   around the sheet, between panels and between pictures, mm; they grow likewise
+    margin, gutter, gap   around the sheet, between panels and between pictures, mm; they grow in the same way
     """
 
     does: str

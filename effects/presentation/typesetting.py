@@ -9,7 +9,7 @@ from fixedpipe.effects.refusal import Refusal
 
 
 def drawing_library():
-    """matplotlib, imported when a sheet is made. Raises Refusal where it is not installed."""
+    """matplotlib, imported when a sheet is made. Raises Refusal if it is not installed."""
     try:
         import matplotlib
     except ImportError as error:

@@ -29,7 +29,7 @@ class Track:
 @dataclass(frozen=True)
 class Frame:
     """A frame: ``changes``, values of parameters by name; ``bits`` of every number, None: the machine's own;
-    ``said``: both in words.
+    ``said``: both, described in words.
     """
 
     changes: Mapping[str, Any]
@@ -154,8 +154,8 @@ def frames_of(figure, method, tracks, bits=None, count=None):
     -------
     tuple of Frame
 
-    Raises Refusal for a parameter that there is not, one that cannot be between two values, a value that is
-    none, a single value, widths and counts out of range.
+    Raises Refusal for an unknown parameter, one that cannot be interpolated, an invalid value, a single
+    value, and for widths and counts out of range.
     """
     kinds, taken = {}, {}
     for name, track in tracks.items():

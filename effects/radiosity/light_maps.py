@@ -55,7 +55,7 @@ def light_maps(rectangles, radiosity, things=(), exposure=1.0):
 
 
 def load(maps, profile, title="light map"):
-    """Commands that load light maps as textures; what is brighter than one is clamped, but on the ideal."""
+    """Commands that load light maps as textures; numbers above one are clamped, except on the ideal."""
     return tuple(
         TexImage(
             label=f"load {title} of the {name}",
@@ -136,7 +136,7 @@ def look_up(values, s, t):
 
 
 def seen(rectangles, maps, origin, toward):
-    """What lies in directions [..., 3] from a point in the room, by its light maps: RGB float64 [..., 3].
+    """The room's light from directions [..., 3] at a point, by its light maps: RGB float64 [..., 3].
 
     Directions through a gap see black.
     """

@@ -89,7 +89,7 @@ class Solution:
 
     radiosity  by rectangle's name, float64 [rows, columns, 3]: the light that its elements send, in the
                emission's unit
-    received   likewise: the arriving irradiance, in the same unit
+    received   the arriving irradiance by element, in the same unit
     unsent     the power still to be sent, RGB, out of ``emitted``
     steps      how often a patch sent
     sums       the sum of each step's form factors, one in exact arithmetic: float64 [steps]
@@ -169,14 +169,14 @@ def solve(rectangles, things=(), *, parts=2, rest=0.002, most=_MOST_STEPS):
     """Diffuse light in a closed room: a Solution.
 
     rectangles  Rectangles that face inward and leave no gap; their names differ
-    things      ``form_factors.Box`` and ``Ball`` that hide them from each other; what one stands on receives
-                nothing
+    things      ``form_factors.Box`` and ``Ball`` that hide them from each other; an element below one
+                receives nothing
     parts       that a patch is seen in, along each edge
     rest        the part of the emitted power that may stay unsent
     most        steps at most: 1 and more; few show direct light alone
 
-    Raises ValueError where nothing shines, for names given twice, for numbers that are none, and where more
-    than ``rest`` is unsent after 20,000 steps.
+    Raises ValueError if nothing shines, for names given twice, for invalid numbers, and if more than ``rest``
+    is unsent after 20,000 steps.
     """
     names = [rectangle.name for rectangle in rectangles]
     if len(set(names)) < len(names):

@@ -63,7 +63,7 @@ TECHNIQUES = (
 
 
 def combiners(specular=(1.0, 1.0, 1.0)):
-    """Eq. 1 as two general combiners and the final combiner; ``specular``: RGB by which k_s is multiplied."""
+    """Eq. 1 as two general combiners and the final combiner; ``specular``: RGB that multiplies k_s."""
     h = expand(PRIMARY)
     return program(
         scaled(4, both(dot(expand(TEXTURE0), h, to=SPARE0), dot(expand(TEXTURE1), h, to=SPARE1))),

@@ -4,13 +4,13 @@ One table has the facets, over the halfway vector; the other has the obstruction
 
     I_o = c D(x, y) G(n.l, n.v) I_i,    x = h.t / (1 + h.n),  y = h.b / (1 + h.n)
 
-The distribution D of an anisotropic model depends on two angles of the halfway vector h = l + v, made of
-length one: its distance from the normal and its azimuth. The azimuth jumps from one end of a table to the
-other. It has no value at the normal, in the middle of every highlight. The coordinates x and y belong to a
-conformal map of the hemisphere onto the unit disc. They are smooth at the normal, and even where the cosine
-h.n is coarse: half a degree is a texel of 256 anywhere near the normal. They are not linear in h, so the
-host, or a vertex program, computes them at the vertices. With h it may do so for a near light and a near
-viewer. It also computes n.l and n.v.
+The distribution D of an anisotropic model depends on two angles of the halfway vector h = l + v, normalized:
+its distance from the normal and its azimuth. The azimuth jumps from one end of a table to the other. It has
+no value at the normal, in the middle of every highlight. The coordinates x and y belong to a conformal map of
+the hemisphere onto the unit disc. They are smooth at the normal, and even where the cosine h.n is coarse:
+half a degree is a texel of 256 anywhere near the normal. They are not linear in h, so the host, or a vertex
+program, computes them at the vertices. With h it may do so for a near light and a near viewer. It also
+computes n.l and n.v.
 
 Each table is one texture. Two units multiply them in one pass, one unit in two. Slowly changing parts of a
 model, such as Fresnel's factor of l.h, go into the vertices' colour. A G greater than one is stored over
@@ -151,8 +151,8 @@ def load_distribution(texture, distribution, parameters, profile, *, texels=TEXE
 
 
 def load_obstruction(texture, obstruction, profile, *, texels=TEXELS):
-    """The command that loads G(n.l, n.v) / ``LARGEST`` over [0, 1]; its first column and row are zero, so
-    that what is turned away from the light or the viewer is black.
+    """The command that loads G(n.l, n.v) / ``LARGEST`` over [0, 1]. Its first column and row are zero, so
+    that surfaces that face away from the light or the viewer are black.
 
     obstruction  ``ward_obstruction`` or ``ashikhmin_obstruction``, or another function of two arrays
     """

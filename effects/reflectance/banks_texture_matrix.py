@@ -16,8 +16,8 @@ each with its own matrix.
 K04 is the same model with vectors that change from texel to texel. A matrix for a whole mesh cannot turn
 those, so K04 needs five passes or more, and does without the root.
 
-``halfway_unit`` does the same for an isotropic model, with the normal in place of the tangent. The two
-pictures then differ only by what grooves change.
+``halfway_unit`` does the same for an isotropic model, with the normal in place of the tangent. Then the two
+pictures differ only by the effect of the grooves.
 
 Source: Heidrich 2001, section 1.1.1, Eq. 3 and 4 (pass sequence A-H15 of the catalogue; errata E000.3: the
 scale and bias; E000.4: n' made of length one, and the term for lines in the place of n'.h; E000.5: 1/r is an
@@ -52,7 +52,7 @@ _BLACK = (0.0, 0.0, 0.0, 1.0)
 
 
 def thread(light_tangent, view_tangent, diffuse, specular, exponent):
-    """What the table holds, of l.t and v.t in [-1, 1]: Banks's light of a thread, without n.l. float64.
+    """The table's values for l.t and v.t in [-1, 1]: Banks's light of a thread, without n.l. float64.
 
     k_d sqrt(1 - (l.t)^2) + k_s (sqrt(1 - (l.t)^2) sqrt(1 - (v.t)^2) - (l.t)(v.t))+^exponent
     """
@@ -75,7 +75,7 @@ def _table(texture, function, texels, profile):
 def load_threads(texture, profile, *, diffuse, specular, exponent, texels=TEXELS):
     """The command that loads ``thread`` over (l.t, v.t), columns and rows from -1 to 1.
 
-    diffuse, specular  k_d and k_s; above one together they are clamped where both are full
+    diffuse, specular  k_d and k_s; if their sum exceeds one, it is clamped where both terms are full
     exponent           1/r, positive
     texels             of either axis, a power of two
 

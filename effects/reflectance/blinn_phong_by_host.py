@@ -49,8 +49,8 @@ def _lobe_and_exponent():
 
 
 def coordinates(pixels):
-    """What was read, e in red, N/128 in alpha, as a pixel texture's pixels: log2(N)/7 in red, e in green (and
-    blue), alpha one.
+    """The pixels that were read, e in red and N/128 in alpha, as a pixel texture's pixels: log2(N)/7 in red,
+    e in green (and blue), alpha one.
 
     ``pixels``: uint8 or float64 [h, w, 4]; the same type is returned. N counts as 1 where it is less.
     """

@@ -263,9 +263,9 @@ def schlick(light, view, normal, tangent, roughness, isotropy, specular=1.0):
     along t. Zero where the light or the viewer is behind the surface. Where h = n the azimuth is undefined
     and A jumps between sqrt(p) and 1/sqrt(p); w = 0 is taken there.
 
-    Source: Schlick 1994; without the term that sends obstructed light on, (1 - G G') / (4 pi (n.l)(n.v)).
-    Assumed: from memory of the paper; reading it would settle it. Z is normalized (2 t Z(t) integrates to
-    one) and the mean of A is at most one, which tests hold.
+    Source: Schlick 1994; without the term for obstructed light that is reflected again, (1 - G G') / (4 pi
+    (n.l)(n.v)). Assumed: from memory of the paper; reading it would settle it. Z is normalized (2 t Z(t)
+    integrates to one) and the mean of A is at most one, which tests hold.
     """
     in_front, half = ward_p(light, view, normal) > 0.0, half_vector(light, view)
     t, x = dot(half, normal), dot(half, tangent)
@@ -327,7 +327,7 @@ VECTORS = ("light", "view", "half", "normal", "tangent", "binormal")
 
 @dataclass(frozen=True)
 class Brdf:
-    """A row of the table: a reflectance model and what is claimed of it.
+    """A row of the table: a reflectance model and the claims about it.
 
     title           what it is called
     technique       its id in the catalogue
@@ -336,15 +336,15 @@ class Brdf:
     parameters      all others of the function's arguments
     source          where the equation is from
     reciprocal      f_r stays the same when light and viewer are exchanged
-    albedo_bound    what the directional albedo never exceeds within the parameters' ranges; None where no
-                    bound is claimed
+    albedo_bound    the upper bound of the directional albedo within the parameters' ranges; None if no bound
+                    is claimed
     gains           where no bound is claimed: parameters under which the albedo exceeds one
     gains_at        and the light's angle from the normal, in degrees
     turns           the vectors of the frame about which the frame can be turned without a change of f_r; an
                     isotropic model has "normal"
     irradiance      of the light on a surface that faces it: a white Lambert surface has radiance one at pi
 
-    Raises ValueError where the function's arguments are not the vectors and the parameters.
+    Raises ValueError if the function's arguments are not the vectors and the parameters.
     """
 
     title: str
@@ -382,7 +382,7 @@ class Brdf:
 
         light, view   [..., 3], of length one
         frame         a ``Frame``
-        parameters    those that are not to have their default; others than the row's raise ValueError
+        parameters    those without their default value; unknown ones raise ValueError
         """
         unknown = set(parameters) - set(self.defaults)
         if unknown:

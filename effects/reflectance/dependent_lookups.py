@@ -133,8 +133,8 @@ class LookupNames:
     """The names of a material's texture objects, and the numbers by which they are stored.
 
     normal, tangent, binormal  n, t/ax and b/ay; their alphas hold Ward's factor, k_s and N/128
-    scale                      by what t/ax and b/ay are multiplied: 1/4, or 1/8 for alphas below 1/4
-    largest_factor             of k_s / (4 pi ax ay): what the stored one is divided by
+    scale                      the factor of t/ax and b/ay: 1/4, or 1/8 for alphas below 1/4
+    largest_factor             largest k_s / (4 pi ax ay), by which the stored one is divided
     """
 
     normal: str
@@ -281,8 +281,8 @@ def blinn_phong_passes(
 def load_ward_functions(profile, largest_s=4.0):
     """The commands that load E(m, d) over m/8 and d as "E(m, d)", and S(p) over ``largest_s`` as "S(p)".
 
-    S(p) is clamped beyond ``largest_s``, 2, 4 or 8, at p < 1/largest_s^2: the larger, the nearer to grazing
-    angles S is right, and the fewer codes it has elsewhere.
+    S(p) is clamped beyond ``largest_s``, 2, 4 or 8, at p < 1/largest_s^2. A larger one keeps S right nearer
+    to grazing angles, but leaves fewer codes elsewhere.
     """
     one_of((2.0, 4.0, 8.0), largest_s, "The largest S")
 

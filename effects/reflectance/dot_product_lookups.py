@@ -168,8 +168,8 @@ def banks_pass(
 
 @dataclass(frozen=True)
 class BlinnPhongNames:
-    """The names of three texture objects: t/ax with k_s in alpha, b/ay, the table; and the smallest alpha,
-    times which both vectors are stored.
+    """The names of three texture objects: t/ax with k_s in alpha, b/ay, and the table; and the smallest
+    alpha, which multiplies both stored vectors.
     """
 
     tangent: str
@@ -197,8 +197,8 @@ def blinn_phong_table(exponent, smallest_alpha, profile):
 def load_blinn_phong(material, name, profile, *, exponent=2.0):
     """Commands that load what ``blinn_phong_pass`` reads, and its names. ``exponent``: N, 1 for K06.
 
-    Vectors divided by alpha are stored times the smallest alpha that there is, so that none exceeds one: the
-    paper's 1/4 where that is the smallest. The material's own exponents are not read.
+    Vectors divided by alpha are stored times the material's smallest alpha, so that none exceeds one. If that
+    is 1/4, this is the paper's scale. The material's own exponents are not read.
     """
     smallest = float(min(material.alpha_x.min(), material.alpha_y.min()))
     names = BlinnPhongNames(

@@ -163,8 +163,8 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class LoadedFactors:
-    """What a mesh is drawn with: ``products`` of loaded textures, the first positive; ``color`` float64 [3],
-    by which their sum is multiplied beside n.l; ``boost``, 1, 2 or 4, by which it is multiplied at the end.
+    """A mesh is drawn with these: ``products`` of loaded textures, the first positive; ``color``, float64
+    [3], which multiplies their sum along with n.l; ``boost``, 1, 2 or 4, which multiplies it at the end.
     """
 
     board: Board
@@ -410,8 +410,8 @@ class _Passes:
 
 
 def passes(surface, loaded, view, light, *, lit=True):
-    """Commands that draw a surface with LoadedFactors, over what the window holds: it need not be drawn
-    before. pi f_r (n.l)+ times the intensity.
+    """Commands that draw a surface with LoadedFactors over the window's contents. The surface need not be
+    drawn before. pi f_r (n.l)+ times the intensity.
 
     surface  a Surface, whose tangents are the reflectance's first axis
     light    a ``views.Light``, directional or a point

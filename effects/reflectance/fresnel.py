@@ -14,10 +14,10 @@ def fresnel(cosine, index):
     """The reflectance F in [0, 1], float64 of the shape that both arguments have together.
 
     cosine  of the angle between the surface's normal, or the half vector, and the light: from 0 to 1
-    index   of refraction, of what is inside over what is outside, above 0. Below 1 it reflects everything
-            beyond the critical angle.
+    index   of refraction, inside over outside, above 0. Below 1 it reflects everything beyond the critical
+            angle.
 
-    Raises ValueError for other indices; a cosine outside [0, 1] is the nearest one inside.
+    Raises ValueError for other indices; a cosine outside [0, 1] is clamped to it.
     """
     c = np.clip(np.asarray(cosine, np.float64), 0.0, 1.0)
     index = np.asarray(index, np.float64)

@@ -340,8 +340,8 @@ def blinn_phong(
 ):  # fmt: skip
     """K05 in one draw.
 
-    Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``names``: from ``load``; ``steady``: the
-    vertices' vectors turn along arcs, at unit length.
+    Parameters as for ``anisotropic_blinn_phong.specular_pass``; ``names``: from ``load``; ``steady``: vectors
+    between vertices turn along arcs, at unit length.
     """
     units = unit(names.tangent, sampler), unit(names.binormal, sampler)
     return _pass(

@@ -63,8 +63,8 @@ def solid_angles(size):
 
 
 def filled(values, size, known=None):
-    """A map of what the texels of ``inside`` hold [n, c]: float64 [size, size, c]. The others hold what the
-    nearest has, and so do those that are not ``known``, bool [n].
+    """A map with values [n, c] in the texels of ``inside``: float64 [size, size, c]. The other texels get the
+    nearest one's values, and so do those that are not ``known``, bool [n].
     """
     held = inside(size)
     held = held if known is None or not known.any() else held[known]
@@ -93,12 +93,12 @@ def coordinates(vectors):
 
 
 def look_up(image, vectors):
-    """What a map [n, n, c] holds along directions [..., 3], bilinear: float64 [..., c]."""
+    """The values of a map [n, n, c] along directions [..., 3], bilinear: float64 [..., c]."""
     return parabolic_maps.look_up(np.stack([image, image]), above(vectors))
 
 
 def cube(image, size):
-    """A map as a cube map: float64 [6, size, size, c]; its lower half holds the horizon's."""
+    """A map as a cube map: float64 [6, size, size, c]; the lower half repeats the horizon's values."""
     return look_up(image, cube_maps.directions(size))
 
 
@@ -143,8 +143,8 @@ def halves_of(halves, lights, views):
 
 @dataclass(frozen=True, eq=False)
 class AnalyticBRDF:
-    """A row of ``brdfs.BRDFS`` as what is factored: an object with ``at``. ``parameters``: by name, those
-    that are not to have their default.
+    """A row of ``brdfs.BRDFS`` in the form that is factored: an object with ``at``. ``parameters``: by name,
+    those that are not to have their default.
     """
 
     row: Brdf
@@ -158,7 +158,9 @@ class AnalyticBRDF:
 
 
 def size_of_factors(size):
-    """Texels along an edge of factors' maps, as an int. Raises ValueError for what is not from 4 to 64."""
+    """Texels along an edge of factors' maps, as an int. Raises ValueError for a size that is not from 4 to
+    64.
+    """
     if isinstance(size, bool) or int(size) != size or not LEAST_SIZE <= size <= LARGEST_SIZE:
         raise ValueError(
             f"The factors' maps have {size!r} texels along an edge; give {LEAST_SIZE} or more, "

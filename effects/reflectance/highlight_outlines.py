@@ -92,8 +92,8 @@ def outline(model, exponent, elevation, count=128):
 
 
 def half_widths(model, exponent, theta):
-    """(in the plane of incidence, across it): how far v may turn from the mirrored ray until half of the
-    highlight is left, degrees; the first is the mean of both sides. The lamp is far away, ``theta`` degrees
+    """(in the plane of incidence, across it): how far v may turn from the mirrored ray before the highlight
+    falls to one half, degrees; the first is the mean of both sides. The lamp is far away, ``theta`` degrees
     from the normal.
     """
     s, c = np.sin(np.radians(theta)), np.cos(np.radians(theta))

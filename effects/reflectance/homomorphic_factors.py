@@ -169,8 +169,8 @@ def _logarithms(first, second, weights):
 def factored(brdf, size=32, smoothness=SMOOTHNESS):
     """The HomomorphicFactors of a BRDF, an object with ``at(lights, views)``, maps ``size`` texels an edge.
 
-    smoothness  what a step of one in the logarithm from texel to texel costs, over what the mean texel's data
-                do; positive
+    smoothness  cost of a step of one in the logarithm from texel to texel, over the cost of the mean texel's
+                data; positive
 
     Raises ValueError for a size that is not from 4 to 64, a smoothness that is not positive, a BRDF that is
     zero everywhere, and as ``hemisphere_maps.sampled``.

@@ -31,7 +31,7 @@ def line_pass(curves, view, *, light=None, texture=None, color=(1.0, 1.0, 1.0), 
     color    RGB of all lines, or float64 [n, 3] of each vertex
     width    pixels
 
-    Raises ValueError where the light or the viewer is near, or the width is not positive.
+    Raises ValueError if the light or the viewer is near, or the width is not positive.
     """
     if not width > 0.0:
         raise ValueError(f"The lines' width is {width!r}; give a positive number of pixels.")

@@ -25,7 +25,7 @@ The project's choices:
 - K10 comes last. Its colour table gives diffuse colour times (n.l)+ plus ambient in RGB and the gate min(1, 4
   (n.l)+) in alpha. With ONE, SRC_ALPHA the pass adds the RGB, and multiplies the specular passes' result by
   the gate. No pass needs a number above one or below zero, or a second destination. If a colour map
-  multiplies the diffuse light, (n.l)+ waits in destination alpha for it.
+  multiplies the diffuse light, destination alpha stores (n.l)+ until then.
 
 Here texels are squared before any filter; register combiners filter vectors and then square.
 
@@ -124,7 +124,7 @@ def polygons(surface, triangles=1):
     """Every ``triangles`` consecutive triangles of a surface as one flat polygon: Polygons.
 
     The normal is the first triangle's; the tangent is the mean of the vertices', made perpendicular to it.
-    Triangles without an area are not polygons. Raises ValueError where the triangles do not divide evenly.
+    Triangles without an area are not polygons. Raises ValueError if the triangles do not divide evenly.
     """
     count = len(surface.triangles)
     if triangles < 1 or count % triangles:
@@ -286,7 +286,7 @@ class Prepared:
         return pairs
 
     def draw_all(self, label, blending, texture=None, color=(1.0, 1.0, 1.0)):
-        """One pass over all polygons, that loads nothing for each, in a colour or a texture times it."""
+        """One pass over all polygons without loading anything for each, in a colour or a texture times it."""
         units = () if texture is None else (TextureUnit(texture, REPEATED, environment=MODULATE),)
         colors = np.tile(np.array(checked_rgb(color)), (len(self.surface.positions), 1))
         mesh = self.surface.mesh(colors=colors)
@@ -294,7 +294,8 @@ class Prepared:
 
 
 def prepare(surface, material, view, profile, *, name="material", triangles_per_polygon=1):
-    """What the passes over a surface take: its polygons that face the viewer, and what they read.
+    """The input of the passes over a surface: its polygons that face the viewer, and the images that they
+    read.
 
     ``name``: what the texture objects' names begin with. ``triangles_per_polygon``: how many consecutive
     triangles are one flat polygon, 2 for ``surfaces.plane``. Raises ValueError where none faces the viewer.

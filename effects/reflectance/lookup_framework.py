@@ -8,7 +8,7 @@ read from a material texture. This module draws their product. The figure leaves
 
 - s = -(a.l)+ with a direction a per texel, t = (n.e)+, u = (n.l)+ with the normal n, the light l and the eye
   e; v in [0, 8]. The quotient is negative, as in Ward's E(m, d) = exp(-2m / (1 + d)), so exp(s/t) <= 1 and
-  nothing has to be scaled: the table's first coordinate is -s.
+  needs no scale: the table's first coordinate is -s.
 - The tables cover [0, 1] x [0, 1] with 256 x 256 texels; the second coordinate of G is v/8. Where s = t = 0
   the quotient is taken as zero.
 
@@ -188,7 +188,7 @@ def parameters_by_color_matrix(surface, textures, view, light, profile, *, bits=
 def by_pixel_textures(surface, textures, view, light, profile, *, stage=RESULT, bits=8, sampler=REPEATED):
     """The whole of the figure on the Octane, as far as ``stage``, one of ``STAGES``, and that shown in grey.
 
-    Both lookups and their product are two copies; a third shows what it gave in red, green and blue.
+    Both lookups and their product are two copies; a third shows the result in red, green and blue.
     """
     one_of(STAGES, stage, "The stage")
     red = pixel_texture_copies.RED

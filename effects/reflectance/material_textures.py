@@ -1,4 +1,4 @@
-"""K21, material textures: a surface's reflection per texel, as it is stored for the combiners.
+"""K21, material textures: a surface's reflection per texel, in the form that the combiners read.
 
 An author gives a local frame and the parameters of the anisotropic Blinn-Phong model per texel. The textures
 hold the tangent divided by alpha_x and the binormal divided by alpha_y. Both are scaled by 0.25, so that
@@ -243,8 +243,8 @@ def brushed(columns, rows, brushing, *, alpha_x, alpha_y, spread, depth=0.0, k_s
     """A brushed surface: tangents follow the strokes within +-``spread`` degrees.
 
     ``depth``: the largest slope across the strokes. ``k_s``: its range over the strokes. Strokes are one
-    texel wide and a sixteenth of the texture long. Every amount is a multiple of 1/256 of its range.
-    The last two are kept, for a figure is made for a machine and for the ideal: arrays are read-only.
+    texel wide and a sixteenth of the texture long. Every amount is a multiple of 1/256 of its range. The last
+    two are cached, because a figure is drawn by a machine and by the ideal: arrays are read-only.
     """
     angles = np.radians(spread * _strokes(columns, rows, brushing, 16, seed))
     angles = angles + (0.0 if brushing is Brushing.ALONG_S else np.pi / 2)

@@ -51,8 +51,8 @@ def gaussian(cosine, roughness):
 
 
 def gaussian_heights(cosine, roughness):
-    """D = exp(-tan^2(delta) / m^2), how slopes are spread on a surface of Gaussian heights; zero where the
-    cosine is not positive. Float64, 0 to 1. Their standard deviation along an axis is m / sqrt(2).
+    """D = exp(-tan^2(delta) / m^2), the distribution of slopes on a surface of Gaussian heights; zero where
+    the cosine is not positive. Float64, 0 to 1. Their standard deviation along an axis is m / sqrt(2).
     """
     return np.exp(-_tangent_squared(cosine) / np.square(roughness))
 

@@ -5,10 +5,10 @@ products or results of lookups at dot products. These are the factors, for a dir
 viewer:
 
 Phong       c = r.v = 2 (n.l)(n.v) - l.v is a function C of (n.l, n.v), for l.v is constant; F(N, c) = c^N is
-            a second one, with N per pixel. The first result waits in the framebuffer beside N.
-Schlick     Z(h.n) A(w) is a function T of (h.t, h.b), for (h.n)^2 = 1 - (h.t)^2 - (h.b)^2 and w is
-            h.t / sqrt((h.t)^2 + (h.b)^2); G(n.l) G(n.v) / (n.v) is a function of (n.l, n.v); Fresnel's S(h.v)
-            is the vertices'. The first factor waits in the framebuffer.
+            a second one, with N per pixel. The framebuffer stores the first result and N.
+Schlick     Z(h.n) A(w) is a function T of (h.t, h.b), for (h.n)^2 = 1 - (h.t)^2 - (h.b)^2 and w is h.t /
+            sqrt((h.t)^2 + (h.b)^2); G(n.l) G(n.v) / (n.v) is a function of (n.l, n.v); Fresnel's S(h.v) is
+            the vertices'. The framebuffer stores the first factor.
 Lafortune   The diagonal matrix C, turned from the pixel's frame into the surface's, is a symmetric matrix M,
             and l M v = D.(l * v) + O.(l x v) with its diagonal D = (M_xx, M_yy, M_zz), the rest
             O = (M_yz, M_xz, M_xy), the products (l * v)_i = l_i v_i and (l x v)_x = l_y v_z + l_z v_y and so
@@ -365,7 +365,7 @@ def schlick_passes(
     """Schlick's model times k_s: T(h.t, h.b), then times G(n.l) G(n.v) / (n.v) and S(h.v).
 
     ``roughness``, ``isotropy``, ``reflectance``: r, p and C of ``brdfs.schlick``. The others are those of
-    ``phong_passes``; l.v may change. Raises ValueError where the highlight is too bright to be stored.
+    ``phong_passes``; l.v may change. Raises ValueError if the highlight is too bright to be stored.
     """
     toward_light, toward_eye = light_vectors(surface, light), view_vectors(surface, view)
     half, coordinates = half_vectors(surface, view, light), surface.texture_coordinates

@@ -9,9 +9,9 @@ moves the parameters' channels to red and green, which become s and t. It sets a
 The texel replaces a channel, or blending multiplies the channel by it. So every channel, even alpha, can hold
 a parameter.
 
-The paper reads pixels to host memory and draws them again (section 5), which is what DrawPixels needs. The
-extension lets copies do the same, and then nothing leaves the board. ``through_host`` turns the copies into
-the paper's commands: the same picture bit for bit, for four bytes a pixel each way.
+The paper reads pixels to host memory and draws them again (section 5), as DrawPixels needs. With the
+extension copies do the same, and no pixel leaves the board. ``through_host`` turns the copies into the
+paper's commands: the same picture bit for bit, for four bytes a pixel each way.
 
 The color matrix holds one vector. So the light is directional, the viewer infinite and the surface flat, as
 the paper says. The stencil buffer marks the polygon's pixels, so copies of the panel leave the others alone.
@@ -109,23 +109,14 @@ def banks(
 ):
     """K03: k_s (n.l)+ (R((v.t)^2) R((l.t)^2) - (v.t)(l.t))+ with R(s) = sqrt(1 - s) looked up twice.
 
-    The product (v.t)(l.t) has a sign and framebuffers have none: its halves (v.t l.t)+ and (-v.t l.t)+ are
-    made by multiplying the halves of either factor, four products in the four channels. The last copy's
-    color matrix subtracts the first and adds the second. Four copies, two of them lookups.
+    The product (v.t)(l.t) has a sign and framebuffers have none: its halves (v.t l.t)+ and (-v.t l.t)+ come
+    from the halves of both factors: four products in the four channels. The last copy's color matrix
+    subtracts the first and adds the second. Four copies, two of them lookups.
 
-    Parameters
-    ----------
-    surface, view, light
-        A flat surface, an infinite viewer and a directional light.
-    material
-        A ``material_textures.Material``; its alphas take no part.
-    specular
-        RGB in [0, 1], by which k_s is multiplied.
-    bits
-        8 or 12: of the textures.
-    exponent
-        To which the bracket is raised, positive: 1 as the paper prints, or Banks's own (erratum E004.2), by a
-        lookup and so a copy more.
+    Parameters ---------- surface, view, light A flat surface, an infinite viewer and a directional light.
+    material A ``material_textures.Material``; its alphas are not used. specular RGB in [0, 1], by which k_s
+    is multiplied. bits 8 or 12: of the textures. exponent Exponent of the bracket, positive: 1 as the paper
+    prints, or Banks's own (erratum E004.2), which takes a lookup and so one more copy.
 
     Raises ValueError where the vectors change over the surface.
     """
@@ -303,7 +294,8 @@ def blinn_phong(
 def diffuse(
     surface, material, view, light, profile, *, color, ambient=(0.0, 0.0, 0.0), bits=8, sampler=REPEATED
 ):
-    """K10 by the color matrix: (n.l)+ color + ambient, RGB in [0, 1] each, added to what the polygon covers.
+    """K10 by the color matrix: (n.l)+ color + ambient, RGB in [0, 1] each, added to the pixels that the
+    polygon covers.
 
     The table after the color matrix multiplies by the colour and adds the ambient term.
     """

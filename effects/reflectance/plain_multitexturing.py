@@ -12,10 +12,10 @@ turn the lobe. So strokes along the texture's axes are right, and strokes along 
 round highlight.
 
 ``signed_passes`` has the sign nevertheless, with two unsigned halves of each factor and a framebuffer that is
-inverted in between. A product takes four draws. A subtracted term must be scaled down, to leave room for what
-is added again. So the paper's judgement, that unsigned environments and two textures are too little, is about
-one pass. A board with any number of passes could have Eq. 1. ``bumped_diffuse_passes`` computes K10's dot
-product from such halves.
+inverted in between. A product takes four draws. A subtracted term must be scaled down, to leave room for the
+terms that are added again. So the paper's judgement, that unsigned environments and two textures are too
+little, is about one pass. A board with any number of passes could have Eq. 1. ``bumped_diffuse_passes``
+computes K10's dot product from such halves.
 
 M is linear in the textures, so it may be interpolated first. It has none of the rings of figure 2, except
 those of (.)+. Eight bits are few for M if alpha is small: at 0.25 Eq. 1 has a sixteenth of M's range.
@@ -99,7 +99,7 @@ def quadratic_form(material, i, j):
 
 
 def load(material, name, profile):
-    """Commands that load what the passes multiply, and the names.
+    """Commands that load the textures that the passes multiply, and their names.
 
     Raises ValueError for a material with an entry of M above ``LARGEST``: an alpha below 0.5.
     """
@@ -195,8 +195,8 @@ def signed_passes(surface, names, view, light, profile, *, specular=(1.0, 1.0, 1
 
     Sums are kept over 4 until the last product is in: (squares + positive products) / 4 is inverted, the
     negative products are added, that is inverted again and doubled twice. A board of 8 bits has a quarter of
-    its steps left. For a flat material nothing saturates that matters: a fragment has positive or negative
-    products, never both, and the squares' sum is at most 4.
+    its steps left. For a flat material saturation does no harm: a fragment has positive or negative products,
+    never both, and the squares' sum is at most 4.
     """
     half, passes = half_vectors(surface, view, light), _Passes(surface, view)
     passes.add_squares(names, half, MODULATE, sampler)

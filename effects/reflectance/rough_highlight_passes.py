@@ -25,7 +25,7 @@ TECHNIQUES = (Variant(("S21", "S22", "S23"), "on machines, by tables of two numb
 def table_places(texels):
     """d at a table's texels, from -1 to 1 along both edges: float64 [texels, texels, 2].
 
-    The corners' vectors are none of a direction: what is at the rim goes on there.
+    Vectors in the corners belong to no direction: the rim's values continue there.
     """
     edge = (np.arange(texels) + 0.5) / texels * 2.0 - 1.0
     d = np.stack(np.meshgrid(edge, edge), axis=-1)

@@ -87,7 +87,7 @@ def _over(numerator, denominator):
 
 
 def quotient(d, covariance, form=Form.INVERSE):
-    """q: float64 [...], infinite where nothing leans that way.
+    """q: float64 [...], infinite in directions without any slopes.
 
     d           float64 [..., 2], as for ``apart``
     covariance  float64 [..., 3]: K, (a, b, c)
@@ -148,8 +148,8 @@ def brightness(squared, exponent=EXPONENT):
 
 
 def energy(covariance, exponent=EXPONENT):
-    """What a highlight of ``Form.INVERSE`` is multiplied by, so that a rougher one is as bright in all:
-    float64 [...].
+    """The factor of a highlight of ``Form.INVERSE`` that makes a rougher one as bright in total: float64
+    [...].
 
         (m - 2) / (2 pi s_1 s_2)
 

@@ -6,8 +6,8 @@
 texels of b is a matrix. The terms are those of its singular value decomposition, found one after the other.
 Each is fitted to the remainder of its predecessors: u for given v and v for given u, in turn. A pair of
 texels has as weight its solid angles, times the squares of the light's and the view's cosines. Pairs with
-light or view below the horizon have no weight, so no value has to be invented for them. If every weight is a
-product of two, the result is the decomposition itself, to the fit's tolerance.
+light or view below the horizon have no weight, so they need no value. If every weight is a product of two,
+the result is the decomposition itself, to the fit's tolerance.
 
 If a table is nowhere negative, neither is its first term; later ones have signs. ``NORMS`` is the cheap way:
 one term, u the norm of each row, v the mean of the rows over their norms.
@@ -101,7 +101,7 @@ class SeparableFactors:
         return np.maximum(total, 0.0)
 
     def values(self):
-        """What the products give where the Table has its samples: float64 [m, m, 3]."""
+        """The products' values at the Table's samples: float64 [m, m, 3]."""
         held = hemisphere_maps.inside(self.size)
         total = 0.0
         for first, second in zip(self.first, self.second, strict=True):

@@ -160,8 +160,8 @@ def load(
 
     roughness  m of the distribution; Smith's sigma is m / sqrt(2)
     index      of refraction
-    divisor    c of the second table, from 1; what exceeds one is clamped, but for an exact profile
-    factors    SCHLICK: his approximations of all three; it has a distribution of its own
+    divisor    c of the second table, from 1; results above one are clamped, except on an exact profile
+    factors    SCHLICK: his approximations of all three, with his own distribution
     texels     of either axis, a power of two
 
     Raises ValueError for a roughness or a divisor that is none.
@@ -297,10 +297,10 @@ def passes(
 
 
 def multiplied(surface, view, divisor, remedy):
-    """Commands that multiply what the framebuffer holds by c, where the surface is drawn, or on its panel.
+    """Commands that multiply the framebuffer by c, where the surface is drawn, or on its panel.
 
     DOUBLING draws the surface, white, log2(c) times; ACCUMULATION returns the panel c times. Raises
-    ValueError where doubling cannot reach c, and for NONE and COMBINER, which are no commands of their own.
+    ValueError if doubling cannot reach c, and for NONE and COMBINER, which need no commands.
     """
     if member_of(Remedy, remedy, "The remedy") is Remedy.ACCUMULATION:
         scissor = view.panel.scissor
