@@ -7,12 +7,12 @@ from contextlib import contextmanager
 
 
 class Refusal(ValueError):  # noqa: N818 (it names what happens)
-    """What was asked for cannot be done; the message is one sentence that says why and what to do."""
+    """A request cannot be carried out; the message is one sentence that says why and what to do."""
 
 
 def line_of(path: str, error: BaseException) -> str:
-    """A script's line that raised an error, or its cause, with what stands before it in a sentence; empty
-    where no line of it did.
+    """A script's line that raised an error or its cause, with the words that introduce it in a sentence;
+    empty if no line of the script did.
     """
     lines: list[int] = []
     cause: BaseException | None = error
@@ -35,7 +35,7 @@ def refusals():
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """A question for the name that was probably meant, with a blank before it; empty where none is near."""
+    """A question for the name that was probably meant, with a blank before it; empty if no name is near."""
     as_written = {key.casefold(): key for key in known}
     close = difflib.get_close_matches(name.casefold(), as_written, 1, 0.6)
     return f" Did you mean {as_written[close[0]]}?" if close else ""
@@ -46,7 +46,7 @@ _LISTED = 30
 
 
 def no_such(what: str, name: object, known: Iterable[str]) -> str:
-    """A sentence that there is no such name: what was probably meant, or else what there is."""
+    """A sentence that there is no such name, with the probable name or else all names."""
     known = list(known)
     meant, listed = nearest(str(name), known), ", ".join(known)
     if len(known) > _LISTED:
@@ -56,7 +56,7 @@ def no_such(what: str, name: object, known: Iterable[str]) -> str:
 
 
 def choose(what, name, known):
-    """``known[name]``, or a Refusal with what was probably meant, or what there is."""
+    """``known[name]``, or a Refusal with the probable name or else all names."""
     if name in known:
         return known[name]
     raise Refusal(no_such(what, name, known))

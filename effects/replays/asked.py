@@ -1,4 +1,4 @@
-"""Which frames of a trace are asked for: their pictures, and when the trace need not be read any further."""
+"""The frames of a trace that a user requests: their pictures, and where reading the trace can end."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ _MOST_COUNTED = 1 << 20  # frames that are asked for one by one
 class FramesAsked:
     """Frames by their numbers, from 0.
 
-    - ``ranges``: (first, last) of each; None: the first frame that draws something.
-    - ``text``: as it was asked for.
+    - ``ranges``: (first, last) of each range; None: the first frame that draws something.
+    - ``text``: the request as it was written.
     """
 
     ranges: tuple[tuple[int, int], ...] | None
@@ -39,7 +39,7 @@ class FramesAsked:
 
     @property
     def count(self) -> int | None:
-        """How many frames are asked for; None: all that there are."""
+        """How many frames are requested; None: all of them."""
         if self.ranges is None:
             return 1
         if self.last is None:
@@ -48,28 +48,28 @@ class FramesAsked:
 
     @property
     def last(self) -> int | None:
-        """The number of the last frame; None: all are asked for, or it is not known."""
+        """The number of the last requested frame; None: all are requested, or it is unknown."""
         if self.ranges is None:
             return None
         last = max(last for _, last in self.ranges)
         return None if last == _ENDLESS else last
 
     def may_want(self, number: int) -> bool:
-        """Whether the frame of that number may be asked for."""
+        """Whether the frame of that number may be requested."""
         return self.ranges is None or any(first <= number <= last for first, last in self.ranges)
 
     def wants(self, number: int, draws: int) -> bool:
-        """Whether the frame of that number, which has so many draws, is asked for."""
+        """Whether the frame of that number, with so many draws, is requested."""
         return draws > 0 if self.ranges is None else self.may_want(number)
 
     def is_over(self, number: int, draws: int) -> bool:
-        """Whether no frame behind this one is asked for."""
+        """Whether no later frame is requested."""
         if self.ranges is None:
             return draws > 0
         return self.last is not None and number >= self.last
 
     def missing(self, found: Iterable[int]) -> list[int]:
-        """The numbers that are asked for one by one or in ranges, and that there are not."""
+        """The requested numbers, one by one or in ranges, of frames that do not exist."""
         if self.ranges is None or self.last is None:
             return []
         there = set(found)

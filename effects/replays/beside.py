@@ -1,7 +1,7 @@
-"""Frames of a trace beside Mesa's pictures of them, which glretrace draws.
+"""Frames of a trace next to Mesa's pictures of them, which glretrace draws.
 
-glretrace is no reliable witness: of some programs it draws nothing, or something else each time. So it draws
-twice, and a picture counts only if both are the same and it is not empty.
+glretrace is not always reliable: for some programs it draws nothing, or another picture each time. So it
+draws twice, and a picture counts only if both are the same and it is not empty.
 """
 
 from collections.abc import Sequence
@@ -63,14 +63,14 @@ class Beside:
     """Mesa's picture of a frame, and how far it can be trusted.
 
     - ``picture``: uint8 [h, w, 3], top row first; None: glretrace has none.
-    - ``doubt``: why it says nothing about the machine; "": it may be compared.
+    - ``doubt``: why the picture says nothing about the machine; "": it can be compared.
     """
 
     picture: NDArray[np.uint8] | None
     doubt: str = ""
 
     def agreement(self, ours: NDArray[np.uint8]) -> Agreement | None:
-        """With our picture of the frame, uint8 [h, w, 3]; None where nothing can be compared."""
+        """The Agreement with our picture of the frame, uint8 [h, w, 3]; None if nothing can be compared."""
         if self.picture is None or self.picture.shape != ours.shape:
             return None
         return Agreement.of(ours, self.picture)

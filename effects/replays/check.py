@@ -1,7 +1,7 @@
-"""The answers that a trace recorded, beside those that the Context gives: an oracle for its state.
+"""Compares the answers that a trace recorded with the Context's own: an oracle for its state.
 
-Compared is what depends on the calls alone: Get, IsEnabled and its like, GenLists, RenderMode. Left out is
-what depends on a driver: limits, strings, and what is read from pixels.
+Compared is what depends on the calls alone: Get, IsEnabled and its like, GenLists, RenderMode. Answers that
+depend on a driver are left out: limits, strings, and pixels that are read.
 
 Occlusion queries are counted apart: two drivers place the edges of triangles differently, so that counts that
 differ a little are both right.
@@ -26,7 +26,7 @@ _MOST_TOLD = 100
 
 @dataclass(frozen=True)
 class Difference:
-    """An answer that differs: the call, what it asked, what the Context says and what the trace has."""
+    """An answer that differs: the call, its question, the Context's answer and the trace's."""
 
     call: int
     asked: str

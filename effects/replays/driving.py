@@ -1,4 +1,4 @@
-"""A trace from its file to its frames: opened, read call by call, its asked frames given one by one."""
+"""Opens a trace, reads it call by call, and gives the requested frames one by one."""
 
 import os
 from collections.abc import Callable, Iterator
@@ -32,7 +32,7 @@ class _Counted:
 def opened(path: str) -> Iterator[tuple[Trace, Callable[[], float | None]]]:
     """(Trace, a function that gives the share of its file that was read, or None for a pipe).
 
-    ``-`` is standard input. Raises Refusal for what is no trace.
+    ``-`` is standard input. Raises Refusal if the file is no trace.
     """
     try:
         if path == "-":
@@ -57,9 +57,9 @@ def opened(path: str) -> Iterator[tuple[Trace, Callable[[], float | None]]]:
 def frames_of(
     trace: Trace, replay: Replay, asked: FramesAsked, *, to_the_end: bool = False
 ) -> Iterator[Frame]:
-    """All frames of a trace, up to the last that is asked for, or ``to_the_end``.
+    """All frames of a trace, up to the last requested one, or ``to_the_end``.
 
-    Frames behind the last that is asked for are not drawn, and not given.
+    Frames after the last requested one are not drawn, and not given.
     """
     over = False
     for call in trace:
@@ -81,7 +81,7 @@ def frames_of(
 def drawn_frames(
     path: str | os.PathLike[str], profile: Profile, frames: str | None = None, *, threads: int | None = None
 ) -> Iterator[Frame]:
-    """The frames of a trace that are asked for, each with its ``image``: for tests, for instance.
+    """The requested frames of a trace, each with its ``image``: for tests, for instance.
 
     ``frames``: as ``3,10-20``, or ``all``; None: the first that draws something. Raises Refusal where the
     trace cannot be read or lacks one of them, and ValueError for a list that is none.

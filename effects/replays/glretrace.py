@@ -1,6 +1,6 @@
 """Mesa's own replay of a trace: glretrace, a program of apitrace, on llvmpipe and a display in memory.
 
-Nothing here needs it: without it, ``missing`` says in a sentence how to get it.
+glretrace is optional: without it, ``missing`` says in a sentence how to get it.
 """
 
 import json
@@ -27,11 +27,11 @@ _MOST_CALLS = 1000
 
 
 class GlretraceError(Exception):
-    """glretrace is not there, or did not do what it was asked; the message says why, in a sentence."""
+    """glretrace is missing or failed; the message says why, in a sentence."""
 
 
 def missing() -> str | None:
-    """A sentence that says which program is missing and how to get it; None: all are there."""
+    """A sentence that says which program is missing and how to get it; None: none is missing."""
     lacking = {name: package for name, package in _NEEDED.items() if shutil.which(name) is None}
     if not lacking:
         return None
@@ -114,7 +114,7 @@ def pictures(shown: str, path: str, calls: Iterable[int]) -> dict[int, NDArray[n
 
 
 def state(shown: str, path: str, call: int) -> dict[str, Any]:
-    """Mesa's whole state behind a call of a trace, as ``glretrace -D`` has it. Raises GlretraceError."""
+    """Mesa's whole state after a call of a trace, as ``glretrace -D`` prints it. Raises GlretraceError."""
     said = run(shown, ["-D", str(call), path])
     begin = said.find("{")
     if begin < 0:

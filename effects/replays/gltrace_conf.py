@@ -18,7 +18,9 @@ _WIDTH = 110  # of the list of extensions; apitrace reads a string over several 
 
 
 def of_year(profile: Profile, year: int) -> Profile:
-    """The machine with the newest of its dated drivers of a year or before; without one where none was."""
+    """The machine with the newest of its dated drivers up to a year; without a driver if there was none
+    yet.
+    """
     newest = None
     for driver in profile.drivers:
         found = re.search(r"\d{4}", driver.since)
@@ -28,7 +30,7 @@ def of_year(profile: Profile, year: int) -> Profile:
 
 
 def conf_text(key: str, profile: Profile) -> str:
-    """The text of gltrace.conf for the machine ``key``, as ``profile`` has it."""
+    """The text of gltrace.conf for the machine ``key``, from its ``profile``."""
     vendor, renderer = _NAMES.get(key, ("fixedpipe", profile.name))
     lines, line = [], 'GL_EXTENSIONS = "'
     for name in extensions(profile):

@@ -1,4 +1,4 @@
-"""What a trace asks for, without drawing it: functions, extensions, and what each machine would refuse.
+"""What a trace uses, without drawing it: functions, extensions, and the calls that each machine would refuse.
 
 The machines are judged by the first frames that draw something; functions, frames and draws are counted to
 the end.
@@ -85,14 +85,14 @@ _TOKEN_FUNCTIONS = ("glEnable", "glTex", "glCompressedTex", "glCopyTexImage")
 
 
 def extension_of(function: str) -> str | None:
-    """The extension, or later part of OpenGL, that a function came with; None: OpenGL 1.1's."""
+    """The extension, or later version of OpenGL, that introduced a function; None: OpenGL 1.1."""
     name = function.removeprefix("gl")
     return next((e for e, starts in _FUNCTIONS.items() if name.startswith(starts)), None)
 
 
 @dataclass
 class Verdict:
-    """What a machine would refuse of the judged frames, each sentence with its first call and how often.
+    """A machine's refusals in the judged frames: each sentence with its first call and how often it came.
 
     ``without``: what it would draw without.
     """
@@ -110,7 +110,7 @@ class Verdict:
 
 
 class Listing:
-    """Counts what a trace asks for, call by call.
+    """Counts what a trace uses, call by call.
 
     - ``profiles``: {key: machine} that are judged.
     - ``functions``: how often each function is called; ``extensions``: those that are used.
@@ -184,7 +184,9 @@ class Listing:
         return self._verdicts
 
     def recommended(self) -> str:
-        """The machine that refuses least, and then lacks least; of several the GeForce 256, or the first."""
+        """The machine with the fewest refusals, and then the fewest missing features; of several the GeForce
+        256, or the first.
+        """
         costs = {key: (verdict.count, len(verdict.without)) for key, verdict in self._verdicts.items()}
         least = min(costs.values())
         best = [key for key, cost in costs.items() if cost == least]

@@ -1,6 +1,6 @@
 """Frames of a trace as one page: several machines and the ideal, Mesa where it can be trusted, and the calls.
 
-The page is one file, without scripts, and loads nothing.
+The page is one file without scripts, and loads no other file.
 """
 
 from collections.abc import Sequence
@@ -44,8 +44,8 @@ class _Drawn:
 def trace_page(path: str, chosen: str, frames: FramesAsked, *, mesa: bool, threads: int | None = None) -> str:
     """The page's HTML. ``chosen``: the first machine's key; ``mesa``: whether glretrace draws too.
 
-    Raises Refusal where the trace cannot be read, lacks a frame, or more frames are asked for than a page
-    has; GlretraceError where glretrace fails.
+    Raises Refusal if the trace cannot be read, lacks a frame, or if more frames are requested than a page can
+    have; GlretraceError if glretrace fails.
     """
     if frames.count is None or frames.count > MOST_FRAMES:
         raise Refusal(f"A page has up to {MOST_FRAMES} frames; give their numbers, as --frames 3,10-20.")

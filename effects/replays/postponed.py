@@ -1,7 +1,7 @@
-"""Frames that nobody asks for: what they draw waits, and is forgotten where it is cleared before it is read.
+"""Frames that are not requested: their commands wait, and are dropped if a clear comes before a read.
 
-A game clears its window at the beginning of each frame. Of the frames before the one that is asked for, no
-more is drawn then than the last, whose contents the front buffer shows, and textures are stored.
+A game clears its window at the beginning of each frame. So of the frames before the requested one only the
+last is drawn, because the front buffer shows its contents; textures are stored.
 """
 
 from collections.abc import Iterator, Sequence
@@ -33,7 +33,9 @@ class Postponed:
         return True
 
     def swap(self) -> None:
-        """The front buffer shows what the back buffer holds; what was cleared before can be seen no more."""
+        """The front buffer shows the back buffer's contents. Commands before its last clear can no longer be
+        seen.
+        """
         for number in reversed(range(len(self._parts))):
             part = self._parts[number]
             for place in reversed(range(len(part))):
@@ -47,7 +49,7 @@ class Postponed:
         self._parts.append([])
 
     def take_parts(self) -> Iterator[tuple[Command, ...]]:
-        """What waits, part by part; nothing does then."""
+        """The waiting commands, part by part; afterwards none wait."""
         parts, self._parts, self._count = self._parts, [[]], 0
         return iter([tuple(part) for part in parts])
 

@@ -31,8 +31,8 @@ class Recorder:
     """Writes a trace of a double-buffered window of ``width`` x ``height`` pixels, with one context.
 
     Every entry point of OpenGL is a method without its gl, as of ``Context``; ``swap`` ends a frame. An array
-    of numbers may be a list or an array; an image or an array of vertices is given as bytes, or as an array,
-    whose bytes are written.
+    of numbers may be a list or an array. An image or an array of vertices may be bytes, or an array whose
+    bytes are written.
 
     - ``target``: a path, or a binary file. ``properties``: of the trace, by name.
     - ``settings``: TraceWriter's.
@@ -66,11 +66,11 @@ class Recorder:
         self.close()
 
     def close(self) -> None:
-        """Write what is left, and close the file if it was opened here."""
+        """Write the rest, and close the file if it was opened here."""
         self._trace.close()
 
     def swap(self) -> int:
-        """End a frame: the window shows what was drawn. Returns the call's number."""
+        """End a frame: the window shows its contents. Returns the call's number."""
         return self._trace.call("glXSwapBuffers", ["dpy", "drawable"], [_DISPLAY, _WINDOW])
 
     def __getattr__(self, name: str) -> Callable[..., int]:

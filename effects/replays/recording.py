@@ -1,4 +1,4 @@
-"""What a frame of a trace consists of: its commands, and what its machine held when it began.
+"""The content of a frame of a trace: its commands, and the machine's textures and framebuffers when it began.
 
 ``frame_commands`` makes it a frame of its own, which a new machine draws with the same bits.
 """
@@ -189,7 +189,7 @@ def _read_before_cleared(commands):
 
 
 def cleared_by(command: Clear) -> set[str]:
-    """What a Clear clears everywhere, of color, depth and stencil value."""
+    """Which of color, depth and stencil value a Clear clears everywhere."""
     if command.scissor is not None:
         return set()
     found = {"color"} if command.color is not None and command.color_mask == _ALL else set()
@@ -201,7 +201,7 @@ def cleared_by(command: Clear) -> set[str]:
 
 
 def touched_by(command: Command) -> set[str]:
-    """What a command reads or writes, of color, depth and stencil value."""
+    """Which of color, depth and stencil value a command reads or writes."""
     return _TOUCHED.get(type(command), _nothing)(command)
 
 

@@ -6,8 +6,8 @@ A frame ends
 - at FrameTerminatorGREMEDY;
 - at the end of its context or of the trace, where something was drawn since the last one.
 
-A swap shows the back buffer, Flush and Finish show the front buffer. Every other end shows what was drawn
-into last, which may be a framebuffer object.
+A swap shows the back buffer, Flush and Finish show the front buffer. Every other end shows the buffer that
+was drawn into last, which may be a framebuffer object.
 """
 
 from collections.abc import Callable, Sequence
@@ -50,12 +50,12 @@ class Frame:
 
     - ``number``: counted from 0, of all windows.
     - ``window``: the number of its window; ``width``, ``height``: the picture's size in pixels.
-    - ``first_call``, ``last_call``: the calls that it consists of.
+    - ``first_call``, ``last_call``: its first and its last call.
     - ``ended``: the call that ended it, or "the trace's end".
-    - ``seen_call``: the call behind which it looks as it is shown: a swap, Flush, Finish, or the last draw.
+    - ``seen_call``: the call after which its picture is complete: a swap, Flush, Finish, or the last draw.
     - ``draws``: how many draws it has; ``refused``: how many of these the machine refused.
-    - ``image``: uint8 [h, w, 4], top row first; None: it was not asked for.
-    - ``recording``: what it consists of, where that was asked for; ``shown``: the buffer of it that is shown.
+    - ``image``: uint8 [h, w, 4], top row first; None: it was not requested.
+    - ``recording``: its Recording, if that was requested; ``shown``: the buffer that is shown.
     """
 
     number: int
@@ -83,9 +83,9 @@ class Replay:
         for frame in replay.finish():
             ...
 
-    - ``wanted``: whether the picture of a frame is asked for, by its number and its draws.
-    - ``needed``: whether it may be asked for, by its number; what draws the others may be left undrawn.
-    - ``recorded``: whether the Recording of a frame is asked for, by its number.
+    - ``wanted``: whether the picture of a frame is requested, by its number and its draws.
+    - ``needed``: whether it may be requested, by its number; the other frames may stay undrawn.
+    - ``recorded``: whether the Recording of a frame is requested, by its number.
     - ``size``: of every window; None: as the trace says.
     - ``target``: the kind of Target that commands run on.
     - ``check``: compares the trace's own answers, or None.
@@ -245,7 +245,7 @@ class Replay:
     # ---------------------------------------------------------- what a Context asks of its machine (Behind)
 
     def read(self, command: ReadPixels) -> NDArray[Any]:
-        """Draw what waits, and read; zeros where nothing is drawn."""
+        """Draw the waiting commands, and read; zeros if nothing is drawn."""
         self._run_waiting()
         self._before = 0
         if not self._drawing:
@@ -258,7 +258,9 @@ class Replay:
         return self._target(self._running.window).depth_bits()
 
     def count_samples(self, begun: bool) -> int | None:
-        """Begin to count, or end it and return the count; None: nothing is compared with it, or drawn."""
+        """Begin to count, or end counting and return the count; None: no count is compared, or nothing is
+        drawn.
+        """
         if self.check is None or not (self._drawing and issubclass(self._kind, Drawn)):
             self._counters.clear()
             return None

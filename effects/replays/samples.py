@@ -38,6 +38,6 @@ def by_draws(commands: Sequence[Command]) -> Iterator[tuple[Command, ...]]:
 
 
 def gives_fragments(commands: Sequence[Command]) -> bool:
-    """Whether the draw of such a part gives fragments: rectangles of stencil values give none."""
+    """Whether drawing such a part gives fragments: rectangles of stencil values give none."""
     last = commands[-1]
     return not isinstance(last, DrawPixels | CopyPixels) or kind_of(last) is not PixelCopyType.STENCIL

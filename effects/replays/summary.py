@@ -54,7 +54,7 @@ def _is_sentence(what):
 
 
 def missing_features(tally: Tally) -> tuple[Outcome, ...]:
-    """What a program asked for in vain, without an error: features that the machine draws without."""
+    """Features that a program uses and the machine lacks, without an error: it draws without them."""
     return tuple([outcome for outcome in tally.of("no effect") if _is_sentence(outcome.what)])
 
 

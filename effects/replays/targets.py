@@ -1,15 +1,16 @@
-"""What a window's commands run on: a machine of its own, or no more than the validation of one.
+"""A window's commands run on a machine of its own, or only on the validation of one.
 
-**Refusals.** A machine validates what it runs, and refuses all of it for one wrong command. Only then are the
-commands validated one after the other; each refused one is counted with its sentence, and the others run.
+**Refusals.** A machine validates a list of commands, and refuses the whole list for one wrong command. Only
+then are the commands validated one after the other; each refused one is counted with its sentence, and the
+others run.
 
-**Front and back.** A machine has one colour buffer. It holds the contents of the buffer that is drawn into;
-those of the others are kept beside it, and are exchanged where the program draws into another one. So all
-have the same depths and stencil values, as OpenGL's buffers have. A swap copies the back buffer's contents to
-the front.
+**Front and back.** A machine has one colour buffer. It holds the contents of the buffer that is drawn into.
+The contents of the others are stored separately, and are exchanged when the program draws into another
+buffer. So all have the same depths and stencil values, as OpenGL's buffers have. A swap copies the back
+buffer's contents to the front.
 
-**Framebuffer objects** are pbuffers. On a machine without pbuffers each is a window of its own, from which
-CopyTexImage defines the texture, as programs of the time did.
+**Framebuffer objects** are pbuffers. On a machine without pbuffers each framebuffer object is a window of its
+own, from which CopyTexImage defines the texture, as programs of the time did.
 """
 
 import re
@@ -74,8 +75,8 @@ class Target:
     - ``fragments``: of all frames.
     - ``last``: what was drawn into last: a buffer, a pbuffer's name, or the Target of a framebuffer object.
     - ``drawn_into``: the buffers and pbuffers with draws since the last frame ended.
-    - ``recording``: what the present frame consists of, where it is asked for.
-    - ``postponing``: whether what is drawn may wait until something reads it.
+    - ``recording``: the present frame's Recording, if it is requested.
+    - ``postponing``: whether draws may wait until something reads their result.
     - ``counter``: of an occlusion query that is begun, or None.
     """
 
@@ -123,18 +124,18 @@ class Target:
         self.textures = textures
 
     def resize(self, width: int, height: int) -> None:
-        """Give the window another size; what it shows stays at its lower left."""
+        """Give the window another size; its contents stay at its lower left."""
         self.width, self.height = width, height
 
     def swap(self) -> None:
-        """The front buffer shows what the back buffer holds."""
+        """The front buffer shows the back buffer's contents."""
 
     def picture(self, buffer: str) -> NDArray[np.uint8] | None:
         """The colours of a buffer or pbuffer, uint8 [h, w, 4], top row first; None: nothing is drawn here."""
         return None
 
     def save(self) -> dict[str, Framebuffer]:
-        """Copies of the window's buffers and of the pbuffers by name, as they are."""
+        """Copies of the present contents of the window's buffers and of the pbuffers, by name."""
         return {}
 
     def depth_bits(self) -> int:
@@ -154,7 +155,7 @@ class Target:
             self._run(part, draws, reads)
 
     def read(self, command: ReadPixels, draws: tuple[str, ...], reads: str) -> NDArray[Any]:
-        """The pixels that a ReadPixels gives now; zeros where nothing is drawn, or it is refused."""
+        """The pixels that a ReadPixels gives now; zeros if nothing is drawn, or the machine refuses it."""
         self._run((command,), draws, reads)
         read = self._current._pixels.pop(command.name, None)
         return blank(command) if read is None else read
@@ -176,7 +177,7 @@ class Target:
         self.drawn_into.clear()
 
     def record(self) -> None:
-        """Begin to record what is drawn from now on, here and into framebuffer objects."""
+        """Begin to record all draws from now on, here and into framebuffer objects."""
         self.recording = Recording(dict(self.textures), self.save())
         for other in self._others.values():
             other.record()
@@ -347,7 +348,7 @@ def call_of(command: Command) -> tuple[str, int | None]:
 
 
 def blank(command: ReadPixels) -> NDArray[Any]:
-    """What a ReadPixels of known size gives where nothing is drawn: zeros."""
+    """The result of a ReadPixels of known size if nothing is drawn: zeros."""
     shape = command.height, command.width
     return np.zeros((*shape, 4)) if command.format == "RGBA" else np.zeros(shape, np.uint32)
 
@@ -523,7 +524,7 @@ def _keep_lower_left(old, new):
 
 
 class Judged(Target):
-    """A Target that validates and draws nothing: what the machine would refuse.
+    """A Target that validates and draws nothing: it counts what the machine would refuse.
 
     ``textures`` holds a KnownTexture for each texture.
     """

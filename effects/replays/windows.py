@@ -1,4 +1,4 @@
-"""Contexts and drawables: which Context a call goes to, and what it draws into.
+"""Contexts and drawables: which Context gets a call, and which drawable it draws into.
 
 A drawable's size stands in the trace only where apitrace inserts a call of Viewport after MakeCurrent. Later
 calls of Viewport that reach beyond it make it larger, as glretrace does. A pbuffer's size is among its
@@ -86,8 +86,9 @@ class GLContext:
 class WindowSystem:
     """The contexts and drawables of a trace, on ``profile``.
 
-    - ``size``: of every drawable, as far as the machine has it, whatever the trace says; None: as it says.
-    - ``tally``: where all contexts count.
+    - ``size``: of every drawable, up to the machine's limit, in place of the trace's sizes; None: the
+      trace's.
+    - ``tally``: in which all contexts count.
     """
 
     def __init__(self, profile: Profile, tally: Tally, size: tuple[int, int] | None = None):
@@ -114,7 +115,7 @@ class WindowSystem:
         return self._current.get(thread)
 
     def current_or_own(self, thread: int) -> GLContext | None:
-        """As ``current``; where the trace has no window system's calls, a context of its own."""
+        """As ``current``; if the trace has no calls of the window system, a context made for it."""
         found = self._current.get(thread)
         if found is None and (not self._contexts or None in self._contexts):
             found = self._contexts.setdefault(None, GLContext(Group()))
@@ -162,11 +163,11 @@ class WindowSystem:
         self.say(key, self.known(config))
 
     def say(self, key: Any, known: Known) -> None:
-        """Keep what is known of a configuration, a visual, a pixel format or a drawable."""
+        """Store the properties of a configuration, a visual, a pixel format or a drawable."""
         self._known[_key_of(key)] = known
 
     def known(self, key: Any) -> Known:
-        """What is known of one of these."""
+        """The known properties of one of these."""
         return self._known.get(_key_of(key), Known())
 
     def alias(self, name: Any, of: Any) -> None:
@@ -251,5 +252,5 @@ def _key_of(key):
 
 
 def only(value: Any) -> Any:
-    """What an array of one holds, or what a pointer points to."""
+    """The element of an array of one, or the value that a pointer points to."""
     return value[0] if isinstance(value, list) and value else value

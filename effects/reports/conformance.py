@@ -54,8 +54,9 @@ def inline_picture(image, alt):
 def difference_picture(comparison, wide=False):
     """Where and how much a covered Comparison differs: uint8 [h, w, 3].
 
-    Equal pixels are our picture, dark; a differing one has the colour of its largest component's difference,
-    and with ``wide`` its neighbours too; what is not compared has one of two colours of its own.
+    Equal pixels show our picture, darkened. A differing pixel has the colour of its largest component's
+    difference, and with ``wide`` so have its neighbours. Pixels that are not compared have one of two other
+    colours.
     """
     c = comparison
     out = c.ours[..., :3] // 5
@@ -166,7 +167,7 @@ def _summary(totals):
 
 
 class Page:
-    """The page under construction: cases are added one by one, and their pictures alone are kept."""
+    """The page under construction: cases are added one by one, and only their pictures stay in memory."""
 
     def __init__(self):
         self._totals, self._rows, self._pictures = {}, {}, {}

@@ -10,13 +10,14 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 def failure(error, machine=None, task="drawn", file=None):
-    """What a record says of an exception.
+    """An exception as a record stores it.
 
     profile, name  the machine's; None: all of the figure's machines
-    task           what was not done, "drawn" or "checked"
+    task           the task that failed, "drawn" or "checked"
     what           the failure in a sentence
     trace          the failure in Python's words; None: the sentence says all
-    file           the user's file with the figure, whose line the sentence names; None: the package's
+    file           the user's file with the figure, whose line the sentence names; None: a figure of the
+                   package
 
     The record also says whether the disc is full.
     """

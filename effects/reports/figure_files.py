@@ -3,7 +3,7 @@ removed.
 
 index.html              the gallery
 plain.html              the same as one page without script
-catalogue/NUMBER.html   what the ids of techniques and figures mean
+catalogue/NUMBER.html   the meaning of the ids of techniques and figures
 ID.json                 a figure's record
 records/ID.js           the same as a script
 pictures/DIGEST.js      a picture without loss, as a script (fixedpipe.effects.reports.pictures)
@@ -34,7 +34,7 @@ def write_figure(folder, rendered, inputs=None, named=None, threads=None):
     """Write a Rendered figure's pictures and record; returns the record.
 
     folder   a Path of a folder that is there
-    inputs   the digest of what it was made from (``figure_inputs``), which the record then has
+    inputs   the digest of its inputs (``figure_inputs``), which the record stores
     named    Plates, which take every picture as a PNG file under its readable name; None: none
     threads  that code pictures; None: one per processor
 
@@ -70,8 +70,8 @@ def write_page(folder, figures):
 
 
 def unchanged(folder, identifier, inputs):
-    """The record of a figure in a folder, a Path, if it was made from ``inputs``, nothing of it failed and
-    all of its files are there; else None.
+    """The record of a figure in a folder, a Path, if it was made from ``inputs``, nothing failed and no file
+    is missing; otherwise None.
     """
     try:
         record = json.loads((folder / f"{identifier}.json").read_bytes())
@@ -176,10 +176,10 @@ def files_of(folder, figures):
 
 
 def tidy(folder, figures, before):
-    """Remove the pictures and records of the gallery that no record names any more, of the files ``before``:
-    those that were there when the run began (``files_of``), as another run may just write pictures whose
-    record is yet to come. Returns how many figures and variants there are, and how many bytes their files
-    are.
+    """Remove the pictures and records of the gallery that no record names any more, among the files
+    ``before``, those that existed when the run began (``files_of``). Another run may be writing pictures
+    whose record does not exist yet. Returns how many figures and variants there are, and how many bytes their
+    files are.
     """
     ours, stale = files_of(Path(folder), figures)
     for path in set(stale) & set(before):

@@ -29,7 +29,7 @@ def inputs_of(module, what):
 
 
 def said_of(module):
-    """What the data file beside a figure's module says of it: texts; none where there is no such file."""
+    """The texts about a figure in the data file beside its module; none if there is no such file."""
     file = file_of(module)
     data = file and file.with_name("figures.toml")
     if not (data and data.is_file()):

@@ -34,8 +34,8 @@ class Pass:
 
 
 class Passes:
-    """A Watch of the run of a frame: it looks at no more than some of the commands that draw, so that
-    thousands of polygons cost no more than a few passes.
+    """A Watch of the run of a frame: it looks at only some of the commands that draw, so that thousands of
+    polygons cost as little as a few passes.
     """
 
     def __init__(self, commands, shape):
@@ -57,8 +57,8 @@ class Passes:
                 self.seen.append((len(self.lines) - 1, picture))
 
     def passes(self, finished):
-        """The Passes that change most, ``MOST`` at most, in their order; commands after which nothing looks
-        different are with those before, and the last one's are all that are left.
+        """The Passes that change most, ``MOST`` at most, in their order; commands that change nothing visible
+        join the pass before them, and the last pass has all that remain.
 
         ``finished``: the picture of the whole frame, uint8 [h, w, 4].
         """

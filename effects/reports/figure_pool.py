@@ -41,7 +41,7 @@ class Order:
     inputs        the digest of its inputs
     file          the user's file with the figure; None: the package's
     is_first      whether it is of the first round: a picture on one machine, without references and checks
-    results       the folder of what is computed once for several runs, or None
+    results       the folder of results that several runs share, or None
     """
 
     id: str
@@ -59,7 +59,7 @@ class Order:
     def first(self):
         """The Order of the first round: the picture on the first machine alone.
 
-        None where no more is asked for than that, or where the figure is a user's.
+        None if the order needs nothing else, or if the figure is a user's.
         """
         figure = self.figure
         if self.file or not (self.with_checks or len(self.machines) > 1 or figure.reference):
@@ -70,7 +70,7 @@ class Order:
 
     @property
     def figure(self):
-        """The Figure, of the package or of a user's file; raises Refusal where that cannot be read."""
+        """The Figure, of the package or of a user's file; raises Refusal if that cannot be read."""
         return figures.FIGURES[self.id] if self.file is None else own_figure(self.file)
 
     def draw(self, step, changes=None):
@@ -107,8 +107,8 @@ def draw_here(orders, step, changes):
 
 
 def draw_all(orders, jobs, threads, step, compiling):
-    """Draw Orders, one or more, as they come, in ``jobs`` processes: yields (Order, its record, the seconds
-    of a processor that it took) as each is done.
+    """Draw one or more Orders, as they come, in ``jobs`` processes. Yields (Order, its record, its seconds of
+    processor time) as each is finished.
 
     threads    that each process has
     step       called with a line of text at the beginning of each step

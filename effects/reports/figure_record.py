@@ -60,9 +60,9 @@ class Rendered:
 
 
 def variant_name(figure, changes):
-    """What a figure is called with other values of parameters: F004-4+alpha_x=0.15+light=1,1,1; its id where
-    nothing is changed. Its files begin with it, so of what is long or odd there the beginning is left, with _
-    for odd characters, and a digest of the whole behind it.
+    """A figure's name with other values of parameters: F004-4+alpha_x=0.15+light=1,1,1; its id if nothing is
+    changed. The names of its files begin with it. So a long or odd name is shortened to its beginning, with _
+    for odd characters, followed by a digest of the whole.
     """
     if not changes:
         return figure.id
@@ -88,8 +88,8 @@ def _texts(figure, changes):
 
 
 def plain_values(figure, values):
-    """Values for JSON, by name: numbers as numbers; what JSON has no form for, a height field or an enum's
-    member, as the command line takes it.
+    """Values for JSON, by name: numbers as numbers; values without a form in JSON, such as a height field or
+    an enum's member, as the command line takes them.
     """
     known = _known(figure)
     return {n: v if v is None or isinstance(v, _PLAIN) else known[n].kind.show(v) for n, v in values.items()}
@@ -101,7 +101,7 @@ def picture_name(name, machine, view):
 
 
 def steps(figure, machines, with_checks=False, with_references=True):
-    """How many steps ``render`` takes for these machines, and one for writing what it gives."""
+    """How many steps ``render`` takes for these machines, plus one for writing the result."""
     methods = {figure.method(machine) for machine in machines}
     on_machines = sum(2 + with_checks - PROFILES[m].arithmetic.exact for m in machines)
     on_machines += with_references and figure.id in ANIMATIONS
@@ -145,8 +145,8 @@ def render(
     with_names : bool
         Keep the pictures under readable names as well.
 
-    What cannot be drawn or checked on one machine, for whatever reason, is among the record's ``failures``;
-    the others are drawn all the same.
+    If drawing or checking fails on one machine, for whatever reason, the record's ``failures`` say so; the
+    other machines are drawn all the same.
     """
     size = size or figure.size
     changes = changes or {}

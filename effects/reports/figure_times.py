@@ -25,7 +25,7 @@ class OwnTimes:
     whole: dict[str, float] = field(default_factory=dict)
 
     def of_first(self, figures: Iterable[Any]) -> float:
-        """Seconds of figures' first pictures; what was not measured here is taken from elsewhere."""
+        """Seconds of figures' first pictures; times that were not measured here come from elsewhere."""
         figures = list(figures)
         speed = self._speed(self.first, lambda figure: costs.seconds_of([figure]), figures)
         return sum(self.first.get(f.id) or speed * costs.seconds_of([f]) for f in figures)
@@ -35,7 +35,7 @@ class OwnTimes:
     ) -> float:
         """Seconds of figures on these machines, with references and checks.
 
-        ``speed``: this computer's seconds for one of another's, where nothing was measured here yet.
+        ``speed``: this computer's seconds for one second of another, if nothing was measured here yet.
         """
         figures = list(figures)
         speed = self._speed(self.whole, lambda figure: costs.SECONDS[figure.id], figures, speed)
@@ -57,7 +57,7 @@ class OwnTimes:
         return 2 * sum(figure.id in self.whole for figure in figures) > len(figures)
 
     def write(self, folder: Path) -> None:
-        """Keep them in a folder, with those of other figures there; where it is full they are not kept."""
+        """Store them in a folder, with those of other figures; a full disc stores none."""
         before = read_times(folder)
         merged = {name: getattr(before, name) | getattr(self, name) for name in _ROUNDS}
         rounded = {name: {i: round(s, 2) for i, s in times.items()} for name, times in merged.items()}
@@ -67,7 +67,7 @@ class OwnTimes:
 
 
 def read_times(folder: Path | None) -> OwnTimes:
-    """The times that a folder keeps; none where there is no such file, or another than was written."""
+    """The times that a folder stores; none if there is no such file, or if it is not as written."""
     found = OwnTimes()
     with suppress(OSError, ValueError, AttributeError, TypeError):
         read = json.loads((folder / _FILE).read_bytes()) if folder else {}

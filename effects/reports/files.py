@@ -1,6 +1,6 @@
 """Files are written whole, or not at all. Missing folders are made.
 
-``writable_file`` tells before a long computation whether a file can be written.
+``writable_file`` says before a long computation whether a file can be written.
 """
 
 import os
@@ -100,7 +100,7 @@ def written_whole(path):
     """The path of a temporary file to be written, renamed to ``path`` at the end: at no moment is there half
     a file under that name.
 
-    Raises Refusal when it cannot be written. Whatever interrupts it, the temporary file goes.
+    Raises Refusal when it cannot be written. After any interruption the temporary file is deleted.
     """
     temporary = None
     try:

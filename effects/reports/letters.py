@@ -1,4 +1,5 @@
-"""A diagram's letters as text: what a machine draws as pixels of a small font, a page sets in its own.
+"""A diagram's letters as text: a machine draws them as pixels of a small font, and a page sets them in its
+own font.
 
 A frame is drawn without the letters, and the record says where each label stands, how large it is and in
 which colour. Greek letters are spelled in the labels of figures, because the machines' font has none.
@@ -113,7 +114,7 @@ def _hexadecimal(color):
 
 @cache
 def without_letters(method):
-    """The Method without its letters, as long as it only draws into its window; else as it is."""
+    """The Method without its letters, if it only draws into its window; otherwise the Method unchanged."""
 
     def scene(*given, **values):
         commands = method.scene(*given, **values)

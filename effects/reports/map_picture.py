@@ -11,8 +11,8 @@ _COLORS = "viridis"  # perceptual: equal steps look equal, and grey in print
 def maps_png(maps, title, legend):
     """Maps below one another, by one scale: the bytes of a PNG file.
 
-    ``maps``: (name, values) each, float64 [h, w] of any size, top row first, no number where there is
-    nothing; ``legend``: what the values are.
+    ``maps``: (name, values) each, float64 [h, w] of any size, top row first, NaN where there is no value;
+    ``legend``: the meaning of the values.
     """
     import matplotlib
 

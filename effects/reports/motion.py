@@ -19,7 +19,7 @@ _QUALITY = 50
 
 
 def in_motion(figure, machine, size, threads=None):
-    """(the bytes of an animated WebP file, what the record says of it) of a figure's declared animation.
+    """(the bytes of an animated WebP file, its entry in the record) for a figure's declared animation.
 
     figure   a Figure whose id is in ANIMATIONS
     machine  a key in PROFILES that can draw it

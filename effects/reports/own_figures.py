@@ -25,10 +25,10 @@ def figure_of(word):
 def own_figure(path):
     """The Figure that a file holds under the name ``FIGURE``; the file is run once in a process.
 
-    path  as a str; what lies beside the file may be imported by it
+    path  as a str; the file may import modules beside it
 
-    Raises Refusal, with the file and where one is known the line, for a file that cannot be read or run, that
-    holds no ``FIGURE``, or whose figure has an id that the package has already or that names no file.
+    Raises Refusal, with the file and if possible the line, for a file that cannot be read or run, or that
+    holds no ``FIGURE``; also for an id that the package already has or that cannot name a file.
     """
     try:
         source = Path(path).read_bytes()

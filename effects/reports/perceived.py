@@ -14,10 +14,10 @@ except ImportError:  # the extra "metrics" is not installed
 
 def flip(picture, other):
     """The mean of FLIP over two pictures, 0 (equal) to 1: as their pixels look when one flips between them,
-    at 67 pixels a degree, which is a screen 70 cm away. None where the library is not installed.
+    at 67 pixels a degree, which is a screen 70 cm away. None if the library is not installed.
 
     picture  uint8 [h, w, 3 or 4], top row first
-    other    the same; where it has an alpha of 0 nothing is compared
+    other    the same; pixels with an alpha of 0 are not compared
     """
     if flip_evaluator is None:
         return None

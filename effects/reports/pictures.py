@@ -25,7 +25,7 @@ _ESCAPES = {0x5C: rb"\\", 0x22: rb"\"", 0x0D: rb"\r", 0x0A: rb"\n"}
 def canonical(image):
     """A picture in its stored form: uint8 [h, w, 4], top row first.
 
-    Alpha is 255, or 0 with no colour where a reference has nothing. ``image``: uint8 [h, w, 3], or [h, w, 4]
+    Alpha is 255, or 0 without colour where a reference has no value. ``image``: uint8 [h, w, 3], or [h, w, 4]
     with its own alpha.
     """
     pixels = np.full((*image.shape[:2], 4), 255, np.uint8)
@@ -79,8 +79,8 @@ def script(digest, width, height, data, base=None):
 
 
 def apart(pixels, base):
-    """What a ``canonical`` picture, opaque, adds to the bytes of another: modulo 256, 128 where nothing. A
-    machine's picture and its ideal's are mostly a byte apart.
+    """The difference of an opaque ``canonical`` picture's bytes from another's: modulo 256, and 128 where
+    both are equal. A machine's picture and its ideal's are mostly a byte apart.
     """
     out = pixels - base + np.uint8(128)
     out[..., 3] = 255
@@ -113,7 +113,8 @@ WIDE, NARROW, OF_GRID = {".webp": PREVIEW}, {".webp": SMALL}, {f"-{THUMBNAIL}.we
 @dataclass
 class Pictures:
     """Pictures by digest, each once, and the files that each is to have: endings of names, with widths; and
-    of some the picture that they may be told from, ``bases``. ``whole``: other files by name, animations.
+    for some of them ``bases``, the picture from which their difference may be stored. ``whole``: other files
+    by name, animations.
     """
 
     pixels: dict[str, np.ndarray] = field(default_factory=dict)

@@ -44,7 +44,7 @@ class Inset:
         return found
 
     def check(self, what, width, height, columns):
-        """Raise Refusal where a picture of ``width`` x ``height`` pixels in ``columns`` panels lacks room."""
+        """Raise Refusal if a picture of ``width`` x ``height`` pixels in ``columns`` panels lacks room."""
         across = width // columns
         is_inside = self.y + self.height <= height and self.x + self.width <= width
         if not is_inside or self.x // across != (self.x + self.width - 1) // across:
@@ -81,7 +81,7 @@ class Plates:
         write_whole(self.folder / name, png(self.finished(image, columns)))
 
     def finished(self, image, columns):
-        """The picture as it is written: of the image's type, [h, w, 3], or the image itself."""
+        """The picture to be written: of the image's type, [h, w, 3], or the image itself."""
         if self == Plates(self.folder):
             return image
         picture = _filtered(image[..., :3], self.supersample)

@@ -37,7 +37,7 @@ def map_rows(maps: Iterable[Map]) -> Rows:
 
 
 def share_gone(error: Error, own: Error) -> float:
-    """The share of the machine's ``own`` visible error that ``error`` lacks; below 0: it grew."""
+    """By which share ``error`` is less than the machine's ``own`` visible error; below 0: it is greater."""
     return 1.0 - error.shown / own.shown if own.shown else 0.0
 
 
@@ -73,7 +73,7 @@ def precision_rows(
 ) -> Rows:
     """A row for each Error of ``precision.table`` and ``precision.clamps``, in 1/255 of full intensity.
 
-    ``bits``: None: the machine's own. ``without``: the clamp that is left out; "its own": all of those that
+    ``bits``: None: the machine's own. ``without``: the clamp that is left out; "its own": all clamps that
     only machines have; None: none.
     """
     rows: Rows = []

@@ -1,4 +1,4 @@
-"""Two renderers beside a chip: as text, as a part of a page, and as JSON objects."""
+"""Two renderers compared with a chip: as text, as a part of a page, and as JSON objects."""
 
 from dataclasses import asdict
 from html import escape
@@ -55,6 +55,6 @@ def scoreboard_html(rows, folder):
 
 
 def score_record(row):
-    """What a JSON object of a case has of the other renderer."""
+    """The other renderer's part of a case's JSON object."""
     other = asdict(row.other)
     return {"other": {name: other[name] for name in ("equal", "within_one", "largest", "missing")}}

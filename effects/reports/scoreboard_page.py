@@ -1,4 +1,4 @@
-"""Another renderer beside a chip and beside ours, as a page that can be published.
+"""Another renderer compared with a chip and with ours, as a page that can be published.
 
 The page is one file, without scripts and without links to other files.
 """
@@ -38,7 +38,7 @@ h3 { font: 1rem/1.4 system-ui, sans-serif; margin: 1.6rem 0 .2rem; }
 class ScoreboardPage:
     """The page under construction. ``name``: the other renderer's.
 
-    Cases are added one by one. Of their pictures those with the most wrong pixels are kept, SHOWN of them.
+    Cases are added one by one. It has the SHOWN pictures with the most wrong pixels.
     """
 
     name: str

@@ -36,7 +36,7 @@ def json_bytes(content):
 
 
 def plotted(s, table):
-    """The study's plot as the bytes of a PNG file; None where matplotlib is not installed."""
+    """The study's plot as the bytes of a PNG file; None if matplotlib is not installed."""
     try:
         import matplotlib
     except ImportError:

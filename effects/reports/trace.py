@@ -40,7 +40,9 @@ class Plan:
 
 
 def plan(commands, chosen, dimensions, sheets):
-    """The Plan of a trace of the ``chosen`` numbers of commands; ``sheets``: with the ideal beside."""
+    """The Plan of a trace of the ``chosen`` numbers of commands; ``sheets``: each picture next to the
+    ideal's.
+    """
     numbers = [n for n in range(len(commands)) if n in chosen]
     drawing = sum(isinstance(commands[n], DRAWING) for n in numbers)
     pixels = dimensions[0] * dimensions[1] * drawing
@@ -107,8 +109,8 @@ def _cell(name, seen, note):
 
 @dataclass(frozen=True)
 class Traced:
-    """A frame to trace: ``commands`` for the profile, and ``ideal``, the same for the exact one, or None
-    where it is not to be seen beside.
+    """A frame to trace: ``commands`` for the profile, and ``ideal``, the same for the exact one, or None if
+    the ideal is not shown.
     """
 
     title: str

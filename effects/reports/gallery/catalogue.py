@@ -1,4 +1,4 @@
-"""What ids of techniques mean, and the project's catalogue as HTML pages beside the gallery."""
+"""The meaning of techniques' ids, and the project's catalogue as HTML pages of the gallery."""
 
 import ast
 import re
@@ -33,8 +33,8 @@ def technique_names():
 
 @cache
 def catalogue_pages():
-    """The catalogue's pages as HTML, (title, body) by the name of the file; none where only a wheel is
-    installed, which has no documents, and where the renderer of Markdown is missing.
+    """The catalogue's pages as HTML, (title, body) by the name of the file; none if only a wheel is
+    installed, which has no documents, or if the renderer of Markdown is missing.
     """
     try:
         from markdown_it import MarkdownIt  # rich needs it, so it is there

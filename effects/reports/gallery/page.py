@@ -1,5 +1,5 @@
-"""The gallery's page: what its script knows from the beginning. The plain page, for who has no script, is a
-file of its own, so that whoever has one does not read it.
+"""The gallery's page: what its script knows from the beginning. The plain page for browsers without scripts
+is a separate file, so that other browsers do not load it.
 """
 
 import json
@@ -97,8 +97,8 @@ def _page_of(record, documents):
 
 
 def json_in_html(value):
-    """A value as JSON that may stand in a script element, and in JavaScript: no "<" ends the element, and no
-    character in it ends a line.
+    """A value as JSON for a script element and for JavaScript: it has no "<" to end the element, and no
+    character that ends a line.
     """
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     return re.sub("[<>&\u2028\u2029]", lambda found: f"\\u{ord(found[0]):04x}", text)

@@ -42,7 +42,7 @@ _NOTHING_WAITS = {
 
 
 def results(root: Path) -> list[dict[str, Any]]:
-    """Every picture of the last run, what needs a person first and of that the largest difference: name,
+    """Every picture of the last run, those that need a person first, the largest difference at the top: name,
     status, store, test, told and, where pixels differ, difference. Raises StoreError.
     """
     candidates, found = read_candidates(root), []
