@@ -6,7 +6,7 @@ so a pixel is the same place of the material in all pictures. For a diffuse fiel
 the texels (``goniometer.lights``) at the visible ones (``goniometer.picture``), which do not depend on l.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 6 and 7; pass sequences A-G27 and A-G29. Assumed:
-float16 or bytes; the paper does not say how a BTF would be kept.
+float16 or bytes; the paper does not say how a BTF would be stored.
 """
 
 import io

@@ -1,10 +1,10 @@
 """G33: bumps and Phong in one pass of register combiners: albedo (n.l)+ + k_s ((n.h)+)^8.
 
 The primary colour holds l, the secondary h, whose length is the eighth root of k_s. The first general
-combiner computes both dot products. The second multiplies the one by the albedo and squares the other. The
-final combiner squares twice more and adds. If n.l is not positive, or the texel is in shadow, alpha is 0, and
-the alpha test leaves the panel's black. So there is no highlight there. Without highlights, alpha and its
-test are not needed.
+combiner computes both dot products. The second multiplies the first result by the albedo and squares the
+other. The final combiner squares twice more and adds. If n.l is not positive, or the texel is in shadow,
+alpha is 0, and the alpha test leaves the panel's black. So there is no highlight there. Without highlights,
+alpha and its test are not needed.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, section 6; part of pass sequence A-G09. Assumed: the exponent 8
 and the alpha test; the paper prints no program.
@@ -60,7 +60,7 @@ def check_exponent(field):
 
 
 def load(setup, lit):
-    """Commands that load the normal map and two textures of the albedo, the one with the light's shadow."""
+    """Commands that load the normal map and two textures of the albedo, one with the light's shadow."""
     field, profile = setup.field, setup.profile
     shadow = np.asarray(lit, np.float64)[..., None]
     shadowed = np.concatenate([field.albedo * shadow, shadow], axis=-1)

@@ -97,9 +97,7 @@ class Base:
             )
 
     def added(self, x, y, h):
-        """By how much the bent point lies beside (x, y, h), positions in the stretched base: float64
-        [..., 3].
-        """
+        """The bent point minus (x, y, h), positions in the stretched base: float64 [..., 3]."""
         u, v = self.curvature
         s_u, c_u = _bending(_angle(u, x))
         s_v, c_v = _bending(_angle(v, y))
@@ -141,7 +139,7 @@ class Base:
 
 @dataclass(frozen=True, eq=False)
 class Bent:
-    """What the texels of a field see on a curved base.
+    """The points that a field's texels see on a curved base.
 
     base        the Base
     directions  float64 [n, rows, columns, 3]: d_i(p), unit vectors in the frame of the base at p
@@ -150,8 +148,8 @@ class Bent:
     triangles   int64 [k, 3]: between which three directions others lie, as on the flat base
     flat        float64 [n, 3], the directions on the flat base
     seen        int32 [n, rows, columns], as for Visibility
-    far         float64 [n, rows, columns]: how far away what is seen was; infinity: nothing; 0: hidden by the
-                texel's own surface
+    far         float64 [n, rows, columns]: distance of the seen point on the flat base; infinity: nothing is
+                seen; 0: the texel's own surface hides it
     """
 
     base: Base
@@ -236,7 +234,7 @@ def bend(field, visibility, base, weights=border_weights):
 
     weights  ``border_weights`` or ``fan_weights``
 
-    Raises ValueError where the heights reach the centre of curvature, and for directions that do not surround
+    Raises ValueError if the heights reach the centre of curvature, and for directions that do not surround
     the origin (``directions.triangulated``).
     """
     normals = bent_normals(field, base)

@@ -39,7 +39,7 @@ class DenseBRDF:
         return len(self.samples)
 
     def isotropic(self) -> "DenseBRDF":
-        """The mean over rotations about z, with light and view in either order: what a surface does whose
+        """The mean over rotations about z, with light and view in either order: the BRDF of a surface whose
         fields are turned at random. Samples depend on the difference of the two angles alone.
         """
         n = self.count

@@ -2,17 +2,18 @@
 
 The height field's square fills a panel with one pixel for each texel. ``PathPasses`` are a machine's ways to
 draw the two parts of a path. One is bump mapping. The other is bump mapping times a lookup of the light that
-the texels seen along d_i send back. This module makes paths of them, in the order of pass sequence A-G11.
+texels send back, at the texel seen along d_i. This module makes paths of them, in the order of pass sequence
+A-G11.
 
 Radiances are in units of the light that a white surface facing the lamp sends back. A path's step has the
-weight W = 4 (``light_transport``), so each step may make the light as many times as large; textures hold 1 at
-most. So the light is kept divided by W after every step, and the lookup stays as it is. Instead, the direct
-light that is added there is divided by 4, 16, 64. Each term of the sum lies in [0, 1]. The whole weight, W^K
-over the number of paths, is applied to the sum once.
+weight W = 4 (``light_transport``), so each step may multiply the light by W; textures hold 1 at most. So the
+light is divided by W after every step, and the lookup is unchanged. Instead, the direct light that is added
+there is divided by 4, 16, 64. Each term of the sum lies in [0, 1]. The whole weight, W^K over the number of
+paths, is applied to the sum once.
 
 This costs precision: in a path of four lookups, the last direct light but one has steps of 1/16. ``rounds``
-keeps the precision: the sum over all directions becomes the light of the next lookup. It works for diffuse
-surfaces, because they send light equally in all directions.
+preserves the precision: the sum over all directions becomes the light of the next lookup. It works for
+diffuse surfaces, because they send light equally in all directions.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.2 and 3.3; pass sequences A-G08 to A-G11.
 """
@@ -109,7 +110,7 @@ class Setup:
         return looked_up_size(field.columns, self.bits), looked_up_size(field.rows, self.bits)
 
     def sees(self, number: int) -> bool:
-        """Whether any texel sees another along a direction; else nothing is looked up there."""
+        """Whether any texel sees another along a direction; otherwise this direction has no lookup."""
         return bool((self.visibility.seen[number] >= 0).any())
 
 
@@ -124,7 +125,7 @@ class PathPasses:
     gathered   (setup, number, view, name, into): bump mapping with a light along d_i, times the light at S_i
                under ``name``, goes into the panel ``into``
     looked_up  (setup, number, name): the work panel becomes the light at S_i under ``name``
-    by_host    whether the host looks up: then each light needs a name of its own
+    by_host    whether the host looks up, so that each light needs its own name
     """
 
     load: Callable
@@ -137,7 +138,7 @@ class PathPasses:
 
 @dataclass(frozen=True)
 class Into:
-    """Where a pass's colours go: a panel, by what they are multiplied, and whether they are added."""
+    """Where a pass's colours go: a panel, their factor, and whether they are added."""
 
     panel: Panel
     weight: float = 1.0
@@ -194,7 +195,7 @@ def kept(setup, name):
 
 
 def copy_of(setup, panel, name):
-    """Copy what a panel shows into a texture of its size."""
+    """Copy a panel's picture into a texture of its size."""
     return CopyTexImage(
         label=f"copy it to the texture {name}",
         texture=name,
@@ -223,7 +224,7 @@ def added_as_texture(setup, into):
 
 
 def black(setup, name):
-    """The command that makes a texture to be looked up, black: ``kept`` fills its corner."""
+    """The command that makes a black texture for lookups; ``kept`` fills its corner."""
     columns, rows = setup.looked_up_size
     image = texture_2d(np.zeros((rows, columns, 4)), setup.format)
     return TexImage(label=f"black, where {name} comes: what is not seen", texture=name, image=image)
@@ -401,7 +402,7 @@ def paths_drawn(
     lit       bool [rows, columns]: where the light is not shadowed; None: by rays
     exposure  so that nothing exceeds 1, as a framebuffer holds it
 
-    Raises ValueError for paths without a lookup and for what the arguments' own words refuse.
+    Raises ValueError for paths without a lookup, and for arguments out of their ranges.
     """
     light, lit = _checked(setup, light, lit, accumulation, exposure)
     paths = np.asarray(paths, np.int64)

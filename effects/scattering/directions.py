@@ -40,8 +40,8 @@ def spiral(count):
 def checked(directions):
     """Directions as float64 [n, 3] of length one.
 
-    Raises ValueError for another shape, none, NaN or infinity, and for a vector that is zero, or so long or
-    short that the square of its length is no number.
+    Raises ValueError for another shape, no vectors, NaN or infinity, and for a vector that is zero, or so
+    long or short that the square of its length is not a positive number.
     """
     array = np.asarray(directions, np.float64)
     if array.ndim != 2 or array.shape[1] != 3 or not len(array):
@@ -57,7 +57,7 @@ def checked(directions):
 
 
 def finite(vector, what):
-    """One vector as it is, float64 [3]. Raises ValueError, naming ``what``, for another shape, NaN or
+    """One vector, not normalized, float64 [3]. Raises ValueError, naming ``what``, for another shape, NaN or
     infinity.
     """
     array = np.asarray(vector, np.float64)
@@ -67,7 +67,9 @@ def finite(vector, what):
 
 
 def nearest(directions, vector):
-    """The number of the direction that is nearest to a vector [..., 3]: int64 [...]; of two, the first."""
+    """The number of the direction that is nearest to a vector [..., 3]: int64 [...]; of two as near, the
+    first.
+    """
     vector = np.asarray(vector, np.float64)
     return np.argmax(dot(directions, vector[..., None, :]), axis=-1)
 
@@ -76,7 +78,7 @@ def triangulated(directions):
     """The convex hull of the directions: int64 [k, 3], each triangle counter-clockwise seen from outside and
     its lowest number first, the triangles in order. It is their Delaunay triangulation on the sphere.
 
-    Raises ValueError where they enclose nothing: fewer than four, or all in one half of the sphere.
+    Raises ValueError if they enclose nothing: fewer than four, or all in one half of the sphere.
     """
     from scipy.spatial import ConvexHull, QhullError
 

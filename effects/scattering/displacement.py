@@ -14,11 +14,11 @@ TECHNIQUES = (Technique("G22", "the height field as geometry, lit by textures of
 
 
 def relief(field, level_border=False):
-    """One period of a HeightField as a Surface, a vertex at each texel's centre: x and y from -1 to 1, z as
-    many times as high; texture coordinates are the texels'.
+    """One period of a HeightField as a Surface, with a vertex at each texel's centre: x and y from -1 to 1, z
+    in the same scale; texture coordinates are the texels'.
 
-    level_border  whether vertices along the border are as low as the lowest: then a bump that reaches the
-                  border leaves its outline straight, and no background is seen below it
+    level_border  whether vertices along the border are as low as the lowest. Then the outline of the border
+                  is straight even where a bump reaches it, and no background shows below the bump
     """
     flat = plane(field.columns, field.rows)
     rows, columns = np.arange(field.rows + 1) % field.rows, np.arange(field.columns + 1) % field.columns

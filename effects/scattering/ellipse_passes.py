@@ -96,8 +96,8 @@ TABLE_ENTRIES = 1024
 
 
 def divisor(forms):
-    """By what the numbers of E1 and E2 are divided where they are stored, 1, 2 or 4: a combiner's scale
-    multiplies them back, and the smallest has the finest steps.
+    """The divisor of the stored numbers of E1 and E2, 1, 2 or 4. A combiner's scale multiplies them back, and
+    the smallest divisor has the finest steps.
     """
     largest = max(float(np.abs(form).max()) for form in forms)
     return next((scale for scale in (1, 2) if largest <= scale), 4)
@@ -245,11 +245,11 @@ def imaging_marking_passes(
 ):
     """G16: two loads and draws of squares, a white draw less their sum, and the copy that marks.
 
-    forms  E1 and E2, float64 [rows, columns, 3], without bounds: the host keeps floats
+    forms  E1 and E2, float64 [rows, columns, 3], without bounds: the host stores floats
     mark   False: the test's value stays in the framebuffer, and the copy is left out
 
-    The framebuffer's colours are overwritten, the depths written. Raises ValueError where one l does not
-    serve the whole surface.
+    The framebuffer's colours are overwritten, the depths written. Raises ValueError if the whole surface does
+    not have one l.
     """
     x, y, _ = _one_light(surface, light)
     out = []

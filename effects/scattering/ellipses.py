@@ -10,13 +10,13 @@ on, so walking through these values in order finds the best. The best radius has
 inside, less the shadowed ones inside. Among equally good radii it takes the middle of the widest range. The
 count never falls, so the search ends.
 
-A free direction may count as several shadowed ones (``free_weight``). Where the weight is w, moving the
-edge inwards pays only where at least w shadowed directions leave for each free one. So of the directions that
-a radius shuts out, 1 / (1 + w) at most are free: half with the plain count, a quarter with 3
+A free direction may count as several shadowed ones (``free_weight``). Where the weight is w, moving the edge
+inwards pays only where at least w shadowed directions leave for each free one. So of the directions that a
+radius excludes, at most 1 / (1 + w) are free: half with the plain count, a quarter with 3
 (docs/decisions/0036).
 
 The caller decides how to count a direction from which the texel faces away (BACK). Either it is shadowed
-(A-G01), or it takes no part, because its cosine is zero in any case (``counted``; erratum E002.9).
+(A-G01), or it does not count, because its cosine is zero in any case (``counted``; erratum E002.9).
 
 If no direction is free, the ellipse is far away.
 
@@ -209,15 +209,15 @@ def _fit(counts, xy, settings, first, last, found, out):
 def fit(free, xy, counted=None, least_radius=LEAST_RADIUS, free_weight=1.0):
     """The Ellipses of directions that are seen from above as points ``xy``.
 
-    free     bool [n, rows, columns]: whether nothing is in the way
+    free     bool [n, rows, columns]: whether the direction is free
     xy       float64 [n, 2], or [n, rows, columns, 2] where they are another at every texel
     counted  bool [n, rows, columns]: which take part; None: all
     least_radius  of both axes, 1/4 to 1
     free_weight   as how many shadowed directions a free one counts, 1 to 16: one is the paper's
 
-    Raises ValueError for arrays that do not fit each other, coordinates that are not finite, numbers beyond
-    their ranges, and for fewer than three directions: directions below the horizon alone say nothing of light
-    from above.
+    Raises ValueError for arrays that do not fit each other, coordinates that are not finite, and numbers out
+    of range; also for fewer than three directions, because directions below the horizon say nothing about
+    light from above.
     """
     free = np.ascontiguousarray(free, bool)
     points = np.asarray(xy, np.float64)
@@ -268,8 +268,8 @@ def fit(free, xy, counted=None, least_radius=LEAST_RADIUS, free_weight=1.0):
 def of_visibility(visibility, turned_away_counts=False, least_radius=LEAST_RADIUS, free_weight=1.0):
     """The Ellipses of a Visibility, by its directions above the horizon.
 
-    turned_away_counts  whether a direction from which a texel is turned away is shadowed; else it takes no
-                        part: its light is zero
+    turned_away_counts  whether a direction from which a texel faces away counts as shadowed; otherwise it
+                        does not count, because its light is zero
     least_radius        as for ``fit``
     free_weight         as for ``fit``
 

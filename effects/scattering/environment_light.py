@@ -32,7 +32,8 @@ TECHNIQUES = (
 
 
 def sun_and_sky(field, visibility, frame, light, sun, sky, bounces):
-    """What a HeightField on a flat base sends back of a sun and of a sky: two float64 [rows, columns, 3].
+    """The light of a sun and of a sky that a HeightField on a flat base sends back: two float64 [rows,
+    columns, 3].
 
     frame    the base's (tangent, binormal, normal) in the world, unit vectors
     light    towards the sun, a unit vector of the world; sun: its RGB
@@ -181,8 +182,8 @@ def on_turning_base(field, visibility, made, texels, frames, light, sky):
     light   towards the light, a unit vector of the world
     sky     float64 [k, 3]: the environment's radiance at heights -1 (straight down) to 1, evenly spaced
 
-    Shadows are by a ray for each place. Scattered light is between three directions, and what the sky's light
-    gains by being scattered on is that of even light.
+    Shadows are by a ray for each place. Scattered light is interpolated between three directions. Scattering
+    adds to the sky's light the same share as to even light.
 
     Raises ValueError for another field's Visibility or Tiles, places beyond the field, and arrays of other
     shapes.

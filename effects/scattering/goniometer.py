@@ -11,7 +11,7 @@ for a diffuse field. Highlights depend on both directions, and are added pair by
 
 Pictures give the shares by counting: rays from v cast one period of the field (G23). Or texture space gives
 them (G24): a texel has V(p, v) (n_p.v)+ / n_p.z, the area that it turns towards v. V says whether the texel
-is masked, by rays or by any other shadow test; masking is the same test.
+is masked, by rays or by any other shadow test, since masking is the same test.
 
 Radiances are in units of the light that a white surface facing the lamp sends back. So f_r is the mean over
 pi and the irradiance, per steradian; a flat field has albedo / pi.
@@ -126,7 +126,7 @@ def upper(directions, what="The directions"):
 
 def first_texels(field, origins, along):
     """The texels that rays from above a HeightField meet first: int32 [n], row * columns + column, NOTHING
-    for a ray that does not come down. The field goes on for ever.
+    for a ray that does not descend. The field goes on for ever.
 
     origins  float64 [n, 3], s and t in periods, z in heights: not below the field
     along    float64 [n, 3]: the rays' directions, of any length
@@ -169,8 +169,8 @@ def check_size(size):
 
 
 def picture(field, view, size):
-    """What an orthographic picture of one period from ``view`` [3] shows: texels, int32 [size, size], bottom
-    row first.
+    """The texels in an orthographic picture of one period from ``view`` [3]: int32 [size, size], bottom row
+    first.
 
     A pixel is a point of the mean plane, so the picture is registered to the field's texture coordinates.
 
@@ -204,10 +204,10 @@ def shares_in_pictures(field, views, size=None):
 def shares_in_texture_space(field, views, visible=None):
     """G24: the same in texture space, by V(p, v) (n_p.v)+ / n_p.z.
 
-    visible  bool or float [m, rows, columns]: where texels are not masked; None: by rays, and by a picture
-             of a view so near the horizon that every texel's centre is masked
+    visible  bool or float [m, rows, columns]: where texels are not masked. None: by rays, or by a picture if
+             the view is so near the horizon that every texel's centre is masked
 
-    Raises ValueError for masks of another shape, and for one that leaves nothing to be seen.
+    Raises ValueError for masks of another shape, and for one that masks every texel.
     """
     views = upper(views)
     shape = (len(views), field.rows, field.columns)
@@ -236,11 +236,12 @@ def _cosines(field, towards, lit):
 
 
 def irradiance(field, towards, lit=None):
-    """What lights of one from ``towards`` [n, 3] bring to the mean plane, as the texels get it: float64 [n],
-    the mean of V (n_p.l)+ / n_p.z.
+    """The irradiance of the mean plane by lights of one from ``towards`` [n, 3], as the texels receive it:
+    float64 [n], the mean of V (n_p.l)+ / n_p.z.
 
-    That is the light's cosine, but for texels that are lit or not as a whole; f_r over it keeps energy, and
-    is the same for l and v in either order. The cosine itself where no texel's centre is lit.
+    This equals the light's cosine, except that a texel is lit or dark as a whole. Divided by it, f_r
+    conserves energy, and is the same for l and v in either order. The cosine itself where no texel's centre
+    is lit.
     """
     towards = upper(towards, "The lights")
     area = (_cosines(field, towards, lit) / field.normals[..., 2]).reshape(len(towards), -1)
@@ -251,11 +252,11 @@ def irradiance(field, towards, lit=None):
 
 
 def lights(field, visibility, towards, bounces=2, lit=None):
-    """What a HeightField's texels send back evenly of lights from ``towards`` [n, 3]: float64 [n, rows,
-    columns, 3].
+    """The diffuse light that a HeightField's texels send back of lights from ``towards`` [n, 3]: float64 [n,
+    rows, columns, 3].
 
-    bounces  reflections beyond the first, each gathered from all directions of the Visibility; 0: direct
-             light with its shadows alone
+    bounces  reflections beyond the first, each gathered from all directions of the Visibility; 0: only direct
+             light with its shadows
     lit      bool or float [n, rows, columns]: where each light is not shadowed; None: by rays
 
     Raises ValueError for lights that are not above the horizon, fewer bounces than none, and another field's
@@ -280,7 +281,7 @@ def means(shares, sent):
     """The mean radiance in every picture: float64 [n, m, 3] of lights [n, rows, columns, 3] and shares [m,
     rows, columns].
 
-    Raises ValueError where they are not of the same texels.
+    Raises ValueError if they do not have the same texels.
     """
     if sent.shape[1:] != (*shares.shape[1:], 3):
         raise ValueError(
@@ -304,7 +305,7 @@ def pair_means(shares, sent):
 
 
 def highlights(field, towards, views, shares):
-    """What a field's highlights add to ``means``: float64 [n, m, 3]; 0 for a diffuse field."""
+    """The light that a field's highlights add to ``means``: float64 [n, m, 3]; 0 for a diffuse field."""
     out = np.zeros((len(towards), len(views), 3))
     if not field.specular:
         return out

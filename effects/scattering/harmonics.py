@@ -100,8 +100,9 @@ def fitted(towards, views, samples, tikhonov=TIKHONOV):
 
     tikhonov  how much the squares of the coefficients count, times (1 + j's band + k's band) squared
 
-    Raises ValueError for none, for samples that are not finite or not one for each pair, for directions that
-    are none, and a weight that is not positive: without one hemispheres do not determine the coefficients.
+    Raises ValueError for no samples, for samples that are not finite or not one for each pair, for invalid
+    directions, and for a weight that is not positive. Without a weight, hemispheres do not determine the
+    coefficients.
     """
     checked(towards)
     checked(views)

@@ -68,10 +68,10 @@ def _albedo(albedo, shape):
 
 
 def height_field(heights, albedo=0.8, *, normals=None, specular=0.0, exponent=16.0):
-    """A HeightField of heights [rows, columns]; ``normals``: None, and they are made by central differences.
+    """A HeightField of heights [rows, columns]; ``normals``: None computes them by central differences.
 
-    Raises ValueError for heights that are no finite numbers or fewer than 2 x 2, for an albedo or k_s that is
-    not from 0 to 1, for an exponent below 1 and for normals of another shape or length.
+    Raises ValueError for heights that are not finite or fewer than 2 x 2, for an albedo or k_s that is not
+    from 0 to 1, for an exponent below 1 and for normals of another shape or length.
     """
     heights = np.ascontiguousarray(height_fields.numbers(heights))
     if min(heights.shape) < 2:

@@ -39,8 +39,9 @@ def load(setup, lit, numbers):
 
 
 def keep(setup, name):
-    """The work panel's light goes to the host under this name. Direct light is kept as a texture, which is
-    added later, and goes to the host where it is looked up: without highlights it is the same all ways.
+    """The work panel's light goes to the host under this name. Direct light is stored as a texture, which is
+    added later. It also goes to the host for lookups, because without highlights it is the same in all
+    directions.
     """
     work = setup.work
     read = ReadPixels(
@@ -53,7 +54,9 @@ def keep(setup, name):
 
 
 def found(setup, number, light):
-    """L_d[S_i]: what the host finds for every texel, as ReadPixels gave the light, [rows, columns, 4]."""
+    """L_d[S_i]: the light that the host looks up for every texel, from the pixels of ReadPixels, [rows,
+    columns, 4].
+    """
     codes = coordinates(setup.visibility.seen[number], setup.bits)
     pixels = np.full((*codes.shape[:2], 4), 255, np.uint8)
     pixels[..., :2] = codes

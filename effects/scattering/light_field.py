@@ -31,7 +31,7 @@ def _check_eye(field, distance):
 
 
 def seen_from(field, eye, size):
-    """What is seen of a HeightField's period from an eye: texels, int32 [size, size], bottom row first.
+    """The texels of a HeightField's period that an eye sees: int32 [size, size], bottom row first.
 
     eye  (s, t, z): s and t in periods, z above the mean plane
 
@@ -92,8 +92,8 @@ def simulated(field, sent, eyes=32, size=32, *, spread=1.0, distance=2.0, progre
     spread, distance  as for LightField
     progress  None, or a function that is called with the number of rows of eyes that are done
 
-    Raises ValueError for fewer eyes, eyes that are not above the field or too far away, a spread that is not
-    positive, a size below one, and light of other texels.
+    Raises ValueError for too few eyes, eyes that are not above the field or are too far away, a spread that
+    is not positive, a size below one, and light with other texels.
     """
     if not eyes >= 2 or int(eyes) != eyes:
         raise ValueError(f"The light field has {eyes} eyes along its edges; give 2 or more, a whole number.")

@@ -37,8 +37,9 @@ WEIGHT = 4.0
 
 
 def bump(field, light, view):
-    """What every texel of a HeightField sends towards ``view`` of a light of one from ``light``, without
-    shadows: albedo (n.l)+, and k_s ((n.h)+)^exponent where (n.l) is positive. Float64 [rows, columns, 3].
+    """The light that every texel of a HeightField sends towards ``view``, for a light of one from ``light``
+    without shadows: albedo (n.l)+, and k_s ((n.h)+)^exponent where (n.l) is positive. Float64 [rows, columns,
+    3].
 
     light, view  unit vectors [3] in the base's frame; the highlight's exponent is rounded to a whole number
     """
@@ -93,7 +94,7 @@ def sequences(count, length, paths, seed=0):
 
 def looked_up(light, seen, nothing=0.0):
     """L[S_i]: the light [rows, columns, 3] of the texels that are ``seen`` [rows, columns]; ``nothing``, RGB
-    or a number, where none is in the way; 0 where the normal looks away.
+    or a number, where a texel sees none; 0 where the normal faces away.
     """
     found = light.reshape(-1, 3)[np.maximum(seen, 0)]
     found[seen < 0] = 0.0
@@ -102,7 +103,7 @@ def looked_up(light, seen, nothing=0.0):
 
 
 def chain(field, visibility, path, light, view, *, lit=1.0, sky=None):
-    """The light of one path over the whole field, float64 [rows, columns, 3]: direct light, and what comes
+    """The light of one path over the whole field, float64 [rows, columns, 3]: direct light, and the light
     along the path's directions with the weight W.
 
     path   numbers of directions d_1 to d_K; none: direct light alone
@@ -141,7 +142,7 @@ def scattered(field, visibility, paths, light, view=(0.0, 0.0, 1.0), *, lit=None
     paths  int [paths, K], as ``sequences`` makes them
     lit    where the light is not shadowed; None: by rays
 
-    Other arguments, and what is raised, as for ``chain``; also ValueError where there are no paths.
+    Other arguments and exceptions as for ``chain``; also ValueError if there are no paths.
     """
     if not len(paths):
         raise ValueError("There are no paths, so they have no mean; give one or more.")

@@ -1,12 +1,13 @@
-"""Work that takes hours, in pieces that are kept: a folder, its manifest, and a file for each finished piece.
+"""Work that takes hours, in pieces that are stored: a folder, its manifest, and a file for each finished
+piece.
 
 The manifest holds the work's parameters, the number of pieces, and the finished ones, each with the digest of
-its bytes. A piece's file is written under another name and then renamed, and then the manifest likewise. So
-half of a file never appears. After an error, a signal or a power cut, the work continues after the last piece
-in the manifest. In the end the bytes are the same, however often the work was stopped and however many
-processors it ran on.
+its bytes. A piece's file is written under another name and then renamed; then the manifest is written in the
+same way. So half of a file never appears. After an error, a signal or a power cut, the work continues after
+the last piece in the manifest. In the end the bytes are the same, however often the work was stopped and
+however many processors it ran on.
 
-One run at a time works in a folder; another is refused, where the system can lock folders.
+Only one run at a time works in a folder; if the system can lock folders, a second run is refused.
 """
 
 import hashlib
@@ -229,13 +230,14 @@ def run(tasks, work, *, folder=None, parameters=None, executor: Executor | None 
 
     tasks       what ``work`` takes; for a pool of processes it can be pickled, as ``work`` can
     work        makes an array of a task, the same whenever it is called
-    folder      where pieces are kept, and found when the work goes on; None: nowhere
+    folder      where pieces are stored, and found when the work continues; None: nowhere
     parameters  all that the arrays depend on, a dict that JSON can hold
     executor    a concurrent.futures.Executor; None: one after the other, here
     progress    None, or a function that is called with how many are done, first those that were there
 
     A piece whose worker ends is computed again. Raises Refusal as ``Folder`` does and for a piece whose
-    worker ended three times, and what ``work`` or the executor raise: pieces done until then stay.
+    worker ended three times, and the exceptions of ``work`` and of the executor. Pieces that are finished by
+    then stay.
     """
     tasks = list(tasks)
     with ExitStack() as held:

@@ -66,7 +66,7 @@ def redistributed(field, view):
 
     view  direction towards the eye (x, y, z), above the horizon, along s or along t: x or y is 0
 
-    Raises ValueError for another direction. Where nothing of a line is seen its texels stay.
+    Raises ValueError for another direction. If no texel of a line is visible, its texels stay in place.
     """
     view = check_light(view, "The direction to the eye")
     if view[0] != 0.0 and view[1] != 0.0:

@@ -55,7 +55,9 @@ def directions():
 
 
 def table(brdf):
-    """The table of an isotropic BRDF, an object with ``at``: float64 [3, 90, 90, 180], as the file has it."""
+    """The table of an isotropic BRDF, an object with ``at``: float64 [3, 90, 90, 180], in the file's
+    order.
+    """
     towards, views = directions()
     above = (towards[:, 2] > 0.0) & (views[:, 2] > 0.0)
     out = np.full((3, len(towards)), BELOW)
@@ -109,8 +111,8 @@ def _places(towards, views, sizes):
 
 
 def looked_up(numbers, towards, views):
-    """f_r of directions [n, 3] each, above the horizon, by the nearest of a table's numbers: float64 [n, 3],
-    as the database's reader does it.
+    """f_r of directions [n, 3] each, above the horizon, by the table's nearest number, as in the database's
+    reader: float64 [n, 3].
     """
     at = tuple(
         np.clip(place.astype(np.int64), 0, size - 1)
@@ -123,7 +125,7 @@ def looked_up(numbers, towards, views):
 class MeasuredBRDF:
     """A ``table``'s BRDF, linear between the middles of cells: float64 [3, 90, 90, 180].
 
-    Numbers below zero, where light or view is below the horizon or nothing was measured, take no part. Raises
+    Numbers below zero, where light or view is below the horizon or nothing was measured, do not count. Raises
     ValueError for NaN and infinity, and for another shape.
     """
 
@@ -139,7 +141,7 @@ class MeasuredBRDF:
             raise ValueError("The table holds NaN or infinity; give finite numbers, -1 where none is known.")
 
     def at(self, towards, views):
-        """f_r of directions [n, 3] each, above the horizon: float64 [n, 3], zero where nothing is known."""
+        """f_r of directions [n, 3] each, above the horizon: float64 [n, 3], zero without a measurement."""
         sizes = self.numbers.shape[1:]
         lows, shares = [], []
         for k, place in enumerate(_places(towards, views, sizes)):

@@ -75,7 +75,7 @@ def seen_texture(number):
 def offset_texels(seen):
     """S'_i: q - p as signed bytes, uint8 [rows, columns, 4]: across in blue, up in green.
 
-    seen  int [rows, columns]: as ``Visibility.seen`` has it for one direction
+    seen  int [rows, columns]: ``Visibility.seen`` for one direction
 
     Raises ValueError for more texels along an edge than a signed byte reaches.
     """

@@ -179,8 +179,8 @@ def indirect(
     lookups         along a path at most: its reflections but one
     lit             where the light is not shadowed, bool or float [rows, columns]; None: by rays
     sky             None, black, or float64 [directions, 3]: the environment along each
-    reconstruction  whose light a point takes; seed: of the random numbers; threads: any number gives the same
-                    bits
+    reconstruction  how a point gets its light from texels; seed: of the random numbers; threads: any number
+                    gives the same bits
 
     Raises ValueError for counts below one, lookups below zero, another field's Visibility, points or
     directions that are not finite, and arrays of other shapes.

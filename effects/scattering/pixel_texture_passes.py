@@ -12,8 +12,8 @@ S_i's coordinates have 8 bits, or the 12 of the Octane's pixel groups; in the la
 12.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.3 and 6; pass sequence A-G08; Heidrich, Seidel 1999
-(Phong by normal maps); SGIX_pixel_texture. Assumed: the maximum, the alpha test; the paper does not say how
-negative products go.
+(Phong by normal maps); SGIX_pixel_texture. Assumed: the maximum and the alpha test; the paper does not say
+how it removes negative products.
 """
 
 from functools import lru_cache
@@ -54,7 +54,9 @@ _POSITIVE = AlphaTest(ComparisonFunction.GREATER, 0.0)
 
 
 def load(setup, lit, numbers):
-    """The command that loads the light's shadow as a texture; other images go with what draws them."""
+    """The command that loads the light's shadow as a texture; the commands that draw other images carry
+    them.
+    """
     shadow = factor_texels(np.asarray(lit, np.float64)[..., None].repeat(3, axis=-1), setup.profile)
     return (TexImage(label="load the light's shadow", texture="shadow", image=texture_2d(shadow)),)
 

@@ -97,7 +97,7 @@ def program_of(field, weight):
 
 
 def gathered(setup, number, view, name, into):
-    """Bump mapping with a light along d_i, times the light at S_i: one draw, and a Clear where it does not
+    """Bump mapping with a light along d_i, times the light at S_i: one draw, and a Clear if it does not
     add.
     """
     combiner_bumps.check_exponent(setup.field)

@@ -1,9 +1,10 @@
-"""G34 for a sun that moves: what a height field sends back of it on bases that lie in several ways.
+"""G34 for a sun that moves: its light that a height field sends back, on bases of several orientations.
 
 The numbers are ``environment_light.sun_alone``'s, to the bit. What can be known of a field before the sun is
 known is computed once (``Prepared``). Two things are left out, as they change no bit:
 
-- Directions along which a texel sees no other bring nothing of the sun. A list says which texels it does see.
+- Directions along which a texel sees no other bring no light of the sun. A list says which texels it does
+  see.
 - A ray that has passed all that is high enough in its quarter is free, however far it goes on.
 """
 
@@ -32,16 +33,16 @@ _SAFE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """What is known of a HeightField and its Visibility before there is a light.
+    """Results for a HeightField and its Visibility that need no light.
 
     field     the HeightField
     albedo    float64 [rows, columns, 3], the field's
-    weight    of what comes along one direction
+    weight    of the light along one direction
     first     int64 [texels + 1]: where each texel's list begins
     seen      int32 [m]: the texels that it sees, in the directions' order
     cosines   float64 [m]: of the directions along which it sees them
-    around    float64 [2, 2, rings, rows, columns]: what a ray beyond a ring must be above, up to the next
-              ring, to be free, where x and y grow (0) or fall (1); beyond the last, anywhere
+    around    float64 [2, 2, rings, rows, columns]: the height that a free ray must exceed between a ring and
+              the next, where x and y grow (0) or fall (1); beyond the last ring, anywhere
     """
 
     field: HeightField
@@ -164,7 +165,7 @@ def for_each(work, kinds):
 
 
 def sunlit(known: Prepared, light, sun, bounces) -> NDArray[np.float64]:
-    """What the field sends back of a sun, scattered ``bounces`` times: float64 [rows, columns, 3].
+    """A sun's light that the field sends back, scattered ``bounces`` times: float64 [rows, columns, 3].
 
     light  towards the sun in the base's frame, a unit vector; sun: its RGB
 

@@ -76,8 +76,7 @@ def crossed(heights, column, row, dx, dy, t, lines, numbers):
 )
 def hit(heights, column, row, direction, highest, most, enough):
     """The texel that a ray (``direction``: texels, texels, heights) from a texel's centre hits, or FREE; and
-    how far away the point is, in lengths of the direction. Nothing is looked for farther away than
-    ``enough``.
+    how far away the point is, in lengths of the direction. The search ends at the distance ``enough``.
     """
     dx, dy, dz = direction
     rows, columns = heights.shape
@@ -161,7 +160,7 @@ def _traced(heights, normals, directions):
 
 @dataclass(frozen=True, eq=False)
 class Visibility:
-    """What is seen from every texel along every direction.
+    """The texel that every texel sees along every direction.
 
     directions  float64 [n, 3], unit vectors in the base's frame
     seen        int32 [n, rows, columns]: row * columns + column of the texel that is seen, FREE, or BACK
@@ -187,7 +186,7 @@ class Visibility:
 
     @property
     def stored_bytes(self) -> int:
-        """What the paper's two bytes a texel and direction come to (E002.5)."""
+        """The memory for the paper's two bytes a texel and direction (E002.5)."""
         return 2 * self.seen.size
 
 
@@ -222,8 +221,8 @@ def _gathered(field, parts, executor: Executor, progress):
 
 
 def check_same_texels(field, visibility):
-    """Raises ValueError where a Visibility is not of so many texels as a HeightField has: kernels look up the
-    one's in the other.
+    """Raises ValueError if a Visibility and a HeightField do not have the same number of texels, because
+    kernels use the texels of one as indices into the other.
     """
     theirs, own = visibility.seen.shape[1:], field.heights.shape
     if theirs != own or len(visibility.directions) != len(visibility.seen):

@@ -6,9 +6,9 @@ G12: a texel is lit if it sees nothing along the nearest direction. G13: the lig
 directions with three weights. A texel's share of light, from 0 to 1, is the sum of the weights of those that
 see nothing, as if the light had the size of a triangle of directions.
 
-A direction from which the texel faces away (BACK) says nothing of what blocks it. It may count as shadowed,
-or take no part. In the latter case, a nearest direction leaves the light to its cosine, and the other two of
-three share its weight (erratum E002.9).
+A direction from which the texel faces away (BACK) does not say whether anything blocks it. It may count as
+shadowed, or take no part. In the latter case, a nearest direction leaves the light to its cosine, and the
+other two of three share its weight (erratum E002.9).
 
 The field has one light, or each texel has its own: for a lamp nearby, or on a curved base.
 
@@ -53,7 +53,7 @@ def _seen_along(visibility, number):
 
 
 def nearest_free(visibility, light, turned_away_counts=False):
-    """G12: where nothing is seen along the direction nearest to the light, bool [rows, columns].
+    """G12: which texels see nothing along the direction nearest to the light, bool [rows, columns].
 
     light               a direction [3], or [rows, columns, 3]
     turned_away_counts  whether a direction from which a texel is turned away is shadowed
@@ -90,8 +90,8 @@ def free_share(visibility, light, triangles=None, turned_away_counts=False):
 
     triangles  of the directions (``directions.triangulated``); None: they are made
 
-    Other arguments and what is raised as for ``nearest_free``; also ValueError where the directions do not
-    surround the origin.
+    Other arguments and exceptions as for ``nearest_free``; also ValueError if the directions do not surround
+    the origin.
     """
     vectors = _lights(visibility, light)
     if triangles is None:

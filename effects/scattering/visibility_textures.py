@@ -35,7 +35,7 @@ def decoded(stored, size, bits=8):
 def looked_up_size(texels, bits=8):
     """The edge of the texture in which a field's edge of so many texels is looked up, with room for "none".
 
-    Raises ValueError where coordinates of ``bits`` do not tell its texels apart.
+    Raises ValueError if coordinates of ``bits`` cannot distinguish its texels.
     """
     size = 1 << texels.bit_length()
     if size > 1 << bits:
@@ -50,7 +50,7 @@ def looked_up_size(texels, bits=8):
 def coordinates(seen, bits=8):
     """S_i as codes of s and t, int64 [rows, columns, 2] of 0 to 2^bits - 1.
 
-    seen  int [rows, columns]: as ``Visibility.seen`` has it for one direction
+    seen  int [rows, columns]: ``Visibility.seen`` for one direction
 
     Raises ValueError as ``looked_up_size``.
     """
@@ -63,8 +63,8 @@ def coordinates(seen, bits=8):
 
 
 def padded(light, nothing=0, bits=8):
-    """The texture in which a field's light [rows, columns, k] is looked up, with ``nothing`` where none is
-    seen: [size, size', k] of the same type.
+    """The texture in which a field's light [rows, columns, k] is looked up, with ``nothing`` for texels that
+    see none: [size, size', k] of the same type.
     """
     rows, columns = light.shape[:2]
     shape = (looked_up_size(rows, bits), looked_up_size(columns, bits), light.shape[2])

@@ -75,8 +75,8 @@ def avenue(detail=24):
 
 
 def avenue_view(panel):
-    """The camera of ``avenue``: a head's height above the ground, at its beginning. Nothing is nearer to it
-    than its near plane: a map that follows the view wastes nothing on air.
+    """The camera of ``avenue``: a head's height above the ground, at its beginning. No object is nearer to it
+    than its near plane, so a map that follows the view wastes no texels on empty space.
     """
     eye = (-0.7, 2.5, 4.0)
     projection = perspective(46.0, panel.width / panel.height, 3.5, 76.0)
@@ -129,8 +129,8 @@ def ball_shadow_outline():
 
 
 def ball_shadow(sun, corners=64):
-    """The outline of a round ball's shadow on the ground: points [corners + 1, 3], the last the first again;
-    or None where not all of it lies before the viewer.
+    """The outline of a round ball's shadow on the ground: points [corners + 1, 3], the last equal to the
+    first; or None if not all of it lies before the viewer.
 
     ``sun``: the direction towards it, of any length.
     """

@@ -32,7 +32,7 @@ def ring_and_board(size):
 
 
 def board_view(panel):
-    """The feet of what stands there, and their shadows."""
+    """A view of the objects' feet, and of their shadows."""
     eye = (0.8, 3.9, 6.6)
     projection = perspective(44.0, panel.width / panel.height, 2.5, 40.0)
     return View(panel, look_at(eye, (0.26, 0.35, 0.0)), projection, eye, False)

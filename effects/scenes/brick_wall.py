@@ -39,7 +39,7 @@ def heights(size, across=5, courses=10, *, joint=0.016, bevel=0.012, depth=0.012
     """Heights of the wall, float64 [size, size], in units of the map's edge, as ``joint`` (the joints'
     width), ``bevel``, ``depth`` and ``roughness`` (of the noise on it) are.
 
-    Raises ValueError where the courses could not repeat.
+    Raises ValueError if the courses could not repeat.
     """
     _checked(across, courses)
     cover, course, number = _edges(size, across, courses, joint, bevel)
@@ -51,7 +51,7 @@ def heights(size, across=5, courses=10, *, joint=0.016, bevel=0.012, depth=0.012
 
 
 def colors(size, across=5, courses=10, *, joint=0.016, bevel=0.012):
-    """Colours of the wall, float64 [size, size, 3] in [0, 1]: each brick of its own shade, and mortar."""
+    """Colours of the wall, float64 [size, size, 3] in [0, 1]: each brick in its own shade, and mortar."""
     _checked(across, courses)
     cover, course, number = _edges(size, across, courses, joint, bevel)
     s, t = height_fields.texel_centers(size, size)

@@ -44,7 +44,7 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """By which corners of a coarse grid the vertices of a fine one get what is interpolated.
+    """The corners of a coarse grid from which the vertices of a fine one interpolate.
 
     numbers  int64 [n, 3]: corners, row by row
     weights  float64 [n, 3], from zero on, their sum one
@@ -146,8 +146,8 @@ def globe(columns, rows):
 def sheared_sheet(columns, rows, *, shear=1.0, half_width=1.0, half_height=1.0, bulge=0.35):
     """A rectangle, bulged towards +z, whose map's v runs aslant: a Patch.
 
-    shear  how far to the right the line of one u goes from the lower to the upper edge, in widths; its map
-           repeats across the sheet
+    shear  how far a line of constant u leads to the right from the lower to the upper edge, in widths; the
+           map repeats across the sheet
     bulge  how far the middle stands above the corners
     """
     flat = plane(columns, rows, half_width, half_height)

@@ -22,8 +22,8 @@ _VASE = (
 
 
 def smooth_profile(pieces):
-    """The vase's profile with its side through the same points as a curve, each piece in so many: a tuple of
-    (radius, height).
+    """The vase's profile with its side as a curve through the same points, each piece divided into so many: a
+    tuple of (radius, height).
 
     The curve is Catmull and Rom's; its foot and its lip stay sharp.
     """
@@ -99,5 +99,5 @@ def lit_room_view(panel):
 
 
 def bulb():
-    """A small sphere where the light is, to be seen and nothing else."""
+    """A small sphere in the light's place, only to be seen."""
     return Object("bulb", surfaces.sphere(16, 8).scaled(0.09).moved(*LAMP), (1.0, 1.0, 1.0))

@@ -34,7 +34,8 @@ class Object:
     ``color``: diffuse and ambient RGB; ``specular``: how strong its white highlight is, [0, 1]. ``closed``:
     whether the surface bounds a volume, so that it may be extruded to a shadow volume. ``two_sided``: whether
     its back faces are lit too, by their normals turned round (LIGHT_MODEL_TWO_SIDE). ``throws``: whether it
-    throws shadows; what throws none, as the ground far about, is in no shadow map, and no lamp encloses it.
+    throws shadows. An object that throws none, such as the distant ground, is in no shadow map, and no lamp
+    encloses it.
     """
 
     name: str
@@ -65,7 +66,7 @@ class Object:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What is lit, and what of it throws shadows."""
+    """The lit objects, and those of them that throw shadows."""
 
     objects: tuple[Object, ...]
 
@@ -88,12 +89,12 @@ class Scene:
         return np.repeat(np.arange(len(self.objects)), [len(o.surface.triangles) for o in self.objects])
 
     def bounds(self):
-        """The least and the greatest coordinates of what throws shadows, two float64 [3]."""
+        """The least and the greatest coordinates of the objects that throw shadows, two float64 [3]."""
         positions = np.concatenate([o.surface.positions for o in Scene(self.throwing)._some()])
         return positions.min(axis=0), positions.max(axis=0)
 
     def corners(self):
-        """The eight corners of the bounding box of what throws shadows, float64 [8, 3]."""
+        """The eight corners of the bounding box of the objects that throw shadows, float64 [8, 3]."""
         ends = np.stack(self.bounds())
         return np.array(
             [[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
@@ -179,8 +180,8 @@ class Lamp:
 def lamp_around(scene, position, target=None, infinite=False, margin=1.02):
     """A lamp at ``position`` whose frustum encloses the scene's bounding box (document 003, first pass).
 
-    ``target``: None, the box's centre. ``margin``: how much wider than the box, > 1. Raises ValueError where
-    the lamp is in the box's way: a frustum encloses only what is in front of it.
+    ``target``: None, the box's centre. ``margin``: how much wider than the box, > 1. Raises ValueError if the
+    lamp is too near to the box: a frustum encloses only objects in front of the lamp.
     """
     if not 1.0 < margin < math.inf:
         raise ValueError(f"The lamp's margin is {margin!r}; give how much wider than the box, above 1.")
@@ -213,7 +214,7 @@ def lamp_around(scene, position, target=None, infinite=False, margin=1.02):
 
 
 def detail_of(size):
-    """How many segments a round object has that is drawn on a panel of ``size`` pixels; a multiple of 4."""
+    """How many segments a round object has on a panel of ``size`` pixels; a multiple of 4."""
     return 12 if size < 64 else 24 if size < 200 else 40
 
 

@@ -93,8 +93,8 @@ def _curve(points, pieces):
 def still_life(detail=40):
     """A ring that stands upright, a vase, a column, a sphere and a box on a floor that goes on as ground.
 
-    ``detail``: how finely things are divided (``detail_of``): round ones into eight fifths of it, on panels
-    too small to see it (below 24) into so many, with a coarser ground and vase.
+    ``detail``: how finely objects are divided (``detail_of``). Round ones have eight fifths as many segments;
+    on panels too small for that (below 24) they have as many, and ground and vase are coarser.
     """
     small = detail < 24
     round_ = detail if small else detail * 8 // 5

@@ -162,8 +162,8 @@ def teapot(pieces: int = 8) -> Surface:
 
 
 def framed_along(surface: Surface, axis) -> Surface:
-    """The surface with tangents that point as far along an ``axis``, a vector, as they can: strokes, grooves
-    or ridges that were cut into it all in one direction. Where the normal is the axis, any tangent.
+    """The surface with tangents that point along an ``axis``, a vector, as far as possible: as for strokes,
+    grooves or ridges that were all cut in one direction. Where the normal is the axis, any tangent.
 
     Raises ValueError for an axis that is no direction.
     """
