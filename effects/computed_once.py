@@ -34,7 +34,7 @@ _folder: Path | None = None
 
 @contextmanager
 def kept_in(folder: Path | None) -> Iterator[None]:
-    """Inside, arrays are kept in a folder as well, and looked for there. None: in this process alone."""
+    """Inside, arrays are also stored in a folder, and looked up there. None: in this process alone."""
     global _folder
     before, _folder = _folder, folder
     try:
@@ -69,9 +69,9 @@ def computed_once(function: Callable[P, NDArray[Any]]) -> Callable[P, NDArray[An
 def kept_array(
     key: object, modules: Iterable[str], function: Callable[..., NDArray[Any]], *args: Any, **kwargs: Any
 ) -> NDArray[Any]:
-    """``function``'s array, from the folder if it is there, else computed and kept there.
+    """``function``'s array, from the folder if it is there; otherwise computed and stored there.
 
-    key      what the array follows from beside the sources; its ``repr`` counts
+    key      the inputs of the array besides the sources; its ``repr`` counts
     modules  dotted names of the modules whose sources it follows from, with all that they import
     """
     if _folder is None:

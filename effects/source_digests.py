@@ -50,7 +50,7 @@ def reached(names: Iterable[str]) -> frozenset[str]:
 
 @cache
 def file_of(name: str) -> Path | None:
-    """The file of a module or package of fixedpipe; None where the name is of neither."""
+    """The file of a module or package of fixedpipe; None if the name is of neither."""
     if not name.startswith(_PACKAGE):
         return None
     path = ROOT.joinpath(*name.removeprefix(_PACKAGE).split("."))
@@ -94,6 +94,6 @@ _IMPORTED = {
 
 
 def forget() -> None:
-    """Read the sources again when they are asked for next."""
+    """Read the sources again at the next use."""
     _read.cache_clear()
     file_of.cache_clear()

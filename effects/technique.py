@@ -36,8 +36,8 @@ class Technique:
     """A technique of a paper, declared by one module alone.
 
     id       its letter says which paper: "K10"
-    what     what it is, in a line
-    section  where the paper has it: sections' numbers, "4.1, 6", or a slide's title
+    what     the technique in one line
+    section  its place in the paper: numbers of sections, "4.1, 6", or a slide's title
 
     Raises ValueError for an id that is not a paper's letter, or X, and two digits.
     """

@@ -146,8 +146,8 @@ class Coding:
     texels     of the ramp, a power of two; None: 2^n, at most 256, between which LINEAR interpolates
     bias       steps that the map's depths are moved away from the light
     corrected  whether s is made s', for which the ramp is exact
-    linear     the paper's linear depth; False: the depth that a z-buffer would have, for comparison (study
-               P5), a division per pixel
+    linear     the paper's linear depth; False: a z-buffer's depth, with a division per pixel, for comparison
+               (study P5)
     component  of the window
     """
 
@@ -188,8 +188,8 @@ class Coding:
     def ramp(self, profile, subtract=True):
         """The command that stores the ramp.
 
-        ``subtract``: as for ``with_one_unit``; False: the ramp ends a step below one. What lies beyond the
-        lamp's far plane then stays below one when nothing of a map is added to it, and is lit.
+        ``subtract``: as for ``with_one_unit``; False: the ramp ends a step below one. So a surface beyond the
+        lamp's far plane stays below one if no depth of a map is added, and is lit.
         """
         alphas = np.arange(self.width) / float(self.width - 1)
         if not subtract:
@@ -222,7 +222,7 @@ def _generated(world_plane, view):
 def map_unit(lamp, view, name=MAP, **settings):
     """A texture unit that reads the map where a fragment is seen from the light: projective, nearest texel.
 
-    ``lamp``: what has a ``texture_matrix`` from world coordinates to the map's; ``settings``: more of
+    ``lamp``: an object with a ``texture_matrix`` from world coordinates to the map's; ``settings``: more of
     TextureUnit.
     """
     s, t, _, q = lamp.texture_matrix
@@ -352,7 +352,7 @@ def _marked_passes(scene, view, lamp, shading, background, marking):
 
 
 def with_combiners(scene, view, lamp, profile, coding, *, background, shading=SceneShading.LIT, name=MAP):
-    """H37 by register combiners: max(0, ramp - map) is alpha; what has none is lit.
+    """H37 by register combiners: max(0, ramp - map) is alpha; pixels with alpha zero are lit.
 
     ``store_map`` before it; parameters as there. ``view``: the camera's View.
     """
@@ -451,8 +451,8 @@ def with_one_unit(
     """H38, one texture unit: the difference in destination alpha, made zero or one by a copy of the window.
 
     ``alpha_bits``: the bits of the window's alpha, n; 0: it has none. ``subtract``: False for a machine
-    without FUNC_REVERSE_SUBTRACT; the map is then the ``store_map`` of the same value. Other parameters as
-    for ``with_combiners``.
+    without FUNC_REVERSE_SUBTRACT; ``store_map`` then needs the same value. Other parameters as for
+    ``with_combiners``.
 
     Raises ValueError for a window without alpha. ``fixedpipe.pipeline.validation`` refuses the passes if a
     machine cannot subtract.

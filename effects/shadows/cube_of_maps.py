@@ -34,8 +34,8 @@ def _axis_and_sign(face):
 def face_lamp(position, face, near, far, border=0.0):
     """The map's camera: a lamp at ``position`` that looks along an axis.
 
-    ``border``: how much of the map's edge lies outside the 90 degrees on each side: two texels of 512 are
-    2 / 512. Raises ValueError where it is not from 0 to below 1/2.
+    ``border``: how much of the map's edge lies outside the 90 degrees on each side: two texels of 512 are 2 /
+    512. Raises ValueError if it is not from 0 to below 1/2.
     """
     axis, sign = _axis_and_sign(face)
     if not 0.0 <= border < 0.5:
@@ -49,7 +49,7 @@ def face_lamp(position, face, near, far, border=0.0):
 
 
 def cube_lamps(scene, position, border=0.0, near=0.05):
-    """The six maps' cameras, in the order of FACES; they reach as far as the scene's box.
+    """The six maps' cameras, in the order of FACES; their far planes enclose the scene's box.
 
     ``near``: the planes' distance. Assumed: nothing in a room is nearer to its lamp than 0.05.
     """
@@ -60,7 +60,8 @@ def cube_lamps(scene, position, border=0.0, near=0.05):
 
 
 def face_planes(position, face, modelview):
-    """The four clip planes, in eye coordinates, between what a face's map lights and its neighbours'.
+    """The four clip planes, in eye coordinates, between the part that a face's map lights and those of its
+    neighbours.
 
     ``modelview``: the viewer's.
     """

@@ -52,7 +52,8 @@ class LightCamera:
     """A shadow map's camera, and the light it belongs to, as ``Lamp`` is.
 
     ``modelview`` and ``projection``: as in VertexState. ``direction``: to the light, world coordinates.
-    ``n``: the distance of the second perspective's centre from the nearest point; None: there is none.
+    ``n``: the distance of the second perspective's centre from the nearest point; None: no second
+    perspective.
     """
 
     modelview: Matrix
@@ -107,8 +108,8 @@ def light_axes(direction, view):
 
 
 def seen_body(scene, view, near=None, far=None):
-    """The corners of what a camera sees of a scene's box between two distances, float64 [n, 3]; n is 0 where
-    it sees nothing of it.
+    """The corners of the part of a scene's box that a camera sees between two distances, float64 [n, 3]; n is
+    0 if it sees nothing of the box.
     """
     return meeting(frustum(view, near, far), scene.corners())
 
@@ -240,7 +241,7 @@ def texel_footprints(texture_matrix, edge, view, points, normals):
     points, normals
         float64 [n, 3]: places of surfaces in front of both, and their normals of any length.
 
-    Where the light grazes a surface a texel has no end there; it counts as the largest float64.
+    Where the light grazes a surface, a texel is infinitely long; it counts as the largest float64.
     """
     screen = product(view.projection, view.modelview)
     texels = _areas(texture_matrix, float(edge), float(edge), points, normals)

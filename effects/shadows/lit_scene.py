@@ -27,7 +27,7 @@ SHININESS = 32.0
 
 
 class SceneShading(StrEnum):
-    """What the passes make of a scene. A figure's parameters print the value."""
+    """How the passes shade a scene. A figure's parameters print the value."""
 
     LIT = "lit"  # its materials under ambient light and the lamp
     MASK = "mask"  # white where it is lit, black elsewhere, so that shadows can be read off the picture
@@ -103,7 +103,9 @@ def lit_pass(
 
 
 def marking_pass(label, scene, view, **settings):
-    """What passes the alpha test of ``settings`` is marked in the stencil; no colour changes."""
+    """Fragments that pass the alpha test of ``settings`` are marked in the stencil buffer; no colour
+    changes.
+    """
     return tuple(
         draw_object(
             label, thing, view, stencil_test=MARK, depth_test=LATER_PASS, color_mask=NO_COLOR, **settings
@@ -113,10 +115,11 @@ def marking_pass(label, scene, view, **settings):
 
 
 def depth_pass(scene, view, *, factor=0.0, units=0.0, label="depths seen from the light"):
-    """Depths of what throws shadows, no colours, moved away from the viewer by PolygonOffset(factor, units).
+    """Depths, without colours, of the objects that throw shadows, moved away from the viewer by
+    PolygonOffset(factor, units).
 
-    What throws none stays out: a map holds the farthest depth beyond what the lamp encloses, so that a
-    place outside the map, whose coordinates are clamped to its edge, is lit.
+    Objects that throw none are left out. Beyond the enclosed objects the map holds the farthest depth, so
+    that a place outside the map, whose coordinates are clamped to its edge, is lit.
     """
     polygon = PolygonState(
         offset_fill=(factor, units) != (0.0, 0.0),

@@ -39,7 +39,9 @@ class MapFit(StrEnum):
 
 @dataclass(frozen=True)
 class Part:
-    """One map of several: its name as a texture, its camera, and the clip planes of what it lights."""
+    """One map of several: its name as a texture, its camera, and the clip planes of the part that it
+    lights.
+    """
 
     name: str
     camera: object
@@ -53,7 +55,8 @@ def parts_of_view(fit, scene, direction, view, edge, count=3, mixture=frustum_sl
     count      how many slices
     mixture    as for ``frustum_slices.split_distances``
 
-    One texel is left free round each map, for filters. A slice that sees nothing of the scene has no part.
+    One texel is left free round each map, for filters. A slice that contains nothing of the scene has no
+    part.
     """
     member_of(MapFit, fit, "The way to fit shadow maps")
     border = 1.0 / positive(edge, "The map's edge")

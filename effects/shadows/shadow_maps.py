@@ -143,9 +143,9 @@ def store_map(
 ):
     """P0: the scene's depths from ``camera`` as the depth texture ``name`` of ``edge`` by ``edge`` texels.
 
-    ``window``: (width, height) of the framebuffer. The map is drawn from its lower left corner on, and what
-    the window held of depth there is lost; a map that the window cannot hold comes piece by piece, with the
-    viewport moved so that each piece lies at that corner.
+    ``window``: (width, height) of the framebuffer. The map is drawn from the window's lower left corner on,
+    and overwrites the depths there. A map too large for the window is drawn piece by piece, with the viewport
+    moved so that each piece lies at that corner.
     """
     pieces = tiles(edge, window)
     out = []
@@ -259,8 +259,8 @@ def stencil_passes(
 ):
     """H34: P1 to P3 with the map ``name`` of ``camera`` (None: the lamp's own).
 
-    The alpha test asks the comparison's alpha, as ALPHA or INTENSITY. ``from_red``, None: where a machine has
-    LUMINANCE alone, whose alpha is one whatever the comparison says: the comparison is drawn as a colour
+    The alpha test reads the comparison's alpha, as ALPHA or INTENSITY. ``from_red``, None: where a machine
+    has LUMINANCE alone, whose alpha is one whatever the comparison says: the comparison is drawn as a colour
     first, and copied onto itself with its red as alpha; the scene without the light then takes its place. (A
     texture colour table does not help: SGI_texture_color_table looks alpha up by alpha.)
     """
@@ -321,8 +321,8 @@ def ambient_form_pass(
 ):
     """H34's short form: one pass, all of whose light is multiplied by one, or by ``share`` in shadow.
 
-    SGIX_shadow_ambient has the comparison give ``share`` where it fails. ``combiners``: a general combiner
-    makes it of the comparison instead; None: where the machine has no shadow ambient.
+    SGIX_shadow_ambient has the comparison give ``share`` where it fails. ``combiners``: whether a general
+    combiner computes it from the comparison instead; None: if the machine has no shadow ambient.
     """
     if not 0.0 <= share <= 1.0:
         raise ValueError(f"Shadows keep {share!r} of the light; give a share from 0 to 1.")
@@ -392,10 +392,10 @@ def accumulated_passes(
 ):
     """Z18: the mean of ``kernel`` by ``kernel`` comparisons in the accumulation buffer.
 
-    The scene without the light is the first that it takes, whole; then the light's passes come by themselves,
-    with the map moved by so many texels, and each counts as many comparisons as it has. ``edge``: the map's.
-    ``units``: 1 comparison in a pass, or 4, whose mean combiners take; None: 4 where the machine can and
-    ``kernel`` is even. Raises ValueError for another number of them, and for 4 where it is odd.
+    The accumulation buffer first loads the scene without the light, at full weight. Then it adds the light's
+    passes, with the map moved by so many texels, each weighted by its number of comparisons. ``edge``: the
+    map's. ``units``: 1 comparison in a pass, or 4, whose mean combiners take; None: 4 where the machine can
+    and ``kernel`` is even. Raises ValueError for another number of them, and for 4 where it is odd.
     """
     camera = lamp if camera is None else camera
     if units is None:
@@ -446,7 +446,7 @@ def accumulated_passes(
 def show_depths(panel, name, profile, white=1.0):
     """The depths that a panel holds, read by the application as ``name`` and drawn there as grey.
 
-    0 is black, 1 ``white``. (Here a depth texture can be compared and nothing else, so it cannot be shown.)
+    0 is black, 1 ``white``. (Here a depth texture can only be compared, so it cannot be shown.)
     """
 
     def drawn(read):

@@ -89,8 +89,8 @@ class ClosedSurface:
 def closed_surface(surface, name="The surface"):
     """The edges of a surface whose vertices repeat along seams and creases: a ClosedSurface.
 
-    Triangles two of whose corners have one position (at the pole of a sphere) bound nothing and are left out.
-    Raises ValueError, with how many and the first one's place, for edges that do not have exactly two
+    Triangles two of whose corners have one position (at the pole of a sphere) enclose nothing and are left
+    out. Raises ValueError, with how many and the first one's place, for edges that do not have exactly two
     triangles, one along each direction: a shadow volume needs a closed surface.
     """
     vertices, number = np.unique(surface.positions + 0.0, axis=0, return_inverse=True)
@@ -184,7 +184,7 @@ class ShadowVolume:
     silhouette: np.ndarray
 
     def triangles(self, caps=True):
-        """Int64 [k, 3]: the sides, and the caps if they are asked for."""
+        """Int64 [k, 3]: the sides, and the caps if requested."""
         return np.concatenate([self.sides, self.front_cap, self.back_cap]) if caps else self.sides
 
 
@@ -195,10 +195,10 @@ _closed = lru_cache(maxsize=64)(closed_surface)
 def shadow_volume(surface, light, length=None, name="The surface"):
     """The volume that a closed surface hides from a light (Z22): a ShadowVolume.
 
-    ``light``: as ``facing`` takes it. ``length``: how far vertices are thrown, in world units; None: to
-    infinity, where a point light's vertices are directions (p - l, 0) and an infinite light's all are one.
-    Silhouette edges form closed loops whatever the light: they bound a set of triangles of a closed surface.
-    Raises ValueError for a surface that is not closed, or with the light on a vertex.
+    ``light``: as ``facing`` takes it. ``length``: how far vertices are extruded, in world units; None: to
+    infinity. There a point light's vertices are directions (p - l, 0), and all of an infinite light's are one
+    direction. Silhouette edges form closed loops whatever the light: they bound a set of triangles of a
+    closed surface. Raises ValueError for a surface that is not closed, or with the light on a vertex.
     """
     closed = surface if isinstance(surface, ClosedSurface) else _closed(surface, name)
     vertices, n = closed.vertices, len(closed.vertices)
@@ -286,7 +286,8 @@ def volume_mesh(volumes, caps=True, color=None):
 
 
 def infinite_projection(projection):
-    """A perspective projection with its far plane moved to infinity: what has w = 0 gets depth 1 and is kept.
+    """A perspective projection with its far plane moved to infinity: vertices with w = 0 get depth 1 and are
+    not clipped.
 
     Source: Everitt, Kilgard 2002: the limit of glFrustum's matrix. Raises ValueError for a projection that
     is no perspective.
@@ -329,10 +330,10 @@ def _count(label, mesh, view, face, **operation):
 
 
 def z_pass_counts(volumes, view, operations=CLAMPED):
-    """Passes 2 and 3 of z-pass: front faces before what is seen, less the back faces.
+    """Passes 2 and 3 of z-pass: front faces before the visible surface, less the back faces.
 
-    ``operations``: CLAMPED or WRAPPING. The order matters where they are clamped: what is left before it is
-    entered is not counted (E003.7).
+    ``operations``: CLAMPED or WRAPPING. The order matters if counts are clamped: leaving a volume before
+    entering it is not counted (E003.7).
     """
     up, down = operations
     mesh = volume_mesh(volumes)
@@ -343,7 +344,7 @@ def z_pass_counts(volumes, view, operations=CLAMPED):
 
 
 def z_fail_counts(volumes, view, operations=CLAMPED):
-    """Passes 2 and 3 of z-fail: back faces behind what is seen, less the front faces (E003.8).
+    """Passes 2 and 3 of z-fail: back faces behind the visible surface, less the front faces (E003.8).
 
     Caps and sides that end at infinity must not be clipped: ``view`` is an ``infinite_view``, or the volumes
     have a length that ends before its far plane.
@@ -357,7 +358,7 @@ def z_fail_counts(volumes, view, operations=CLAMPED):
 
 
 def show_volumes(label, volumes, view, color, alpha):
-    """The volumes' sides, translucent, over what has been drawn: RGB in [0, 1] and how much each side covers.
+    """The volumes' sides, translucent, over the picture so far: RGB in [0, 1] and how much each side covers.
 
     One colour for all, so that the order of the sides does not matter.
     """
@@ -369,7 +370,8 @@ def show_volumes(label, volumes, view, color, alpha):
 
 
 def show_counts(panel, colors):
-    """What the stencil buffer counts, made visible: the scene's colours times ``colors[n]`` where it is n.
+    """The stencil buffer's counts, made visible: the scene's colours times ``colors[n]`` where the count is
+    n.
 
     ``colors``: RGB in [0, 1] of the counts 0, 1 ...; the last one's for all greater counts too.
     """
@@ -478,11 +480,11 @@ def ray_counter(volumes, eye, points, start=0.0):
     """Z21: how many volumes a ray from the eye to each point enters, less those that it leaves: int64 [n].
 
     ``eye``: three coordinates; ``points``: float64 [n, 3]. ``start``: the part of the way from the eye, from
-    0 to 1, that is not counted, a number or float64 [n]: what lies before a near plane. A triangle is
+    0 to 1, that is not counted because it lies before a near plane: a number or float64 [n]. A triangle is
     crossed, with vertices at infinity too, where the ray passes its three edges on one side.
 
-    A point on a volume's front cap is outside where it is moved towards the eye by what rounding needs. No
-    volumes are entered where there are none.
+    A point on a volume's front cap counts as outside: it is moved towards the eye by a margin for rounding.
+    No volumes are entered where there are none.
     """
     if not volumes:
         return np.zeros(len(points), np.int64)

@@ -1,8 +1,8 @@
 """P1: the table of G / (pi cos beta), clamped at one.
 
 A plane tilts from 0 to 90 degrees under a light from its front, which is the table's last column. The table
-is kept in bytes, in bytes divided by c and multiplied back (H10), and in floats. The clamp's loss is measured
-as a part of the integral over the cosine of the view's angle.
+is stored in bytes, in bytes divided by c and multiplied back (H10), and in floats. The clamp's loss is
+measured as a part of the integral over the cosine of the view's angle.
 
 Source: Heidrich 2001, section 1.1 (artefact P1 of the catalogue).
 """
@@ -71,7 +71,7 @@ def _rows(table, divisor):
 
 
 def findings(table):
-    """Where the clamp begins, what it takes, and what divisors leave."""
+    """Where the clamp begins, the light that it takes, and the error that divisors leave."""
     plain, eighth = _rows(table, 1), _rows(table, 8)
     lost = ", ".join(f"{r['lost']:.0f} % at sigma {sigma:g}" for sigma, r in plain.items() if r["lost"])
     return (
@@ -108,7 +108,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The table's column for the smoothest surface, and what is lost."""
+    """The table's column for the smoothest surface, and the lost light."""
     kept, lost = axes
     for divisor, color in zip(DIVISORS, (RED, ORANGE, GREEN, BLUE), strict=True):
         kept.plot(

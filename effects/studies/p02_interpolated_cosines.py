@@ -178,7 +178,7 @@ def slope(table, name):
 
 
 def findings(table):
-    """What interpolation takes from a highlight, beside Gouraud's."""
+    """The light that interpolation takes from a highlight, compared with Gouraud's."""
     rows = {r["slices"]: r for r in table.records()}
     few, some, many = rows[8], rows[25], rows[200]
     lost = 100.0 * (1.0 - float(table.curves["light kept by Gouraud"][SLICES.index(25)]))
@@ -200,7 +200,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's law, and what interpolation of one cosine is beside Gouraud's."""
+    """The catalogue's law, and interpolation of one cosine compared with Gouraud's."""
     for r in table.records():
         yield DATA.check(
             "deficit of n.h, {which} slices, off 1 - cos(angle / 2)",

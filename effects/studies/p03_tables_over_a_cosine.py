@@ -66,7 +66,7 @@ TABLES = {
 
 
 def looked_up(profile, name, roughness, delta):
-    """What a table gives at angles ``delta`` [n]: float64 [n]; a pixel each."""
+    """The table's values at angles ``delta`` [n]: float64 [n]; one pixel each."""
     function, coordinate = TABLES[name]
     image = sampled(function(roughness), _TEXELS, profile=profile)
     # Coarse enough that the bits are the same everywhere, fine beside a texel.

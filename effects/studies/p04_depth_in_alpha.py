@@ -1,9 +1,9 @@
-"""P4: depths in alphas of few bits: what equality of two rasterizations costs, and what a bias does.
+"""P4: depths in alphas of few bits: the acne from comparing two rasterizations, and the effect of a bias.
 
-A slanted plane, lit and with nothing before it, should have no shadow. A map's texel holds the depth of its
-centre; a fragment beside it lies up to X = slope * texel / (2 step) steps farther. Both are rounded to steps.
-So a difference of x steps exceeds b with the probability x - b, clamped to [0, 1]. x is distributed evenly
-from -X to X. The fraction of acne is the mean of that probability: ``law``.
+A slanted plane that is lit, with nothing before it, should have no shadow. A map's texel holds the depth of
+its centre; a fragment beside it lies up to X = slope * texel / (2 step) steps farther. Both are rounded to
+steps. So a difference of x steps exceeds b with the probability x - b, clamped to [0, 1]. x is distributed
+evenly from -X to X. The fraction of acne is the mean of that probability: ``law``.
 
 Source: Heidrich 2001, section 2.1 (artefact P4 of the catalogue; erratum E000.9).
 """

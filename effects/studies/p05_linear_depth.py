@@ -38,7 +38,7 @@ _LAMP = Lamp((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), NEAR, FAR, field_of_view=90.0)
 
 
 def depths(distances, coding, profile):
-    """What a machine makes of distances from the light [1024]: alpha by a coding, in [0, 1], and the depth
+    """A machine's depths for distances from the light [1024]: alpha by a coding, in [0, 1], and the depth
     buffer's depth, two float64 [1024].
 
     A row of pixels, each a rectangle at its own distance.
@@ -121,7 +121,7 @@ def _far_half(table, name):
 
 
 def findings(table):
-    """Where which is finer, and what is left of a z-buffer's values far away."""
+    """Which of them is finer at which distance, and the z-buffer's values that remain far away."""
     row = {r["distance"]: r for r in table.records()}
     near, far = row[1.5], row[95.0]
     return (

@@ -106,7 +106,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """What the smallest alphas become, by each scale."""
+    """The smallest alphas after each scale."""
     (axis,) = axes
     bits = table.column("bits")[0]
     shown = (("2^(n-1)", RED, "o"), ("2^n", BLUE, "s"), ("2^(n+1)", GREEN, "x"))

@@ -95,7 +95,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What s' is worth, in steps of alpha, and what a ramp that repeats does."""
+    """The gain of s' in steps of alpha, and the error of a ramp that repeats."""
     row = {r["texels"]: r for r in table.records()}
     few, many, step = row[WIDTHS[0]], row[WIDTHS[-1]], float(table.curves["step"][0])
     plain, corrected = (tuple(r[f"{n}, machine"] for r in (few, many)) for n in ("plain", "corrected"))

@@ -45,7 +45,9 @@ def _in_format(commands, bits):
 
 
 def mask(scene, view, lamp, edge, bits, profile):
-    """What a map of ``edge`` texels and ``bits`` lets the machine light: bool [h, w], bottom row first."""
+    """The pixels that the machine lights with a map of ``edge`` texels and ``bits``: bool [h, w], bottom row
+    first.
+    """
     stored = shadow_maps.store_map(scene, lamp, "map", edge, (_SIZE, _SIZE), **_OFFSETS)
     drawing = shadow_maps.modulated_passes(scene, view, lamp, "map", profile, SceneShading.MASK)
     commands = (*_in_format(stored, bits), view.panel.clear((0.0, 0.0, 0.0)), *drawing)

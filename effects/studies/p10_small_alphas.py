@@ -62,7 +62,7 @@ def direction_errors(alpha, profile):
 
 
 def measure(profile):
-    """A row for each alpha asked for."""
+    """A row for each requested alpha."""
     rows, curves = [], {}
     for alpha in ALPHAS:
         sines, values = highlight(alpha, profile)

@@ -64,7 +64,7 @@ def picture(material, profile, sampler):
 def blockiness(image, map_size):
     """How much of the picture's steps from pixel to pixel lies at the texels' borders, in percent.
 
-    A picture of blocks has 100; one without has as many as its borders are of all steps.
+    A picture of blocks has 100; one without has the borders' share of all steps.
     """
     steps = np.abs(np.diff(image, axis=1)).sum(axis=0)
     borders = np.arange(1, len(steps) + 1) % (image.shape[1] // map_size) == 0
@@ -110,7 +110,7 @@ def _arithmetic(rows):
 
 
 def findings(table):
-    """Rings, their cause, and the other way out."""
+    """Rings, their cause, and the other remedy."""
     rows = _rows(table)
     rings = [rows[m, _BEFORE]["ring energy"] for m in MAP_SIZES]
     bits = _arithmetic(rows)

@@ -121,7 +121,9 @@ def way_of(profile):
 
 
 def found(place, texels, bits, wrap, profile, window=None):
-    """The texel that each code leads to, in a window of as many bits or of ``window``: int64 [texels]."""
+    """The texel that each code leads to, in a window with the codes' bits or with ``window``: int64
+    [texels].
+    """
     stored = CODES[place](np.arange(texels), texels, bits)
     _, look, _ = way_of(profile)
     read = look(stored, bits, window or bits, _numbered(texels), wrap, profile)

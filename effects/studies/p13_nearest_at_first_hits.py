@@ -51,8 +51,8 @@ def lines(field, reconstruction, seed):
 def spectrum(field, reconstruction):
     """Energy by frequency along the lines, float64 [points / 2 + 1], over the square of the mean.
 
-    Two pictures of other random paths are multiplied: their noise has nothing in common, and so none of it
-    counts.
+    Two pictures by independent random paths are multiplied. Their noise is uncorrelated, so it does not
+    count.
     """
     first, second = (lines(field, reconstruction, seed) for seed in (1, 2))
     product = np.fft.rfft(first, axis=1) * np.conj(np.fft.rfft(second, axis=1))

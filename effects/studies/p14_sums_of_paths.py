@@ -32,7 +32,7 @@ def terms(setup, paths):
 
 
 def measure(profile):
-    """A row for each case and each kind of sum; of 12 bits where the framebuffer may have them."""
+    """A row for each case and each kind of sum; with 12 bits if the framebuffer may have them."""
     field, rows = path_sums.domes(), []
     for bits, lookups, count in CASES:
         if bits not in profile.framebuffers.color_bits:
@@ -103,7 +103,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's law for blended sums, and that the others lose nothing more."""
+    """The catalogue's law for blended sums, and that the other sums lose nothing further."""
     for paths in (40, 100):
         row = _row(table, Accumulation.FRAMEBUFFER, 8, 1, paths)
         yield DATA.check(

@@ -25,7 +25,9 @@ _TEXELS = 256
 
 
 def stored(values, profile):
-    """What a machine reads of float64 [n, k] loaded as a luminance texture of n texels: [n, k] in [0, 1]."""
+    """The values that a machine reads after loading float64 [n, k] as a luminance texture of n texels: [n, k]
+    in [0, 1].
+    """
     found = []
     for column in values.T:
         image = PixelImage(np.repeat(column[None, :, None], 3, axis=2), "RGB")

@@ -71,8 +71,8 @@ def true_highlight():
 
 
 def shortest(surface, profile):
-    """The least length of the halfway vector that is interpolated between two vertices, as the machine's
-    framebuffer has it.
+    """The least length of the halfway vector between two vertices, interpolated in the machine's
+    framebuffer.
     """
     colors = vector_colors(half_vectors(surface, _VIEW, _LIGHT), profile)
     state = PassState(vertex=_VIEW.vertex)
@@ -86,7 +86,7 @@ def shortest(surface, profile):
 
 def slope_jump(slices):
     """The jump of the highlight's slope at a vertex half way down its flank, over the steepest slope 2/alpha,
-    on the ideal: what interpolation does without any rounding.
+    on the ideal, so that it shows interpolation without any rounding.
     """
     vertex = HIGHLIGHT + np.arcsin(ALPHA / 2.0)
     step = 2.0 * np.pi / slices

@@ -32,7 +32,8 @@ def strip_between(delta):
 
 
 def directions(delta, spherical, profile):
-    """Angles in radians of what the machine interpolates across the strip, from its middle: float64 [256].
+    """Angles in radians of the vectors that the machine interpolates across the strip, from its middle:
+    float64 [256].
 
     The buffer's components have 16 bits, so that the angle is read and not the byte.
     """
@@ -43,7 +44,7 @@ def directions(delta, spherical, profile):
 
 
 def lag(delta, spherical, profile):
-    """The largest angle between what is interpolated and a vector that turns steadily, radians."""
+    """The largest angle between the interpolated vector and one that turns steadily, radians."""
     steady = ((np.arange(_ACROSS) + 0.5) / _ACROSS - 0.5) * delta
     return float(np.abs(directions(delta, spherical, profile) - steady).max())
 
@@ -91,7 +92,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's bound for the chord, and nothing left on the arc."""
+    """The catalogue's bound for the chord, and no error on the arc."""
     for r in table.records():
         at = f"at {r['angle between vertices']:g}"
         yield DATA.check(

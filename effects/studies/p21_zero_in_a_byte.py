@@ -86,7 +86,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What a zero that is no zero costs."""
+    """The cost of a zero that is not stored exactly."""
     kept, real, mixed, _ = table.records()
     return (
         f"With the half at 127.5 a stored zero reads as {real['zero read']:.4f}. The dot product of a flat "

@@ -63,7 +63,7 @@ def _first_clean(rows):
 
 
 def findings(table):
-    """What it takes to be rid of speckle, and what that costs, by slope and by a constant."""
+    """The bias that removes speckle, and the gap that it opens, by slope and by a constant."""
     none = table.records()[0]
     slope, constant = (_first_clean(_sweep(table, by_slope)) for by_slope in (True, False))
     most = _sweep(table, True)[-1]

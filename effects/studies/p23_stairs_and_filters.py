@@ -122,7 +122,7 @@ def spread(distances, mean):
 def expected_spread(edge, kernel):
     """The standard deviation that texels explain.
 
-    Inferred: the edge lies anywhere in a texel, k of them in a row have k times its extent; the ramp of a
+    Inferred: the edge may lie anywhere in a texel; k of them in a row have k times its extent; the ramp of a
     linear filter is two texels long and a triangle. A pixel adds its own width.
     """
     width, height = texel(edge)

@@ -55,8 +55,8 @@ def true_counts(number):
 
 
 def counts(profile, number, algorithm, operations, swapped=False):
-    """What the stencil buffer holds in each column after ``algorithm``, z_pass_counts or z_fail_counts, its
-    two passes in the other order if ``swapped``: int64 [_COLUMNS].
+    """The stencil buffer's value in each column after ``algorithm``, z_pass_counts or z_fail_counts, its two
+    passes in the other order if ``swapped``: int64 [_COLUMNS].
     """
     view = _view()
     screen = surfaces.plane(1, 1, 1.0, 1.0)
@@ -149,7 +149,7 @@ def findings(table):
 
 
 def checks(table):
-    """Nothing is wrong up to 255, and beyond it what the arithmetic says."""
+    """No error up to 255, and beyond it the error that the arithmetic predicts."""
     rows = table.records()
     pixel = 3.0 * _REACH / _COLUMNS
     for heading in ("z-pass INCR, DECR", "z-fail INCR, DECR"):

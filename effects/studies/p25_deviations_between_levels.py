@@ -111,7 +111,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What is lost midway, where signs differ, and in a pyramid of stones."""
+    """The variance that is lost midway, between different signs, and in a pyramid of stones."""
     row = {r["between"]: r for r in table.records()}
     plain, ridges = row["0.5 and 1.5"], row["ridges / and \\"]
     nothing = row["0 and 1"]
@@ -160,7 +160,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """The variance along u all the way between two levels, and what is lost in a pyramid."""
+    """The variance along u all the way between two levels, and the loss in a pyramid."""
     way, stones = axes
     part = table.curves["part"]
     for name, color in (("0.5 and 1.5", BLUE), ("ridges / and \\", ORANGE)):

@@ -1,4 +1,4 @@
-"""P26: roughness kept as squares in bytes, and as deviations.
+"""P26: roughness stored as squares in bytes, and as deviations.
 
 A byte of K over its largest has steps of 1/255 in sigma^2. So the smallest sigma above zero is 1/sqrt(255) of
 the largest, and steps are coarse around it. A byte of D has steps of 1/255 in sigma. The signed d_2 has steps
@@ -146,7 +146,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's numbers, as they are read."""
+    """The catalogue's numbers for the values that are read."""
     row = {r["what"]: r for r in table.records()}
     least = _smallest(table, "K")
     yield DATA.check(
@@ -172,7 +172,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """What is read of bytes against what was stored, and its error."""
+    """The values read from bytes against the stored ones, and their error."""
     seen, off = axes
     sigma = table.curves["sigma"]
     for name, color in (("K", ORANGE), ("D", BLUE)):

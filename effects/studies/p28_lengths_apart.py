@@ -41,7 +41,7 @@ def strip_between(angle, ratio):
 
 
 def directions(angle, ratio, profile):
-    """Angles in degrees of what the machine interpolates across the strip: float64 [_ACROSS].
+    """Angles in degrees of the vectors that the machine interpolates across the strip: float64 [_ACROSS].
 
     The buffer's components have 16 bits, so that the angle is read and not the byte.
     """
@@ -98,7 +98,7 @@ def findings(table):
 
 
 def checks(table):
-    """The catalogue's formula, and nothing where lengths are apart."""
+    """The catalogue's formula, and no error if lengths are interpolated apart."""
     off = max(abs(r["off as they are"] - r["computed"]) for r in table.records())
     yield DATA.check(
         "degrees off in the middle - atan((L1 - L2)/(L1 + L2) tan(phi/2)), largest",

@@ -51,7 +51,7 @@ def _read(cube, profile):
 
 
 def measure(profile):
-    """A row for each sun and exponent; every map is scaled by what the floats' brightest is."""
+    """A row for each sun and exponent; every map is scaled by the brightest float."""
     rows = []
     for sun in SUNS:
         floats = probe(sun)
@@ -77,7 +77,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What a clamped probe keeps of the sun's image."""
+    """The share of the sun's image that a clamped probe keeps."""
     row = {(r["sun"], r["exponent"]): r["kept, machine"] for r in table.records()}
     return (
         "A probe has a sun a hundred times as bright as full, and is made bytes before the filter. A lobe "
@@ -107,7 +107,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """What is kept, by exponent, for each sun."""
+    """This share by exponent, for each sun."""
     (kept,) = axes
     for sun, color in zip(SUNS, (BLUE, GREEN, ORANGE), strict=True):
         rows = [r for r in table.records() if r["sun"] == sun]

@@ -192,7 +192,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What the half byte costs, and whom."""
+    """The error from the half byte, and which readers have it."""
     row = {(r["read by"], r["bytes"]): r for r in table.records()}
     real, cut = row["fragment program", "rounded"], row["fragment program", "cut off"]
     combiners, dots = row["combiners", "rounded"], row["dot products", "rounded"]

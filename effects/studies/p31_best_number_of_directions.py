@@ -1,4 +1,4 @@
-"""P31: the best number of directions if each one's light is kept in bytes, with a weight of 4 pi / N.
+"""P31: the best number of directions if each direction's light is stored in bytes, with a weight of 4 pi / N.
 
 Source: Heidrich, Daubert, Kautz, Seidel 2000, sections 3.3 and 6: 100 directions (artefact P31 of the
 catalogue).

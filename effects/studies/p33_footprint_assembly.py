@@ -96,7 +96,7 @@ def _row(table, side, way):
 
 
 def findings(table):
-    """The direction's error, the band of blur, and what a power of two costs."""
+    """The direction's error, the band of blur, and the cost of a power of two."""
     eight = {way: _row(table, 8.0, way) for way in WAYS}
     off = ", ".join(
         f"{_row(table, side, 'exact')['off, at most']:.1f} degrees at {side:g} : 1" for side in SIDES

@@ -37,8 +37,8 @@ def _lamp(infinite):
 def lit(profile, infinite, depth, function, cast):
     """The lit part of a square across the light at a depth, [0, 1].
 
-    ``cast``: with which PolygonOffset (factor, units) the square is drawn into the map too; None: the map
-    holds what it was cleared to.
+    ``cast``: the PolygonOffset (factor, units) with which the square is also drawn into the map; None: the
+    map only holds its clear value.
     """
     lamp = _lamp(infinite)
     z = -(_NEAR + depth * (_FAR - _NEAR))

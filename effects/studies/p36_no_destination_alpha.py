@@ -1,7 +1,7 @@
 """P36: windows without destination alpha.
 
-H36 draws depths into the window's alpha, and H38 compares them there. A surface without alpha keeps none: a
-read of it gives whatever stands in its place. The study draws the same passes there nevertheless, to show why
+H36 draws depths into the window's alpha, and H38 compares them there. A surface without alpha stores none: a
+read of it gives whatever takes its place. The study draws the same passes there nevertheless, to show why
 they are refused. H37 with its ramp in red instead (``Coding``'s component) needs no alpha.
 
 Five bits stand at the top of a byte with zeros below (``framebuffers.framebuffer``). Where nothing is drawn
@@ -41,8 +41,8 @@ _BIAS = {8: 2.0, 5: 1.0}
 
 
 def lit_and_map(profile, color_format, way, *, component=alpha.DepthComponent.ALPHA, bits=8, alpha_bits=8):
-    """What the machine lights of the still life on a surface of a format, bool [128, 128], bottom row first;
-    and the map's largest number, 1 = the lamp's far plane.
+    """The pixels of the still life that the machine lights on a surface of a format, bool [128, 128], bottom
+    row first; and the map's largest number, 1 = the lamp's far plane.
 
     Raises ValueError as ``alpha_coded_shadows`` does for what needs alpha where ``alpha_bits`` is 0.
     """
@@ -136,7 +136,7 @@ def measure(profile):
 
 
 def findings(table):
-    """What is refused, what would come of it, and what still runs."""
+    """What the machine refuses, what it would otherwise draw, and what still runs."""
     row = {r["colours"]: r for r in table.records()}
     without = [r for r in table.records() if not r["bits of alpha"]]
     zeros, ones, short = row["X8R8G8B8, zeros"], row["X8R8G8B8, ones"], row["R5G6B5"]

@@ -1,4 +1,4 @@
-"""P37: vectors that the host computes for every frame, beside lists that the board keeps.
+"""P37: vectors that the host computes for every frame, against lists that the board stores.
 
 Source: Kautz, Seidel 2000, section 5.1 (artefact P37 of the catalogue).
 """
@@ -29,7 +29,7 @@ _WAYS = ("nothing moves", "all sent again", "colours sent again", "vertex progra
 
 
 def frame(profile, slices, stacks):
-    """What F004-4's frame moves when the light does (``traffic.counted``), and its "triangles", "vectors"
+    """The bytes of F004-4's frame if the light moves (``traffic.counted``), and its "triangles", "vectors"
     (that the CPU computes at vertices) and "geometry" (bytes of all vertex arrays).
     """
     figure = FIGURES["F004-4"]
@@ -102,7 +102,7 @@ def findings(table):
 
 
 def checks(table):
-    """What the catalogue claims of the ways."""
+    """The catalogue's claims about the ways."""
     still, everything, colors, program = table.records()
     share = colors["each frame"] / everything["each frame"]
     arrays = "4 bytes a vertex of 24 and 6 a triangle, of which there are 1.8 a vertex: 0.115"

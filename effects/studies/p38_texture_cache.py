@@ -58,8 +58,8 @@ def misses(lines):
 
 
 def lines_of(s, t, width, height, texel_bytes):
-    """The cache lines, int64 [4 n], that LINEAR reads at coordinates [n], four texels for each; held at the
-    texture's edges.
+    """The cache lines, int64 [4 n], that LINEAR reads at coordinates [n], four texels for each; coordinates
+    are clamped at the texture's edges.
     """
     across, up = _BLOCKS[texel_bytes]
     x, y = np.floor(s * width - 0.5).astype(np.int64), np.floor(t * height - 0.5).astype(np.int64)

@@ -1,4 +1,4 @@
-"""P39: what the Octane moves for a model that a GeForce 256 draws in one pass, or cannot draw at all.
+"""P39: the bytes that the Octane moves for a model that a GeForce 256 draws in one pass, or not at all.
 
 Source: Kautz, Seidel 2000, sections 4.2 and 5 (artefact P39 of the catalogue).
 """
@@ -124,7 +124,7 @@ def findings(table):
 
 
 def checks(table):
-    """The order of the three, and that the routes are bound by what they move."""
+    """The order of the three routes, and that the moved bytes limit them."""
     rows = {r["effect"]: r for r in table.records()}
     one, matrix, ward = (rows[name]["all"] for name in ("K07 GeForce 256", "K08 Octane", "K09 Octane"))
     return (
@@ -146,7 +146,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """Bars of what comes from the host and what is copied."""
+    """Bars of the bytes that come from the host and of those that are copied."""
     (ax,) = axes
     names, at = table.column("effect"), np.arange(len(table.rows))
     below = np.zeros(len(at))

@@ -1,7 +1,7 @@
 """P40: how many passes a model takes, by the numbers of a board's texture units and general combiners.
 
 Every effect is built in every way, for the machine with changed numbers of units and combiners.
-``fixedpipe.pipeline.validation`` tells whether that machine can run it; the fewest passes count.
+``fixedpipe.pipeline.validation`` decides whether that machine can run it; the fewest passes count.
 
 Source: Kautz, Seidel 2000, section 5 (artefact P40 of the catalogue).
 """
@@ -144,7 +144,7 @@ EFFECTS = {
 
 
 def fewest_passes(ways, profile):
-    """The fewest Draws of the ways that the machine holds; None where it holds none."""
+    """The fewest Draws of the ways that fit the machine; None if none fits."""
     found = []
     for way in ways:
         commands = way(profile)

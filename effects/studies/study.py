@@ -25,7 +25,7 @@ class Column:
     form: str = ""
 
     def written(self, value: Value) -> str:
-        """A value in words; None, which stands for what a row does not have, as a dash."""
+        """A value in words; None, for a value that a row lacks, as a dash."""
         return "-" if value is None else format(value, self.form)
 
 
@@ -35,7 +35,7 @@ class Table:
 
     columns   Column, in order
     rows      tuples as long as ``columns``: numbers, words, or None where a row has no such value
-    curves    what a plot shows and the rows do not have: float64 arrays by name
+    curves    data of the plot that the rows lack: float64 arrays by name
     """
 
     columns: tuple[Column, ...]
@@ -86,9 +86,9 @@ class Study:
     source      key in docs/bibliography.bib
     techniques  the catalogue's ids of the techniques used
     machines    keys of ``fixedpipe.pipeline.profiles.PROFILES`` on which it may be measured, its own first;
-                none: what it compares are machines, or no machine takes part
+                empty: the study compares machines, or needs none
     measure     (profile) -> Table; the profile of one of ``machines``, None where there are none
-    findings    (Table) -> tuple of sentences that say what the numbers say, made of the numbers
+    findings    (Table) -> tuple of sentences that state the findings with the table's numbers
     checks      (Table) -> Checks, in a tuple or one after the other: the catalogue's numbers; of the study's
                 own machine
     plot        (axes, Table) -> None: draws on ``panels`` matplotlib axes

@@ -53,7 +53,7 @@ def axis(name: str, text: str, kind: Kind, what: str) -> Axis:
     name  of the column
     text  FROM:TO:N, evenly from one to the other; FROM:TO of whole numbers, each of them; A,B,C; of values
           with commas A:B:C, or A:B:N along the arc or the line between them
-    kind  what the values are: a ``Kind`` of figures' parameters
+    kind  the type of the values: a ``Kind`` of figures' parameters
     what  the values are called in a Refusal
 
     Raises Refusal for a text of another form, a value that is none, and values that are not all different.
@@ -125,7 +125,7 @@ def _each(kind, first, last, what, text):
 
 
 def kind_of_texts(text: str) -> Kind:
-    """The kind of a script's values, which nothing declares: whole numbers, numbers, or else words."""
+    """The kind of a script's values, which have no declaration: whole numbers, numbers, or else words."""
     numbers = [part for part in text.replace(",", ":").split(":") if part.strip()]
     for read, kind in ((int, Whole()), (float, Number())):
         try:

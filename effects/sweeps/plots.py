@@ -10,8 +10,8 @@ UNITS = {"rms": "rms of (machine - ideal), 1/255", "largest": "largest |machine 
 
 
 def check_plot(sweep):
-    """Raise Refusal where a sweep cannot be plotted: a study's, and one in which nothing but the machine
-    varies, or more than two axes do.
+    """Raise Refusal if a sweep cannot be plotted: a study's, and one in which only the machine varies, or
+    more than two axes.
     """
     varied = _varied(sweep)
     if sweep.kind == "study":

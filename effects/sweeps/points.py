@@ -1,4 +1,4 @@
-"""What is computed at one point of a sweep: pure functions at the top of a module, which tasks name."""
+"""The computations at one point of a sweep: pure functions at the top of a module, which tasks name."""
 
 import math
 from functools import cache
@@ -33,7 +33,9 @@ def _check_file(path, expected):
 
 
 def plain(row):
-    """A row as JSON can hold it: numbers of arrays become Python's own, and what is not finite None."""
+    """A row as JSON can hold it: numbers of arrays become Python's own, and those that are not finite become
+    None.
+    """
     found = {name: value.item() if hasattr(value, "item") else value for name, value in row.items()}
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value
@@ -106,9 +108,9 @@ def study_point(study, machine, bits, *, checks=False):
     study    its id
     machine  a key of PROFILES, or None where it is measured on no one machine
     bits     the width of every number; None: the machine's own
-    checks   whether its expected numbers are compared, which are of its own machine
+    checks   whether its expected numbers are compared, which apply to its own machine
 
-    Returns columns by name, and under "rows" the table's. Raises Refusal for what cannot be measured.
+    Returns columns by name, and under "rows" the table's. Raises Refusal if it cannot be measured.
     """
     known = STUDIES[study]
     with refusals():

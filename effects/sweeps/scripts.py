@@ -1,4 +1,4 @@
-"""Scripts of users that a sweep draws: ``commands`` as a function of what is varied."""
+"""Scripts of users that a sweep draws: ``commands`` is a function of the varied values."""
 
 import runpy
 from collections.abc import Callable, Mapping
@@ -61,7 +61,7 @@ class Script:
                 )
 
     def commands(self, profile: Profile, values: Mapping[str, Any]) -> tuple[Any, ...]:
-        """The frame for a machine and values. Raises Refusal for whatever the script raises."""
+        """The frame for a machine and values. Raises Refusal for any exception of the script."""
         if not callable(self.make):
             return tuple(self.make)
         more = {_PROFILE: profile} if _PROFILE in signature(self.make).parameters else {}

@@ -40,7 +40,7 @@ TIMES = ("seconds", "worker")
 class Sweep:
     """The tasks of a grid, and their rows.
 
-    about    what is swept, in words: "a sweep of F004-4"
+    about    the sweep in words: "a sweep of F004-4"
     kind     "figure", "study" or "script", the name of the rows' first column
     subject  its id or path
     axes     the grid's: machines first, and the last varies fastest
@@ -111,11 +111,11 @@ def sweep_of(
     machines   keys of PROFILES, "paper": the subject's own, or "all": every machine that can draw it
     size       a panel's height in pixels; None: the figure's own
     settings   other values of parameters at all points, as --set takes them
-    checks     whether acceptance is measured; of a figure, with its own values of parameters alone
+    checks     whether acceptance is measured; for a figure, only with its own values of parameters
     reference  whether a figure is compared with its reference
     pictures   whether tasks make a picture as well
 
-    Raises Refusal for what is none of these, before anything is computed.
+    Raises Refusal for anything else, before anything is computed.
     """
     asked = _Asked(what, dict(varied), tuple(machines), size, dict(settings or {}))
     if what in STUDIES:
@@ -359,8 +359,8 @@ def sweep(
 
     what, varied, machines, more  as ``sweep_of`` takes them, without pictures
     executor                      any ``concurrent.futures.Executor``; None: here, one point after the other
-    workers                       how many workers it has, where it does not say so (``of_user``)
-    manifest                      the file where finished points are found and kept; None: in memory
+    workers                       how many workers it has, if it does not say so (``of_user``)
+    manifest                      the file where finished points are found and stored; None: in memory
 
     Raises Refusal as ``sweep_of``, ``Manifest`` and ``run`` do.
     """

@@ -16,7 +16,7 @@ _NEEDS = "pip install 'fixedpipe[sweep]' brings it. CSV needs nothing more."
 
 def columns_of(rows: Iterable[Mapping[str, Any]], last: Iterable[str]) -> dict[str, type]:
     """The columns of rows, and of which type their values are: bool, int, float or str; by what stands in
-    them. A column of nothing is of str. ``last``: columns that come at the end.
+    them. A column without values is of str. ``last``: columns that come at the end.
     """
     found: dict[str, type] = {}
     for row in rows:
@@ -112,8 +112,8 @@ KINDS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
 
 
 def check_kind(path: Path) -> None:
-    """Raise Refusal for a file's name with another ending than those of KINDS, and where what writes it is
-    not installed.
+    """Raise Refusal for a file's name with another ending than those of KINDS, and if the package that writes
+    it is not installed.
     """
     from importlib.util import find_spec
 
@@ -129,7 +129,7 @@ def write_table(path: Path, columns: Mapping[str, type], rows: Iterable[Mapping[
     """Write rows by the ending of a file's name, whole or not at all.
 
     columns  as ``columns_of``
-    about    what is said of them all, by name, where the file has a place for it
+    about    properties of the whole table, by name, if the file format can store them
 
     Raises Refusal where it cannot be written.
     """

@@ -39,7 +39,7 @@ def setup_of(profile, field, directions, bits=8):
 
 
 def way_of(profile):
-    """How a machine draws paths, by what it has."""
+    """How a machine draws paths, by its features."""
     operations = profile.texture_shaders.texture_shader_operations
     if profile.pixels.pixel_texture:
         return pixel_texture_passes.WAY
@@ -49,7 +49,7 @@ def way_of(profile):
 
 
 def sums(setup, paths, accumulation, color_bits=8):
-    """(what the passes leave, the same paths in float64), float64 [rows, columns, 3] each, over EXPOSURE.
+    """(the passes' result, the same paths in float64), float64 [rows, columns, 3] each, over EXPOSURE.
 
     ``paths``: int [paths, K].
     """

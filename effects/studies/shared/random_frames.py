@@ -47,11 +47,12 @@ def cells(vectors, profile):
 
 
 def eq_1(alpha_x, alpha_y, profile, *, storing=None, scaled=True):
-    """Eq. 1 of random frames under random halfway vectors, each with each: what the machine and float64 give.
+    """Eq. 1 of random frames under random halfway vectors, in all pairs: the results of the machine and of
+    float64.
 
     ``storing``: the profile by whose convention the vectors are stored; None: the machine's own. ``scaled``:
-    the vectors are stored times 0.25 and the dot products multiplied by four, as the paper does; else
-    neither, which alphas of one alone allow. Returns two float64 [ACROSS * ACROSS, EDGE, EDGE].
+    the vectors are stored times 0.25 and the dot products multiplied by four, as the paper does; otherwise
+    neither, which only alphas of one allow. Returns two float64 [ACROSS * ACROSS, EDGE, EDGE].
     """
     storing = storing or profile
     frames = (a.reshape(EDGE, EDGE, 3) for a in random_frames(EDGE * EDGE, 11))

@@ -1,4 +1,4 @@
-"""What studies draw with: rows of pixels that each have a vector of their own, and pictures as numbers."""
+"""Tools of studies: rows of pixels with one vector each, and pictures as numbers."""
 
 import numpy as np
 

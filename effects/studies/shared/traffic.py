@@ -47,7 +47,7 @@ def _image_bytes(image):
 
 
 def image_bytes(command):
-    """What a TexImage takes to the board."""
+    """The bytes that a TexImage sends to the board."""
     if command.image is None:
         return _image_bytes(command.pixels)
     bits = sum(COMPONENT_BITS[command.image.internal_format])
@@ -111,7 +111,7 @@ _COUNTED = {
 
 
 def counted(before, after):
-    """What the second of two frames moves, in bytes: a dict. Each frame is a tuple of commands for the same
+    """The bytes that the second of two frames moves: a dict. Each frame is a tuple of commands for the same
     picture.
 
     The board keeps textures and vertex arrays that both frames have: "kept". The second frame's changes are
