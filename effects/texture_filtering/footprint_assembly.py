@@ -51,8 +51,8 @@ def probes(across, up, most=8, *, exact=False, diagonals=True):
     across, up  float64 [..., 2]: r_1 and r_2, texels
     most        probes of a footprint, from 1; a power of two unless ``exact``
     exact       N is the least that covers |d| with edges of w; False: the nearest power of two, by logarithm
-    diagonals   w is the least of |r_1|, |r_2| and the diagonals |r_1 + r_2| and |r_1 - r_2|; False: of the
-                edges alone, which a footprint that lies across both makes far too wide
+    diagonals   w is the least of |r_1|, |r_2| and the diagonals |r_1 + r_2| and |r_1 - r_2|; False: only the
+                edges, which are far too wide for a footprint that lies across both
 
     Where N is cut off, or the texture is magnified, probes grow: the edge is |d| / N then, and never under a
     texel. Raises ValueError for footprints that are not finite, of other shapes, or for a count that is none.

@@ -64,7 +64,7 @@ TECHNIQUES = (Variant(("S21", "S22"), "by mip-maps of D^-1, dot products and a t
 
 
 class Roughness(StrEnum):
-    """What a pixel's highlight is changed by.
+    """How a pixel's roughness changes its highlight.
 
     NONE         what level 0 has: bumps are a mip-map and no more
     ISOTROPIC    I_1 (S22)
@@ -193,8 +193,8 @@ def rows_pass(surface, slopes, names, view, colors, gain=1):
 
 @dataclass(frozen=True)
 class QuotientNames:
-    """Four texture objects of f and K, each with its numbers in another order, and the numbers that are one
-    in them: slopes of ``slope``, covariances of ``square``; and K's determinant without bumps.
+    """Four texture objects of f and K, each with its numbers in another order, and the numbers that they
+    store as one: slopes of ``slope``, covariances of ``square``; and K's determinant without bumps.
     """
 
     offsets: tuple[str, str]

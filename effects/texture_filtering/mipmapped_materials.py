@@ -1,8 +1,8 @@
 """K18, mip-mapped material textures: a reflectance model fitted to the area of each texel in each level.
 
 A mip-map generator would average the vectors of Eq. 1 over a texel's area (``vectors``). That loses how far
-the frames in it differ: bumps vanish and leave a highlight as narrow as a single texel's. The reflection is
-what has to be averaged. There are two ways to store that average as one tangent, binormal and k_s:
+the frames in it differ: bumps vanish and leave a highlight as narrow as a single texel's. The reflection has
+to be averaged. There are two ways to store that average as one tangent, binormal and k_s:
 
 ``lobe_fit``        the paper's: Eq. 1 fitted by least squares to the mean lobe of the texels covered
 ``covariance_fit``  cheaper: Eq. 1 with the same volume, direction and covariance as those texels' lobes
@@ -48,7 +48,7 @@ TECHNIQUES = (
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """One mipmap level of a material: what is stored of it, unencoded, bottom row first.
+    """One mipmap level of a material: its stored values, unencoded, bottom row first.
 
     normals                         float64 [rows, columns, 3]: means, not longer than one
     scaled_tangents, scaled_binormals  float64 [rows, columns, 3]: T and B of Eq. 1
@@ -100,7 +100,7 @@ _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 def features(half):
-    """What a quadratic form's six components are multiplied with at h: float64 [..., 6]."""
+    """The factors of a quadratic form's six components at h: float64 [..., 6]."""
     return np.stack([half[..., i] * half[..., j] * (1.0 if i == j else 2.0) for i, j in _PAIRS], axis=-1)
 
 

@@ -130,7 +130,7 @@ def _sampled(ray, eye, light, numbers, offsets, jitter, side, first, last, out):
 
 @computed_once
 def supersampled(view, ground, offsets, side=SIDE, threads=None):
-    """The truth, ``side`` squared samples a pixel: float64 [height, width, 2], bottom row first: the
+    """The reference by ``side`` squared samples a pixel: float64 [height, width, 2], bottom row first: the
     highlight's mean over the pixel, and the plane's share of it.
 
     Raises ValueError for a bump map of another shape or numbers that are not finite.

@@ -61,7 +61,7 @@ def writing(edge, lines=LINES, stretch=STRETCH):
     edge     texels, 256 or more: a pixel of the font is edge/256 texels wide
     stretch  how many times as high as wide it is
 
-    Raises ValueError where the lines do not fit.
+    Raises ValueError if the lines do not fit.
     """
     scale = max(1, edge // 256)
     printed = [ink.repeat(stretch * scale, axis=0).repeat(scale, axis=1) for ink in letters(lines)]
@@ -162,7 +162,7 @@ def _sampled(ray, eye, page, places, side, background, out):
 
 @computed_once
 def supersampled(view, page, background, side=16):
-    """The truth: ``side`` squared samples a pixel of a page [edge, edge, 3], bilinear: float64 [height,
+    """The reference by ``side`` squared samples a pixel of a page [edge, edge, 3], bilinear: float64 [height,
     width, 3], bottom row first; ``background`` where there is none. The page has two texels or more an edge.
     """
     out = np.zeros((view.panel.height, view.panel.width, 3))

@@ -1,1 +1,1 @@
-"""Pictures of what a user brings: photographs as bumps, meshes with shadows, volumes."""
+"""Pictures of a user's own data: photographs as bumps, meshes with shadows, volumes."""

@@ -24,8 +24,8 @@ class Header(NamedTuple):
 
 
 def header(file):
-    """The Header of an NPY file, which is left where its values begin. Raises ValueError and whatever
-    NumPy's reader stumbles over.
+    """The Header of an NPY file, which is left where its values begin. Raises ValueError and the exceptions
+    of NumPy's reader.
     """
     major, _ = _FORMAT.read_magic(file)
     # Version 3 differs from 2 in how names of fields are encoded alone; arrays of numbers have none.
@@ -37,8 +37,8 @@ def header(file):
 
 
 def values(file, found, name):
-    """The array that follows a Header, and no byte beyond it. Raises Refusal where it is cut off, and
-    whatever a decoder stumbles over.
+    """The array that follows a Header, and no byte beyond it. Raises Refusal if it is cut off, and the
+    exceptions of the decoder.
     """
     data = np.empty(found.bytes, np.uint8)
     read = _fill(file, memoryview(data))

@@ -46,7 +46,7 @@ class Antialiasing(StrEnum):
     """What takes the place of bumps that are smaller than a pixel.
 
     NONE       nothing: they flicker
-    MIP        the mip-maps of what is stored, as if it were colours: bumps and bumpiness vanish
+    MIP        mip-maps of the stored vectors, as if they were colours: bumps and bumpiness vanish
     ROUGHNESS  mip-maps whose highlight is wide along the directions that bumps lean in
     """
 
@@ -276,7 +276,7 @@ class BumpMapping:
 
     title        in a few words, with the catalogue's ids
     draw         (surface, Material, view, light, profile, parameters, ambient) -> commands
-    needs        what a machine must have, in words
+    needs        the features that a machine needs, in words
     antialiased  whether ``draw`` takes ``antialias``, one of Antialiasing, as well
     """
 
@@ -319,7 +319,9 @@ def can_draw(way, profile):
 
 
 def machines_with(*ways):
-    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of what can draw by these WAYS; none: by any."""
+    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines that can draw by these WAYS; none: by
+    any.
+    """
     return tuple(k for k, p in PROFILES.items() if any(can_draw(way, p) for way in ways or WAYS))
 
 
@@ -352,29 +354,15 @@ def commands(
 ):
     """Everything from the height field's picture to the passes, by the way of the machine (``way_of``).
 
-    Parameters
-    ----------
-    image
-        The photograph or elevation array, top row first.
-    surface
-        A ``Surface``: of ``mesh``, ``triangle_meshes.read_obj`` or ``triangle_meshes.from_triangles``; fitted
-        into the view.
-    parameters
-        MaterialParameters, or the name of one of ``MATERIALS``.
-    light
-        Direction to the light, three numbers: +x right, +y up, +z towards the viewer.
-    profile, width, height
-        The machine, and the framebuffer's size in pixels.
-    background
-        RGB in [0, 1].
-    map_size
-        Texels along the material textures' edges, or None (``material_map``).
-    eye
-        The viewer's position; the surface lies round the origin and is about two units wide.
-    antialias
-        What bumps smaller than a pixel leave; all but NONE take register combiners.
+    Parameters ---------- image The photograph or elevation array, top row first. surface A ``Surface``: of
+    ``mesh``, ``triangle_meshes.read_obj`` or ``triangle_meshes.from_triangles``; fitted into the view.
+    parameters MaterialParameters, or the name of one of ``MATERIALS``. light Direction to the light, three
+    numbers: +x right, +y up, +z towards the viewer. profile, width, height The machine, and the framebuffer's
+    size in pixels. background RGB in [0, 1]. map_size Texels along the material textures' edges, or None
+    (``material_map``). eye The viewer's position; the surface lies round the origin and is about two units
+    wide. antialias How bumps smaller than a pixel are filtered; all but NONE need register combiners.
 
-    Raises ValueError for what is none of these, and a machine that can draw by none of WAYS, or not
+    Raises ValueError for invalid arguments, and for a machine that can draw by none of WAYS, or not
     antialiased.
     """
     antialias = member_of(Antialiasing, antialias, "The antialiasing")

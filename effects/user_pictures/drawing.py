@@ -9,10 +9,10 @@ import numpy as np
 class Drawing:
     """What drawing gave.
 
-    color      float64 [h, w, 4], 1.0 = full, top row first: what the framebuffer holds
+    color      float64 [h, w, 4], 1.0 = full, top row first: the framebuffer's contents
     image      uint8 [h, w, 4], top row first: the same as bytes
     dropped    triangles that were left out because the camera is inside them; the ideal counts none
-    summary    by what it was drawn, in words
+    summary    the way of drawing, in words
     """
 
     color: np.ndarray
@@ -26,7 +26,7 @@ def drawn(commands, profile, width, height, threads=None, done=None):
 
     ``done``: None, or a function that is called with each command when it has been drawn.
 
-    Raises ValueError for what the profile cannot hold.
+    Raises ValueError if the profile's limits do not suffice.
     """
     watch = None if done is None else lambda command, _: done(command)
     # Whoever waits for kernels to be compiled is told before they are imported.

@@ -52,7 +52,7 @@ class Factored:
 
 
 def read(name):
-    """The BRDF of a file, an object with ``at``. Raises Refusal for what is no such file."""
+    """The BRDF of a file, an object with ``at``. Raises Refusal if it is no such file."""
     path = Path(name)
     if not path.is_file():
         problem = f"{name} is no file" if str(name) and path.exists() else f"There is no file {str(name)!r}"
@@ -153,12 +153,12 @@ def _error(factors, table):
 def factored(brdf, way=None, *, size=32, terms=2):
     """The Factored of a BRDF, or of a file's name.
 
-    way    a Factorisation, or its text; None: that of the smallest error, of all three (Measured: 4 s for 32
-           texels)
+    way    a Factorisation, or its text; None: the one of all three with the smallest error (Measured: 4 s for
+           32 texels)
     size   texels along an edge of the factors' maps, from 4 to 64
     terms  products that separable factors add, from 1 to 8
 
-    Raises ValueError (Refusal of a file) for what is none.
+    Raises ValueError (Refusal for a file) for anything else.
     """
     brdf = brdf_of(brdf)
     if isinstance(way, str):
@@ -184,7 +184,7 @@ def factored(brdf, way=None, *, size=32, terms=2):
 
 
 def drawn(found, surface, view, light, profile, *, intensity=1.0, name="BRDF"):
-    """Commands that draw a surface with a Factored, over what the window holds.
+    """Commands that draw a surface with a Factored, over the window's contents.
 
     surface    a Surface, whose tangents are the BRDF's first axis
     light      a ``views.Light``
@@ -198,7 +198,7 @@ def drawn(found, surface, view, light, profile, *, intensity=1.0, name="BRDF"):
 
 
 def commands(brdf, surface, view, light, profile, *, way=None, size=32, terms=2, intensity=1.0):
-    """Commands that clear nothing and draw a surface with a BRDF by factors, on any machine: ``factored``,
+    """Commands that draw a surface with a BRDF by factors, on any machine, without clearing: ``factored``,
     then ``drawn``, with their arguments.
     """
     found = factored(brdf, way, size=size, terms=terms)

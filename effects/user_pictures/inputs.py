@@ -1,7 +1,7 @@
-"""Users' files, read whole or refused: texts, photographs, elevation models and meshes; and samples without
-files.
+"""Reads users' files whole or refuses them: texts, photographs, elevation models and meshes; also samples
+without files.
 
-A decoder's message on arbitrary bytes is no sentence for a user; each refusal here is one.
+A decoder's message on arbitrary bytes does not help a user; each refusal here is a sentence.
 """
 
 import importlib.util
@@ -120,9 +120,8 @@ def read_mesh(name, smooth=False, tell=None):
     """A surface from an OBJ or a PLY file, with the file's normals or, at edges, creases; ``smooth``: with
     normals averaged at vertices where it has none. PLY files need the extra ``meshes``.
 
-    ``tell`` is called with a line that says what was understood of the file. Raises Refusal for anything
-    else, and ValueError with a sentence where the mesh has no faces, vertices that are no finite numbers, or
-    no area.
+    ``tell`` is called with a line that says how the file was understood. Raises Refusal for anything else,
+    and ValueError with a sentence if the mesh has no faces, vertices that are not finite, or no area.
     """
     from fixedpipe.effects.geometry.triangle_meshes import obj_corners
     from fixedpipe.effects.user_pictures.ply_files import read_ply

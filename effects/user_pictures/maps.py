@@ -207,7 +207,7 @@ _MATERIALS = {str: _named, Material: _loadable, MaterialParameters: lambda value
 
 
 def material(value):
-    """A ``material_textures.Material``, or the MaterialParameters of a name, as they are.
+    """A ``material_textures.Material``, or the MaterialParameters of a name, unchanged.
 
     Raises ValueError for anything else, and for a Material whose edges are no powers of two.
     """
@@ -218,7 +218,7 @@ def material(value):
 
 
 def material_name(value):
-    """What ``material`` takes for it, where it has a name; else what it is, in words."""
+    """Its name, as ``material`` takes it; if it has none, a description in words."""
     names = [name for name, known in MATERIALS.items() if known is value]
     if names:
         return names[0]

@@ -71,8 +71,8 @@ def _upright(surface, up):
 def stood_on_floor(surface, up="y"):
     """The surface in the middle of the floor y = 0, its axis ``up`` upward, its largest extent 2.4 units.
 
-    What is wound inside out, so that it encloses a negative volume, is turned outside out. Raises ValueError
-    for a mesh so flat that it would lie in the floor, where depths cannot tell which is above.
+    A mesh that is wound inside out, so that it encloses a negative volume, is turned outside out. Raises
+    ValueError for a mesh so flat that it would lie in the floor, where depths cannot tell which is above.
     """
     surface = _upright(surface, up)
     low, high = surface.positions.min(axis=0), surface.positions.max(axis=0)
@@ -101,7 +101,7 @@ def is_closed(surface):
 
 
 def check_closed(algorithm, surface, name):
-    """Raises ValueError, with the first open edge, where shadow volumes are asked of an open surface."""
+    """Raises ValueError, with the first open edge, if shadow volumes are requested for an open surface."""
     if ALGORITHMS[algorithm].volumes:
         try:
             shadow_volumes.closed_surface(surface, name)
@@ -139,8 +139,8 @@ def stage(surface, position, name="mesh", toward=TOWARD):
     toward    direction to the eye, which is so far away that the mesh and its shadow are in the picture
 
     The floor is so large that the shadow is on it, up to 10.4 units from the middle. Rays light a mesh on
-    both sides, and so do the machines: nobody knows which side of a sheet, or of a part that is inside out,
-    is meant. Raises ValueError for a lamp that lights nothing, or is too far for a frustum, and for an eye
+    both sides, and so do the machines, because the front of a sheet, or of a part that is inside out, is
+    unknown. Raises ValueError for a lamp that lights nothing, or is too far for a frustum, and for an eye
     that is not above the floor, or straight above.
     """
     _check_lamp(position)
@@ -279,7 +279,7 @@ class Algorithm:
 
     title    in a few words, with the catalogue's ids
     draw     (scene, view, lamp, profile, map edge, background, shading) -> commands
-    needs    what a machine must have, in words
+    needs    the features that a machine needs, in words
     map      whether there is a map, with an edge in texels
     steps    how many steps of alpha the map's depths are moved away from the light; 0: PolygonOffset does it
     volumes  whether it extrudes closed surfaces
@@ -327,7 +327,7 @@ ALGORITHMS = {
 
 def commands(algorithm, stage, profile, size, *, edge, background, shading=SceneShading.LIT):
     """The frame: a square of ``size`` pixels. ``algorithm``: a key of ALGORITHMS; ``edge``: its map's, in
-    texels. Shadow volumes are those of what is closed (``check_closed``).
+    texels. Shadow volumes need a closed surface (``check_closed``).
     """
     way = ALGORITHMS[one_of(tuple(ALGORITHMS), algorithm, "The algorithm")]
     return way.draw(stage.scene, stage.view(size), stage.lamp, profile, edge, background, shading)
@@ -353,7 +353,7 @@ def can_draw(algorithm, profile):
 
 
 def machines_with(algorithm):
-    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of what can draw it."""
+    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines that can draw it."""
     return tuple(key for key, profile in PROFILES.items() if can_draw(algorithm, profile))
 
 

@@ -308,8 +308,8 @@ _ROUNDED = 2.0**-19
 
 
 def measured(path, values, nothing):
-    """(values, notes) of ``without_missing``, where ``nothing`` stands for what was not measured; None: no
-    number does.
+    """(values, notes) of ``without_missing``, where the number ``nothing`` marks a missing measurement; None:
+    no number does.
     """
     if nothing is None:
         return values, ()
@@ -353,8 +353,8 @@ def _asc(path):
 
 
 def text_values(file, dtype, count, name):
-    """So many numbers of a text, from where a file is. Raises Refusal where there are fewer or more, and
-    whatever NumPy's reader stumbles over.
+    """So many numbers of a text, from the file's present place on. Raises Refusal if there are fewer or more,
+    and the exceptions of NumPy's reader.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of words that are no numbers

@@ -35,7 +35,7 @@ def read_ply(path: Path) -> Corners:
     """The Corners of a PLY file: triangles, polygons and triangle strips, with the normals and texture
     coordinates of its vertices, or texture coordinates of its faces.
 
-    Raises Refusal where it is no whole PLY file, or the package that reads it is not there.
+    Raises Refusal if it is no complete PLY file, or if the package that reads it is missing.
     """
     try:
         import plyfile

@@ -61,8 +61,8 @@ class Probe:
     values   [rows, columns, 1 to 4 components]; of the faces of a cube [6 n, n, components], face after face
     called   where it comes from, in words
     full     what is one
-    layout   None: LATLONG where it is twice as wide as high, else BALL; a cube's faces are STRIP
-    notes    what was made of the file, in words
+    layout   None: LATLONG if it is twice as wide as high, else BALL; a cube's faces are STRIP
+    notes    how the file was read, in words
     """
 
     values: NDArray = field(repr=False)
@@ -281,8 +281,8 @@ def checked_exponent(exponent):
 
 
 def exposure_of(faces):
-    """What maps of floats are multiplied by as a picture: one where bytes hold all, else less, so that 99.5 %
-    of the numbers are below one.
+    """The factor of maps of floats for a picture: one if bytes hold all numbers, else less, so that 99.5 % of
+    the numbers are below one.
     """
     return 1.0 if faces.max() <= 1.0 else min(1.0, prefilter.exposure(faces))
 

@@ -27,7 +27,7 @@ _LOG = logging.getLogger("fixedpipe.reading")
 
 @contextmanager
 def limit(count):
-    """So many pixels, voxels or samples are read of a file meanwhile; None: PIXELS, VOXELS and SAMPLES."""
+    """Inside, files are read up to so many pixels, voxels or samples; None: PIXELS, VOXELS and SAMPLES."""
     before = _own_limit.set(count)
     try:
         yield
@@ -37,7 +37,7 @@ def limit(count):
 
 @contextmanager
 def filling():
-    """What a picture's file has no value for is filled meanwhile (``without_missing``), not refused."""
+    """Inside, missing values of a picture's file are filled (``without_missing``), not refused."""
     before = _fills.set(True)
     try:
         yield
@@ -116,7 +116,8 @@ def _millions(count):
 
 @contextmanager
 def whole(name, what, cure):
-    """Whatever a reader of arbitrary bytes raises becomes a Refusal: file, what it is, reason, what to do.
+    """Any exception of a reader of arbitrary bytes becomes a Refusal: the file, its fault, the reason, what
+    to do.
 
     what  "is a damaged NPZ file", as what follows the file's name; ``cure``: a sentence
     """
@@ -152,7 +153,7 @@ def silent():
 
 
 def understood(name, picture, notes=()):
-    """Log a line of what a picture's file was taken for: columns x rows, type, least and greatest value.
+    """Log a line about how a picture's file was read: columns x rows, type, least and greatest value.
 
     picture  [rows, columns] or [rows, columns, components]
     notes    what else was made of it

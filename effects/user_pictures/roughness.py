@@ -42,12 +42,12 @@ def pyramids(value, size=None, scale=0.05, *, repeated=True):
 
 
 def largest(levels):
-    """The largest number of D, which is one where levels are stored in bytes; 1 where all are zero."""
+    """The largest number of D, which bytes store as one; 1 if all are zero."""
     return max(float(np.abs(level.deviations).max()) for level in levels) or 1.0
 
 
 def arrays(levels):
-    """What an NPZ file has: of level l ``offsets_l`` [rows, columns, 2], ``covariance_l`` (a, b, c),
+    """The contents of an NPZ file: for level l ``offsets_l`` [rows, columns, 2], ``covariance_l`` (a, b, c),
     ``deviations_l`` (d_1, d_2, d_3), ``isotropic_l`` (I_1), float64, and ``bytes_l``, uint8, of D over
     ``scale``. Rows are bottom row first, as textures have them.
     """
@@ -72,8 +72,9 @@ def picture(levels):
     """Both pyramids, level beside level: uint8 [rows, columns, 3], top row first; bumps above, D below.
 
     Bumps are normals in red, green and blue, 128 zero; D is d_1 red, d_2 green, 128 zero, d_3 blue, where
-    twice the whole map's larger deviation is full: what is more clamps, as few texels of a photograph have
-    far more. A level is as many pixels as it has texels; where level 0 has fewer than 64, all are enlarged.
+    twice the whole map's larger deviation is full. Larger ones are clamped, since few texels of a photograph
+    have far more. A level has one pixel for each texel; if level 0 has fewer than 64, all levels are
+    enlarged.
     """
     scale = 2.0 * float(rough.largest_deviation(levels[-1].covariance).max()) or 1.0
     times = max(1, 64 // levels[0].offsets.shape[0])
@@ -94,7 +95,7 @@ def picture(levels):
 
 
 def levels_in_words(levels):
-    """A line for each level: texels, deviations of bumps left and of what is lost along u and v, largest
+    """A line for each level: texels, deviations of the remaining and of the lost bumps along u and v, largest
     I_1.
     """
     lines = ["level  texels  bumps left  lost along u  along v  largest I_1"]

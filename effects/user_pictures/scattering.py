@@ -35,7 +35,7 @@ class Drawn:
     title        in a few words, with the catalogue's ids
     way          its ``dependent_tests.PathPasses``
     most_texels  along an edge of the height field, a power of two: by its coordinates' bits
-    needs        what a machine must have, in words
+    needs        the features that a machine needs, in words
     """
 
     title: str
@@ -88,12 +88,12 @@ def field_of(heights, found, texels, scale, albedo):
 
     heights  ``maps.HeightField``; its edges are faded into each other, as the field repeats
     found    of DRAWN
-    texels   along both edges, a power of two; None: as many as the heights have, and the way takes
+    texels   along both edges, a power of two; None: as many as the heights have and the way allows
     scale    of the highest point over the lowest, in edges of the field
     albedo   a number from 0 to 1, or a ``maps.Photograph``
 
-    Raises ValueError for what ``height_field.height_field`` refuses, and for texels that are no power of two
-    or more than the way's coordinates tell apart.
+    Raises ValueError as ``height_field.height_field`` does, and for texels that are no power of two or more
+    than the way's coordinates can distinguish.
     """
     if texels is None:
         own = max(heights.heights.shape)
@@ -125,7 +125,7 @@ def check_panel(field, size):
 
 
 def spread(field, directions, progress=None):
-    """What a field's texels see along ``directions`` directions over the sphere.
+    """The texels that a field's texels see along ``directions`` directions over the sphere.
 
     ``progress``: as for ``visibility.precompute``. Raises ValueError for fewer than one.
     """

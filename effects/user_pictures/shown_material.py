@@ -108,8 +108,8 @@ def reflectance(name, settings=None):
 
     settings  texts by name: a model's parameters that are not to have their default
 
-    Raises ValueError (Refusal) for what is neither, for parameters that the model lacks, for values out of
-    their range, and for any parameter of a file.
+    Raises ValueError (Refusal) for anything else, for parameters that the model lacks, for values out of
+    range, and for any parameter of a file.
     """
     settings = dict(settings or {})
     if name not in BRDFS:
@@ -160,7 +160,8 @@ class Lighting:
     """What a mesh is lit by.
 
     directions  float64 [n, 3], towards the lights
-    colors      float64 [n, 3]: what a white surface that faces each sends back, with the exposure
+    colors      float64 [n, 3]: the light that a white surface facing each of them sends back, with the
+                exposure
     behind      directions [..., 3] to the backdrop's RGB in [0, 1]; None: a dark ground
     exposure    by what both were multiplied
     """
@@ -193,7 +194,7 @@ def environment(name, count=16, exposure=None, layout=None):
     exposure  None: one where bytes hold all, else so that 99.5 % of the environment are below one
     layout    of the file's picture, as for ``probes.probe``
 
-    Raises ValueError (Refusal) for what is none, and for a black environment.
+    Raises ValueError (Refusal) for anything else, and for a black environment.
     """
     exposure = _checked_exposure(exposure)
     if not 1 <= count <= MOST_LIGHTS:
@@ -269,7 +270,7 @@ def commands(found, surface, lighting, profile, width, height, *, color=(1.0, 1.
     found     a Factored
     surface   a Surface, fitted into the view; its tangents are the reflectance's first axis
     lighting  a Lighting
-    color     RGB in [0, 1], not all zero: by what the reflectance is multiplied
+    color     RGB in [0, 1], not all zero: the factor of the reflectance
 
     Raises ValueError as ``check_picture``.
     """
@@ -343,7 +344,7 @@ MOST_ERROR = 0.3
 
 
 def doubt_of(name, found):
-    """What is said of factors that err too much, a sentence; None: of those that do not."""
+    """A warning sentence about factors whose error is too large; None: it is not."""
     if found.error <= MOST_ERROR:
         return None
     return (
@@ -359,7 +360,7 @@ def passes_of(frame):
 
 
 def said_of(name, found):
-    """What a Factored is drawn as, and how far it is from its reflectance: a line."""
+    """How a Factored is drawn, and how far it is from its reflectance: a line."""
     terms = 1 if found.way is Factorisation.HOMOMORPHIC else found.factors.terms
     products = f"{terms} term{'s' * (terms > 1)}"
     if found.way is Factorisation.HOMOMORPHIC:

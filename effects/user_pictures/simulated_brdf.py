@@ -8,7 +8,7 @@ An NPZ file holds
                   second (t)
     coefficients  float64 [16, 16, 3]: of products of the real spherical harmonics of four bands, of the light
                   and of the view (``effects/scattering/harmonics.py``)
-    description   what was simulated, a text
+    description   a text about the simulation
 
 A MERL file is isotropic (``effects/scattering/merl.py``): the mean over rotations of the field about z.
 """

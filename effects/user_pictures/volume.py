@@ -31,7 +31,7 @@ def _method_or_none(profile):
 
 
 def machines_that_can():
-    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of what can light a volume's slices."""
+    """Keys in ``fixedpipe.pipeline.profiles.PROFILES`` of the machines that can light a volume's slices."""
     return tuple(key for key, profile in PROFILES.items() if _method_or_none(profile))
 
 
@@ -146,7 +146,7 @@ def volume_of(values, name, profile, iso=None, spacing=(1.0, 1.0, 1.0)):
 
 def bias_of(bits, slices, edge):
     """The map's bias in steps of depth: two steps of a byte, or as much as two slices or two of the map's
-    ``edge`` texels where these are coarser.
+    ``edge`` texels if these are coarser.
 
     Both are no finer on a machine of 12 bits, whose steps are a sixteenth.
     """

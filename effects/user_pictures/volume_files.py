@@ -99,8 +99,8 @@ def _name_of_data(lines):
 
 
 def data_file_of(path):
-    """The file that an NRRD header names for its values, as a path; None where they follow in the file
-    itself, or it is none.
+    """The file that an NRRD header names for its values, as a path; None if they follow in the file itself,
+    or if it is no NRRD file.
     """
     try:
         with path.open("rb") as file:

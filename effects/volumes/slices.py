@@ -57,7 +57,7 @@ class Volume:
     name          the texture object's, too
     density       uint8 [layers, rows, columns], z, y and x from the lowest, so bottom row first
     half_extents  of the box that the voxels fill, centred at the origin, world units
-    iso           density of the surface, (0, 1): what is as dense or denser is solid
+    iso           density of the surface, (0, 1): voxels as dense or denser are solid
     """
 
     name: str
@@ -139,8 +139,9 @@ def slice_mesh(volume, view, count):
     """A volume cut by ``count`` planes parallel to the image, evenly spaced from the nearest to the farthest
     corner of its ``bricks``, in these alone, the nearest first: triangles with (s, t, r).
 
-    The surface lies in front of the first plane beyond it, by half a step on average; so much nearer to the
-    eye is a polygon than where it cuts the volume. What it shows is then as often too near as too far.
+    The surface lies in front of the first plane beyond it, by half a step on average; so a polygon is drawn
+    that much nearer to the eye than the place where it cuts the volume. Then the surface is as often too near
+    as too far.
 
     Raises ValueError where the iso-surface is nowhere.
     """

@@ -158,7 +158,8 @@ class Shading:
 
     color     of the surface, by which ambient and diffuse light are multiplied
     ambient   light from everywhere
-    fill      a weak light from the eye, whose shadows nobody sees; it and ambient light are everywhere
+    fill      a weak light from the eye, whose shadows are hidden from the eye; it and ambient light reach
+              every place
     diffuse, specular   the lamp's
     exponent  a whole number
     mask      True: black, and white where the lamp's light arrives
@@ -191,8 +192,8 @@ class Picture:
     lamp        an infinite ``Lamp``
     slices      how many, in both views
     shading     the Shading
-    map_panel   a square Panel of the window in which the shadow map is drawn, of as many pixels as the map
-                has texels, a power of two; what was there is lost. None: no shadows
+    map_panel   a square Panel of the window in which the shadow map is drawn and which it overwrites. It has
+                as many pixels as the map has texels, a power of two. None: no shadows
     coding      of the map's depths
     background  RGB
     """
@@ -391,8 +392,9 @@ def _shades(picture, profile):
 def combiners(picture, profile, load=True):
     """H39 by register combiners: a ``Picture``'s commands.
 
-    ``profile``: with 3D textures and as many general combiners, with constants of each stage, as the exponent
-    has bits and one more; for shadows two texture units. ``load``: False where the volume is loaded already.
+    ``profile``: a machine with 3D textures; one general combiner more than the exponent has bits, with
+    constants of each stage; and for shadows two texture units. ``load``: False where the volume is loaded
+    already.
     """
     slices = Slices(picture.volume, picture.view, picture.slices)
     first, light = _shades(picture, profile)
