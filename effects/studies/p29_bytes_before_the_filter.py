@@ -107,7 +107,7 @@ def checks(table):
 
 
 def plot(axes, table):
-    """This share by exponent, for each sun."""
+    """The share that is kept, by exponent, for each sun."""
     (kept,) = axes
     for sun, color in zip(SUNS, (BLUE, GREEN, ORANGE), strict=True):
         rows = [r for r in table.records() if r["sun"] == sun]
