@@ -21,7 +21,7 @@ from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
     Technique("H41", "Blinn's bump mapping: derivatives of heights at every point, in float", "3"),
-    Technique("H42", "normals computed once and kept in a texture", "3"),
+    Technique("H42", "normals that are computed once and stored in a texture", "3"),
 )
 
 

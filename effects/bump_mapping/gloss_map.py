@@ -29,7 +29,7 @@ from fixedpipe.pipeline.enums import BlendFactor
 from fixedpipe.pipeline.state import Blending
 
 TECHNIQUES = (
-    Technique("K02", "a gloss map: the highlight's strength per texel, its width for a polygon", "1"),
+    Technique("K02", "a gloss map: the highlight's strength varies per texel, its width per polygon", "1"),
 )
 
 MODULATED_BY_ALPHA = Blending(BlendFactor.SRC_ALPHA, BlendFactor.ONE)

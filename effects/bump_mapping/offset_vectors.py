@@ -44,8 +44,8 @@ from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
     Technique("S12", "bump maps of two derivatives a texel, added to the normal as an offset vector", "7"),
-    Technique("S13", "the natural frame: heights stay as they are when the map is scaled", "7.1"),
-    Technique("S14", "the natural frame with unit vectors: slopes stay as they are", "7.2"),
+    Technique("S13", "the natural frame: heights do not change when the map is scaled", "7.1"),
+    Technique("S14", "the natural frame with unit vectors: slopes do not change", "7.2"),
     Technique("S15", "an orthonormal frame from the normal and a main direction", "7.3"),
 )
 

@@ -26,7 +26,7 @@ from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
     Technique("S16", "roughness: the covariance of the offset vectors that a texel stands for", "8"),
-    Technique("S17", "a pyramid of roughness beside the bump map's, by recursion", "8"),
+    Technique("S17", "a pyramid of roughness, computed level by level with the bump map's", "8"),
     Technique("S18", "roughness stored as D, a triangular root of the covariance", "8"),
     Technique("S19", "isotropic roughness: the larger deviation alone", "8"),
 )

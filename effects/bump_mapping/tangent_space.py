@@ -45,7 +45,9 @@ from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
     Technique("Z03", "a triangle's tangent space from its texture coordinates", "Tangent space"),
-    Technique("Z04", "tangents averaged at vertices, the binormal on the fly", "Storing tangent vectors"),
+    Technique(
+        "Z04", "tangents averaged at vertices, binormals computed when needed", "Storing tangent vectors"
+    ),
     Technique("Z27", "triangles with no tangent space, mirrored or stretched: reported", "Caveats"),
 )
 

@@ -30,7 +30,7 @@ import numpy as np
 from fixedpipe.effects.geometry.vectors import cross, dot
 from fixedpipe.effects.technique import Technique
 
-TECHNIQUES = (Technique("H44", "l and h of bump mapping by a vertex program", "3"),)
+TECHNIQUES = (Technique("H44", "bump mapping's l and h, computed by a vertex program", "3"),)
 
 # Of the program above, with the two that write its results and none for the position.
 INSTRUCTIONS = 23

@@ -39,8 +39,8 @@ from fixedpipe.pipeline.textures.images import texture_1d
 
 TECHNIQUES = (
     Technique("H26", "a mirror times Fresnel's factor, by way of destination alpha", "1.5"),
-    Technique("H27", "the same with diffuse light added", "1.5"),
-    Technique("H28", "the same over diffuse light: a transparent coat", "1.5"),
+    Technique("H27", "a mirror times Fresnel's factor, added to diffuse light", "1.5"),
+    Technique("H28", "a mirror times Fresnel's factor as a transparent coat over diffuse light", "1.5"),
 )
 
 # Source: pass sequence A-H26.

@@ -24,7 +24,7 @@ from fixedpipe.pipeline.state import PolygonState
 
 TECHNIQUES = (
     Technique("H22", "a mirror added to diffuse global light by blending", "1.4"),
-    Technique("H23", "the same by the accumulation buffer", "1.4"),
+    Technique("H23", "a mirror added to diffuse global light by the accumulation buffer", "1.4"),
 )
 
 # Faces turned away: where one meets the outline in the same pixel at the same depth, it would be added twice.

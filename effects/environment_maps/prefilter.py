@@ -32,7 +32,7 @@ TECHNIQUES = (
         "H25", "diffuse light from an environment map: a cosine filter, looked up by the normal", "1.4"
     ),
     Technique("H29", "glossy reflection: an environment map filtered by Phong's lobe", "1.6"),
-    Technique("H33", "environments of high dynamic range, filtered before they are bytes", "1.6"),
+    Technique("H33", "environments of high dynamic range, filtered before they become bytes", "1.6"),
 )
 
 # Assumed: below this a lobe's weight is left out; what shines a thousand times as bright as a map's mean adds

@@ -61,9 +61,7 @@ from fixedpipe.pipeline.state import AlphaTest, Blending, Sampler
 from fixedpipe.pipeline.textures.images import Texture, texture_2d, texture_cube_map
 
 TECHNIQUES = (
-    Technique(
-        "S28", "water far away: its mean mirrors the moon as a calm does, its roughness spreads it", "6"
-    ),
+    Technique("S28", "distant water: its mean normal mirrors the moon, its roughness spreads the light", "6"),
     Variant(("S24", "S25"), "on a GeForce 3, a pass for each of five filtered cube maps, weighed by I_1"),
 )
 

@@ -44,7 +44,7 @@ TECHNIQUES = (
     Technique("S11", "cone tracing: an environment filtered by the curvature that bumps show", "5"),
     Technique("S24", "an environment map filtered anisotropically, by D", "8"),
     Technique("S25", "the level of an environment map by isotropic roughness", "8"),
-    Technique("S29", "massive supersampling, which all else is measured by", "9"),
+    Technique("S29", "massive supersampling, with which all other methods are compared", "9"),
 )
 
 # Samples along a pixel's edge: 256 a pixel.

@@ -58,7 +58,7 @@ from fixedpipe.pipeline.commands import Saturate
 
 TECHNIQUES = (
     Technique("K07", "Eq. 1, the simplified anisotropic Blinn-Phong model, by register combiners", "4.1"),
-    Technique("K11", "a material's vectors in the surface's frame, or baked in the world's", "4"),
+    Technique("K11", "a material's vectors in the surface's frame, or in world coordinates", "4"),
 )
 
 

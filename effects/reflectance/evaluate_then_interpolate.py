@@ -15,7 +15,7 @@ import numpy as np
 from fixedpipe.effects.geometry.vectors import dot
 from fixedpipe.effects.technique import Technique
 
-TECHNIQUES = (Technique("K16", "the order asked for: evaluate at the texels, then interpolate", "5.1"),)
+TECHNIQUES = (Technique("K16", "the paper's order: evaluate at the texels, then interpolate", "5.1"),)
 
 
 def _corners(s, t, columns, rows):

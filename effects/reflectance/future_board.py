@@ -67,7 +67,7 @@ from fixedpipe.pipeline.commands import Draw, TexImage
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
-    Technique("K17", "the board asked for: roots, quotients, exponentials, lookups in combiners", "5.1"),
+    Technique("K17", "the board that the paper proposes: roots, quotients and lookups in combiners", "5.1"),
     Variant(("K03", "K05", "K09", "K16"), "on the board that the paper asks for"),
 )
 

@@ -27,7 +27,7 @@ from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
     Technique(
-        "H07", "distributions of facets: Gaussian in the angle, of Gaussian heights, Beckmann's", "1.1"
+        "H07", "distributions of facets: a Gaussian of the angle, one of the heights, Beckmann's", "1.1"
     ),
     Technique("H08", "Smith's shadowing and masking", "1.1"),
 )

@@ -59,7 +59,7 @@ from fixedpipe.pipeline.state import Combine, TextureEnvironment
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
-    Technique("K22", "plain multitexturing, found too limited: how far it comes", "5"),
+    Technique("K22", "plain multitexturing, which the paper finds too limited", "5"),
     Variant(("K10",), "by unsigned texture environments"),
 )
 

@@ -33,7 +33,7 @@ from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
     Technique("S21", "Blinn and Phong's highlight by anisotropic roughness", "A"),
-    Technique("S22", "the same by isotropic roughness", "A"),
+    Technique("S22", "Blinn and Phong's highlight by isotropic roughness", "A"),
     Technique("S23", "a highlight of constant exponent, or by a table of the cosine's square", "A"),
 )
 

@@ -30,7 +30,7 @@ from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
     Technique("H17", "separable factors: a tabulated BRDF as products of two maps of directions", "1.1.2"),
-    Technique("H19", "the same of a BRDF that a goniometer simulates", "1.1.2"),
+    Technique("H19", "separable factors of a BRDF that a goniometer simulates", "1.1.2"),
 )
 
 # Fits of u and v in turn that a term has at the most, and the change of u, over its norm, that ends them.

@@ -63,12 +63,12 @@ from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
     Technique("H02", "Torrance-Sparrow as two tables, multiplied by two texture units", "1.1"),
-    Technique("H03", "the same with one texture unit, multiplied by blending", "1.1"),
+    Technique("H03", "Torrance-Sparrow's two tables, multiplied by blending, with one texture unit", "1.1"),
     Technique("H04", "the diffuse term as a pass of hardware lighting, or on a third unit", "1.1"),
     Technique("H05", "the tables' coordinates computed at the vertices", "1.1"),
     Technique("H06", "the tables' coordinates made by texture matrices of the normal", "1.1"),
     Technique("H09", "Schlick's approximations as the tables' factors", "1.1"),
-    Technique("H10", "a table divided by c against the clamp at one, and its picture multiplied by c", "1.1"),
+    Technique("H10", "a table divided by c, so that it is not clamped, and a picture multiplied by c", "1.1"),
 )
 
 # Texels along either axis. Source: A-H02.

@@ -20,7 +20,7 @@ from fixedpipe.effects.scattering import goniometer, long_work
 from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
-    Technique("G27", "a bidirectional texture function: the pictures of the goniometer kept", "6"),
+    Technique("G27", "a bidirectional texture function: the goniometer's pictures themselves", "6"),
     Technique("G29", "BRDFs that vary over the surface: means over windows of those pictures", "1, 2, 6, 7"),
 )
 

@@ -42,9 +42,9 @@ from fixedpipe.effects.scattering.visibility import BACK, FREE, distances
 from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
-    Technique("G18", "on a curved base what is seen stays; directions and normals are computed anew", "5"),
+    Technique("G18", "a curved base: visibility is kept, directions and normals are computed anew", "5"),
     Technique("G19", "weights for moved directions: how much of the sphere each stands for", "5"),
-    Technique("G21", "a base that is stretched, one axis more than the other, in the same way", "5"),
+    Technique("G21", "a base that is stretched, one axis more than the other", "5"),
 )
 
 # Assumed: more than any surface has; far beyond it positions have no digits left.

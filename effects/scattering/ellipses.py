@@ -43,9 +43,9 @@ from fixedpipe.pipeline.native.threads import default_threads
 from fixedpipe.raster.kernel import kernel
 
 TECHNIQUES = (
-    Technique("G14", "an ellipse for every texel that holds the directions that are free", "4"),
+    Technique("G14", "for every texel an ellipse around its free directions", "4"),
     Technique("G20", "five ellipses, whose numbers are linear in the surface's curvature", "5"),
-    Technique("H47", "an ellipse for every texel that holds the directions that are free", "3.1"),
+    Technique("H47", "for every texel an ellipse around its free directions", "3.1"),
 )
 
 # The numbers of E1 and E2 are stored as quarters (A-G15), so that radii go down to this. Where no ellipse is

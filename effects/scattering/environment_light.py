@@ -26,7 +26,7 @@ from fixedpipe.effects.technique import Technique
 from fixedpipe.raster.kernel import kernel
 
 TECHNIQUES = (
-    Technique("G30", "light from an environment wherever nothing is seen", "6"),
+    Technique("G30", "light from an environment along all directions without a hit", "6"),
     Technique("G34", "a scene in software: direct light, its shadows, scattered light and the sky's", "6"),
 )
 

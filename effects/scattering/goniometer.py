@@ -33,7 +33,7 @@ from fixedpipe.raster.kernel import kernel
 
 TECHNIQUES = (
     Technique("G23", "a BRDF by a virtual goniometer: mean radiance in pictures of a height field", "6"),
-    Technique("G24", "the same in texture space: masking by the test that shadows have", "6"),
+    Technique("G24", "a virtual goniometer in texture space: masking by the test for shadows", "6"),
 )
 
 # Assumed: farther than any picture's rays go that shows more than one texel of each period.

@@ -55,8 +55,8 @@ from fixedpipe.pipeline.textures.images import texture_2d
 from fixedpipe.raster.kernel import kernel
 
 TECHNIQUES = (
-    Technique("G17", "horizon maps: how high the horizon stands in eight azimuths", "2"),
-    Technique("H46", "horizon maps: how high the horizon stands in some azimuths", "3.1"),
+    Technique("G17", "horizon maps: the height of the horizon in eight azimuths", "2"),
+    Technique("H46", "horizon maps: the height of the horizon in some azimuths", "3.1"),
 )
 
 # Source: Max 1988, as section 2 has it.

@@ -22,7 +22,7 @@ from fixedpipe.pipeline.enums import TextureFilter
 from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
-    Technique("G09", "dependent tests on a GeForce 256: the lookups are the host's", "3.3, 6"),
+    Technique("G09", "dependent tests on a GeForce 256: the host does the lookups", "3.3, 6"),
     Technique("H53", "light scattered once, the lookups by the host", "3.2.1"),
 )
 

@@ -10,7 +10,7 @@ the fading; the paper says that the levels agree, but gives no numbers.
 
 from fixedpipe.effects.technique import Technique
 
-TECHNIQUES = (Technique("G31", "geometry, bump map and BRDF of one height field, by its size", "1, 6"),)
+TECHNIQUES = (Technique("G31", "geometry, bump map or BRDF of a height field, by its size", "1, 6"),)
 
 # Texels a pixel at which a bump map, and a BRDF, is as much as what is nearer.
 BUMP_MAP, BRDF = 0.25, 4.0

@@ -46,7 +46,7 @@ from fixedpipe.pipeline.textures.images import texture_2d
 
 TECHNIQUES = (
     Technique("G08", "dependent tests on an Octane: color matrix and pixel textures", "3.3, 6"),
-    Technique("G32", "Phong on bumps by a normals' image, color matrix and table", "6"),
+    Technique("G32", "Phong shading of bumps by an image of normals, color matrix and table", "6"),
     Technique("H51", "light scattered once by pixel textures", "3.2"),
 )
 

@@ -26,7 +26,7 @@ from fixedpipe.raster.kernel import kernel
 TECHNIQUES = (
     Technique("G01", "the texel that is seen from every texel along each of some hundred directions", "3"),
     Technique("G02", "rays that go on in the next tile of a height field that repeats", "3"),
-    Technique("H50", "for each direction a texture of which texel every texel sees", "3.2"),
+    Technique("H50", "for each direction a texture that says which texel every texel sees", "3.2"),
 )
 
 # What stands for a texel where none is seen: nothing is in the way, or the normal looks away.

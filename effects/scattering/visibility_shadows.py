@@ -23,8 +23,8 @@ from fixedpipe.effects.scattering.visibility import BACK, FREE
 from fixedpipe.effects.technique import Technique
 
 TECHNIQUES = (
-    Technique("G12", "shadows by whether anything is seen along the direction nearest to the light", "4"),
-    Technique("G13", "the same, interpolated between the three directions around the light", "4"),
+    Technique("G12", "a texel is in shadow if it sees another along the direction nearest to the light", "4"),
+    Technique("G13", "shadows interpolated between the three directions around the light", "4"),
 )
 
 # Of lights of their own, so many texels at once: each is compared with every triangle.

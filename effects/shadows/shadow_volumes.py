@@ -50,12 +50,12 @@ from fixedpipe.pipeline.state import (
 from fixedpipe.raster.kernel import kernel
 
 TECHNIQUES = (
-    Technique("Z21", "the ray counter: volumes entered, less those left", "In shadow or not"),
+    Technique("Z21", "the ray counter: volumes that a ray enters, less those it leaves", "In shadow or not"),
     Technique("Z22", "silhouettes extruded to closed volumes", "Shadow volume construction"),
     Technique("Z23", "z-pass: volumes before what is seen, counted in the stencil", "Z-pass approach"),
     Technique("Z24", "z-fail: volumes behind what is seen, counted in the stencil", "Z-fail approach"),
     Technique("Z25", "where z-pass fails: an eye in shadow, a volume cut by the near plane", "Issues"),
-    Technique("H40", "shadow volumes, the analytic contrast to maps", "2"),
+    Technique("H40", "shadow volumes, the analytic alternative to shadow maps", "2"),
 )
 
 NOT_SHADOWED = StencilTest(ComparisonFunction.EQUAL, reference=0)
