@@ -45,10 +45,10 @@ register alone is multiplied by one, and discard stores nothing. Formulas comput
 | c, d | the primary color (v0, col0) and the secondary color |
 | x | a register of either sign |
 | `dot(a, b)` | the sum of the three products of red, green and blue |
-| `alpha(a)`, `blue(a)` | that component, for all components |
+| `alpha(a)`, `blue(a)` | the alpha or the blue of a, in every component |
 | `//` | a quotient, cut to the whole number below |
-| rn | rounds to nearest; one is odd, so no number is half way |
-| halved | rounds halves up, below 0 too |
+| rn | a quotient by one, rounded to nearest; one is odd, so no quotient is half way |
+| halved | half of a number; halves are rounded up, also below 0 |
 | signed | what EXPAND_NORMAL makes of the stored red, green or blue; alpha is its magnitude with its sign |
 | written | the byte that is written to the frame |
 
@@ -69,8 +69,8 @@ Formulas of texture shaders have these names:
 | s, t, r, q | the last stage's coordinates |
 | R, G, B, A | the bytes of the texel that it reads |
 | `signed(v)` | a byte as two's complement |
-| dots, qs | the dot products of the group's stages, in order, and their q |
-| `{dot}` | a dot product; x, y, z are the texel's red, green and blue, mapped as the table below says |
+| dots, qs | the dot products of the group's stages, in order, and the stages' q |
+| `{dot}` | a dot product; x, y, z are the texel's red, green and blue, mapped by the table below |
 | a1 to a4, scale, bias, eye | the program's numbers |
 | units | the greatest depth; 1 on the NV2A (coordinates in depth units) and in the ideal (depths of 0 to 1) |
 
@@ -79,8 +79,8 @@ shader rounds in these four functions alone:
 
 | function | how it rounds on machines |
 | --- | --- |
-| `byte` | as the table below says |
-| `sum` | cuts each term to the last of 24 bits of the largest |
+| `byte` | to a byte, by the table below |
+| `sum` | cuts each term at the last bit of the largest term, which has 24 bits |
 | `dot` | cuts products and their sum, as N12.7 says |
 | `quotient` | multiplies by a reciprocal (N12.9) |
 

@@ -64,7 +64,7 @@ def _no(construct, text, proof, why, source):
     return Difference(construct, text, False, proof, why, source)
 
 
-_PUBLIC = "programs in public use do it, and the chip computes it"
+_PUBLIC = "public programs do it, and the chip computes the result"
 _NO_FIELD = "no state of these machines holds it"
 
 DIRECT3D_REFUSES = (
@@ -80,7 +80,7 @@ DIRECT3D_REFUSES = (
         "a color register is written",
         "mov v0, v1\nmov r0, v0",
         "writes v0",
-        "the chip's registers are all alike",
+        "the chip can write all registers alike",
         "registers",
     ),
     _yes(
@@ -94,38 +94,42 @@ DIRECT3D_REFUSES = (
         "ps.1.0: two texture registers",
         "ps.1.0\ntex t0\ntex t1\nmul r0, t0, t1",
         "ps.1.0 reads one",
-        "as before",
+        "a combiner reads any four registers",
         "registers",
     ),
     _yes(
-        "ps.1.0: two color registers", "ps.1.0\nadd r0, v0, v1", "2 color registers", "as before", "registers"
+        "ps.1.0: two color registers",
+        "ps.1.0\nadd r0, v0, v1",
+        "2 color registers",
+        "a combiner reads any four registers",
+        "registers",
     ),
     _yes(
         "three constants, one by its alpha alone",
         "mad r0.rgb, c0, c1.a, c2\n+mov r0.a, v0",
         "3 constant registers",
-        "a combiner's two constants have colors and alphas of their own",
+        "a combiner's constant can take color and alpha from different constants",
         "registers",
     ),
     _yes(
         "four constants in a pair",
         "mul r0.rgb, c0, c1\n+mul r0.a, c2, c3",
         "4 constant registers",
-        "as before",
+        "a combiner's constant can take color and alpha from different constants",
         "registers",
     ),
     _yes(
         "four texture registers in a pair",
         "tex t0\ntex t1\ntex t2\ntex t3\nmul r0.rgb, t0, t1\n+mul r0.a, t2, t3",
         "4 texture registers",
-        "as before",
+        "each portion reads any four registers",
         "registers",
     ),
     _yes(
         "ps.1.0: a pair that writes two registers",
         "ps.1.0\nmov r0.rgb, v0\n+mov r1.a, v0\nmov r0.a, r1",
         "writes two registers",
-        "each portion has outputs of its own",
+        "each portion has its own outputs",
         "pairing",
     ),
     _yes(
@@ -146,35 +150,35 @@ DIRECT3D_REFUSES = (
         "cmp writes one of its sources",
         "ps.1.2\ntex t0\nmov r1, t0\ncmp r1, r1.a, t0, v0\nmov r0, r1",
         "writes one of its sources",
-        "it is read before it is written",
+        "a combiner reads its inputs before it writes",
         "cmp",
     ),
     _yes(
         "a fourth cmp",
         "ps.1.2\ntex t0" + "\ncmp r0, t0.a, v0, v1" * 4,
         "a fourth cmp",
-        "eight combiners hold four",
+        "eight combiners are enough for four cmp",
         "cmp",
     ),
     _yes(
         "texbeml and eight arithmetic instructions",
         "tex t0\ntexbeml t1, t0" + "\nmov r0, t1" * 8,
         "texbeml takes one",
-        "a texture unit scales by itself",
+        "the texture unit scales, without a combiner",
         "counting",
     ),
     _yes(
         "ps.1.0: more than eight instructions besides tex",
         "ps.1.0\ntex t0\ntexm3x2pad t1, t0\ntexm3x2tex t2, t0" + "\nmov r0, t2" * 7,
         "ps.1.0 has 8 in all",
-        "the machines' limits are apart",
+        "machines count texture units and combiners separately",
         "counting",
     ),
     _yes(
         "tex with a mask, which is the whole register",
         "tex t0.rgba\nmov r0, t0",
         "spare0 = tex0;",
-        "it says the same",
+        "the mask changes nothing",
         "masks",
     ),
     _yes(
@@ -188,7 +192,7 @@ DIRECT3D_REFUSES = (
         "a texture register in a program without texture instructions",
         "mov r0, t0",
         "no texture instruction gives it, which Direct3D refuses (X5036)",
-        "without texture shaders a unit samples what is bound",
+        "without texture shaders a unit samples its bound texture",
         "texm3x3spec",
     ),
     _yes(
@@ -201,7 +205,7 @@ DIRECT3D_REFUSES = (
     _yes("a source's .rgb", "mov r0.rgb, v0.rgb", "r0's alpha is read", "nvparse reads it too", "selectors"),
 )
 
-_TI = "an operation of the GeForce 4 Ti, which no profile is"
+_TI = "an operation of the GeForce 4 Ti, which has no profile"
 DIRECT3D_ACCEPTS = (
     _no(
         "ps.1.2: texreg2rgb",
@@ -229,14 +233,14 @@ DIRECT3D_ACCEPTS = (
         "ps.1.2: _bx2 of what texbem reads",
         "ps.1.2\ntex t0\ntexbem t1, t0_bx2\nmov r0, t1",
         "as it is",
-        "an offset has no mapping; signed components say it",
+        "an offset has no mapping; give the texture signed components",
         "modifiers",
     ),
     _no(
         "cmp by components",
         "ps.1.2\ncmp r0, v0, v0, v1",
         "by the components",
-        "a combiner chooses by one alpha",
+        "a combiner chooses all components by one alpha",
         "cmp",
     ),
     _no(
@@ -257,24 +261,30 @@ DIRECT3D_ACCEPTS = (
         "dp4 into alpha or color alone",
         "ps.1.2\ndp4 r0.rgb, v0, v1",
         "part of its destination",
-        "the other part holds a product meanwhile",
+        "dp4 needs the other part for a product",
         "dp4",
     ),
     _no(
         "dp3 of color and of alpha as a pair",
         "dp3 r0.rgb, v0, v1\n+dp3 r0.a, v0, v1",
         "dp3 of alpha alone",
-        "alpha portions have no dot product; dp3 r0 says it",
+        "alpha portions have no dot product; write dp3 r0",
         "8.0",
     ),
     _no(
         "lrp by a mapped factor",
         "lrp r0, v0_bx2, v0, v1",
         "cannot compute one minus it",
-        "one minus it is no mapping",
+        "no mapping gives one minus a mapped register",
         "lrp",
     ),
-    _no("lrp by a negated factor", "lrp r0, -v0, v0, v1", "cannot compute one minus it", "as before", "lrp"),
+    _no(
+        "lrp by a negated factor",
+        "lrp r0, -v0, v0, v1",
+        "cannot compute one minus it",
+        "no mapping gives one minus a negated register",
+        "lrp",
+    ),
     _no(
         "a saturated register, negated, times a complement",
         "mov_sat r0, v0\nmul r0, -r0, 1-v0",
@@ -286,14 +296,14 @@ DIRECT3D_ACCEPTS = (
         "a modifier of a constant with negative components, undefined there",
         "def c0, -1, 0, 0, 1\nmov r0, c0_bx2",
         "with a modifier",
-        "its mapping stands for its sign",
+        "the mapping already gives the constant its sign",
         "modifiers",
     ),
     _no(
         "a pair whose alpha takes blue of a third constant",
         "mul r0.rgb, c0, c1\n+mul r0.a, c2.b, v0",
         "is the third",
-        "a combiner has two colors of constants",
+        "a combiner has only two constant colors",
         "registers",
     ),
     _no("ps.1.4", "ps.1.4\ntexld r0, t0", "ps.1.4", _NO_FIELD, "instructions"),
@@ -339,7 +349,13 @@ NVPARSE_REFUSES = (
         "Direct3D reads them",
         "ps lexer",
     ),
-    _yes("_sat before the scale", "mov_sat_x2 r0, v0", "scale_by_two", "it says the same", "ps lexer"),
+    _yes(
+        "_sat before the scale",
+        "mov_sat_x2 r0, v0",
+        "scale_by_two",
+        "the order of the two suffixes means nothing",
+        "ps lexer",
+    ),
     _yes(
         "several instructions on a line",
         "mov r0, v0 mul r0, r0, v1",
@@ -348,13 +364,17 @@ NVPARSE_REFUSES = (
         "ps grammar",
     ),
     _yes(
-        "no arithmetic instruction", "tex t0", "r0's alpha is read", "r0 is what nothing wrote", "ps grammar"
+        "no arithmetic instruction",
+        "tex t0",
+        "r0's alpha is read",
+        "r0 has its value at the start",
+        "ps grammar",
     ),
     _yes(
         "one constant three times",
         "mad r0, c0, c0, c0",
         "discard = const0 * const0; discard = const0;",
-        "one place holds it",
+        "the constant takes one place only",
         "ps program",
     ),
 )
@@ -371,7 +391,7 @@ NVPARSE_ACCEPTS = (
         "more sources than an instruction has",
         "mov r0, v0, v1",
         "','",
-        "nvparse takes the first ones",
+        "nvparse ignores the last ones",
         "ps grammar",
     ),
     _no(
@@ -393,7 +413,7 @@ NVPARSE_ACCEPTS = (
         "cnd by another register",
         "mov r1, v0\ncnd r0, r1.a, v0, v1",
         "which is r0.a",
-        "nvparse takes r0.a in its place",
+        "nvparse uses r0.a instead",
         "ps program",
     ),
     _no(
@@ -421,14 +441,14 @@ NVPARSE_ACCEPTS = (
         "rows of a matrix without the others",
         "tex t0\ntexm3x2pad t1, t0\nmov r0, t0",
         "texm3x2tex",
-        "NV_texture_shader calls it inconsistent",
+        "NV_texture_shader calls such stages inconsistent",
         "ps program",
     ),
     _no(
         "a source that no unit before gives",
         "texreg2ar t1, t0\nmov r0, t1",
         "(NONE)",
-        "nvparse prints a line and goes on",
+        "nvparse prints a line and continues",
         "ps program",
     ),
     _no(
@@ -460,7 +480,7 @@ NVPARSE_NOTATIONS = (
         "one.a, one.rgb, one.b",
         _RGB.format("spare0 = tex0 * one.a;"),
         "unsigned_invert(zero.a)",
-        "nvparse makes an invalid register of it",
+        "nvparse makes an invalid register of these",
         "rc register",
     ),
     _yes(
@@ -488,28 +508,28 @@ NVPARSE_NOTATIONS = (
         "an output's other component, .a of rgb, .b of alpha",
         _RGB.format("spare0.a = tex0;"),
         "writes .rgb only",
-        "nvparse ignores it, and the author meant something",
+        "nvparse ignores the component, which the author meant",
         "rc general",
     ),
     _no(
         "more than eight general combiners",
         "!!RC1.0" + "\n{ rgb { spare0 = tex0; } }" * 9 + "\nout.rgb = spare0;",
         "after 8",
-        "nvparse says so, and takes the first ones",
+        "nvparse prints an error, and takes the first eight",
         "rc general",
     ),
     _no(
-        "words that are none",
+        "a word that belongs to no statement",
         "!!RC1.0\nfoo\nout.rgb = tex0;",
         "found 'foo'",
-        "nvparse says so, and goes on without",
+        "nvparse prints an error, and skips the word",
         "rc lexer",
     ),
     _no(
         "the first stage of a group at the end",
         "!!TS1.0\ntexture_2d();\ndot_product_2d_1of2(tex0);",
         "without dot_product_2d_2of2",
-        "NV_texture_shader calls it inconsistent",
+        "NV_texture_shader calls such stages inconsistent",
         "ts list",
     ),
 )
@@ -526,7 +546,7 @@ OTHERWISE = (
         "texture instructions out of order",
         "tex t1\ntex t0\ntexreg2ar t2, t1\nmov r0, t2",
         "dependent_ar(tex1)",
-        "nvparse numbers units by instructions, tN is unit N",
+        "nvparse numbers units by their order in the text; here tN is unit N",
         "ps program",
     ),
     _yes(
@@ -536,7 +556,7 @@ OTHERWISE = (
         "nvparse exchanges the two values",
         "ps program",
     ),
-    _yes("-r0", "mov r0, -v0", "spare0 = -col0;", "nvparse takes 1 - r0", "ps program"),
+    _yes("-r0", "mov r0, -v0", "spare0 = -col0;", "nvparse computes 1 - r0", "ps program"),
     _yes(
         "_sat", "mov_sat r0, v0\nmul r0, r0, v1", "unsigned(spare0) * col1", "nvparse drops it", "ps program"
     ),
@@ -559,7 +579,7 @@ OTHERWISE = (
         "def c1, 0, 0, 1, 0\ntex t0\ntexm3x3pad t1, t0\ntexm3x3pad t2, t0\n"
         "texm3x3spec t3, t0, c1\nmov r0, t3",
         "const_eye_1of3(tex0, 0, 0, 1)",
-        "nvparse takes c0 by def alone, and sets nothing otherwise",
+        "nvparse takes only a c0 that def gives, and otherwise sets no eye",
         "ps program",
     ),
     _yes(
@@ -573,14 +593,14 @@ OTHERWISE = (
         "the eye of ..._const_eye_1of3",
         _group("dot_product_reflect_cube_map_const_eye", ", 1, 2, 3"),
         "const_eye_1of3(tex0, 1, 2, 3)",
-        "nvparse sets the zeros of its third stage",
+        "nvparse sets the third stage's zeros instead",
         "ts inst",
     ),
     _yes(
         "a constant that the text does not set",
         "!!RC1.0\nout.rgb = const0;",
         "out.rgb = const0;",
-        "it is 0 here; nvparse leaves what an earlier program set",
+        "here the constant is 0; nvparse leaves an earlier program's value",
         "rc combiners",
     ),
 )
@@ -605,7 +625,7 @@ REFUSALS = (
         NVPARSE_NOTATIONS,
     ),
     (
-        "Taken otherwise than nvparse takes it",
+        "Accepted by both, with another meaning",
         "Both accept it. Here it means what its own notation, or Direct3D, says.",
         OTHERWISE,
     ),
