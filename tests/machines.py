@@ -74,7 +74,7 @@ def _machines():
     ]
     head = (
         "profile",
-        "below",
+        "short name",
         "machine",
         "texture units",
         "general combiners",

@@ -370,7 +370,7 @@ def _texture_units():
             **_SAMPLING,
         )
     yield Feature(
-        name="edges that are no powers of two",
+        name="edge lengths that are no powers of two",
         group="Texture units",
         has=lambda p: not p.textures.power_of_two_textures,
         commands=_textured(texture_2d(_PICTURE[:3])),
@@ -420,7 +420,7 @@ def _texture_units():
     )
     for operation in ColorKeyOperation:
         yield Feature(
-            name=f"color keys that do {operation.name}",
+            name=f"color keys with operation {operation.name}",
             group="Texture units",
             has=lambda p, operation=operation: operation in p.textures.color_key_operations,
             commands=_textured(unit=_unit(color_key=ColorKey((0.0,) * 4, operation))),
@@ -526,23 +526,23 @@ def _formats():
             InternalFormat.COLOR_INDEX8,
             paletted_texture([_WORDS & 3], [0xFF00FF00, 0xFFFF0000, 0xFF0000FF, 0xFFFFFFFF]),
         ),
-        "words of sixteen bits (HILO16)": (
+        "components of sixteen bits (HILO16)": (
             InternalFormat.HILO16,
             texture_of_words(_WORDS, TexelWord.R16B16),
         ),
-        "offsets with signs, words V8U8 (DSDT8)": (
+        "signed offsets, words V8U8 (DSDT8)": (
             InternalFormat.DSDT8,
             texture_of_words(_WORDS, TexelWord.V8U8),
         ),
-        "offsets and a magnitude, words L6V5U5 and X8L8V8U8 (DSDT8_MAG8)": (
+        "signed offsets and a magnitude, words L6V5U5 and X8L8V8U8 (DSDT8_MAG8)": (
             InternalFormat.DSDT8_MAG8,
             texture_of_words(_WORDS, TexelWord.L6V5U5),
         ),
-        "colours with signs, words Q8W8V8U8 (SIGNED_RGBA8)": (
+        "signed colours, words Q8W8V8U8 (SIGNED_RGBA8)": (
             InternalFormat.SIGNED_RGBA8,
             texture_of_words(_WORDS, TexelWord.Q8W8V8U8),
         ),
-        "words of sixteen bits with signs, V16U16 (SIGNED_HILO16)": (
+        "signed components of sixteen bits, words V16U16 (SIGNED_HILO16)": (
             InternalFormat.SIGNED_HILO16,
             texture_of_words(_WORDS, TexelWord.V16U16),
         ),
@@ -828,7 +828,7 @@ def _shaders():
 
 def _vertices():
     yield Feature(
-        name="9 lights",
+        name="more than 8 lights",
         group="Vertices",
         has=lambda p: p.vertices.max_lights >= 9,
         commands=_lit(lights=(Light(),) * 9),
@@ -837,7 +837,7 @@ def _vertices():
         **_VERTICES,
     )
     yield Feature(
-        name="7 clip planes",
+        name="more than 6 clip planes",
         group="Vertices",
         has=lambda p: p.vertices.max_clip_planes >= 7,
         commands=(_draw(vertex=VertexState(clip_planes=((0.0, 0.0, 0.0, 1.0),) * 7)),),
@@ -1016,7 +1016,7 @@ def _fragments():
         **_FRAGMENTS,
     )
     yield Feature(
-        name="the source times itself (SRC_COLOR as source factor)",
+        name="SRC_COLOR as source factor (the source times itself)",
         group="Fragments",
         has=lambda p: BlendFactor.SRC_COLOR in p.fragments.blend_factors_source,
         commands=(_draw(blending=Blending(BlendFactor.SRC_COLOR)),),
@@ -1211,7 +1211,7 @@ def _framebuffers():
             **_SURFACES,
         )
     yield Feature(
-        name="a depth buffer that framebuffers share",
+        name="one depth buffer for several framebuffers",
         group="Framebuffers",
         has=lambda p: p.framebuffers.shared_depth,
         commands=(MakeCurrent(label="use", surface="s", width=8, height=4, shares_depth=True), _draw()),
