@@ -41,6 +41,19 @@ from fixedpipe.effects.cli.options import (
     help="How many separable products are added. Default: two, or one homomorphic product if that is better.",
 )
 @click.option(
+    "--way",
+    metavar="WAY",
+    help="How the reflectance is split into factors: homomorphic, halfway (separable by halfway and "
+    "difference vector) or directions (separable by light and view). Default: the smallest error.",
+)
+@click.option(
+    "--error-at-most",
+    "most",
+    type=click.FloatRange(min=0.0),
+    metavar="E",
+    help="Draw nothing if the RMS error of the factors is more than E of the reflectance's.",
+)
+@click.option(
     "--color",
     metavar="R,G,B",
     default="1,1,1",
@@ -101,6 +114,8 @@ def material(
     settings,
     mesh_name,
     terms,
+    way,
+    most,
     color,
     lights,
     environment,
@@ -129,6 +144,7 @@ def material(
     from fixedpipe.effects.reports.files import writable_picture, write_whole
     from fixedpipe.effects.user_pictures import shown_material
     from fixedpipe.effects.user_pictures.drawing import drawn
+    from fixedpipe.effects.user_pictures.factored_brdf import Factorisation
     from fixedpipe.effects.user_pictures.inputs import MESH_KINDS, read_mesh
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
@@ -145,8 +161,12 @@ def material(
     machine = choose("profile", profile, PROFILES)
     if machine.arithmetic.exact:
         refuse_ignored(
-            context, ("terms",), "IDEAL draws the reflectance itself, without factors; leave it out"
+            context,
+            ("terms", "way", "most"),
+            "IDEAL draws the reflectance itself, without factors; leave it out",
         )
+    ways = {each.name.lower(): each for each in Factorisation}
+    factorisation = way and choose("way", way, ways)
     if environment is None:
         refuse_ignored(
             context, ("count", "layout"), "they are of an --environment; leave it out, or give one"
@@ -184,7 +204,13 @@ def material(
             announce_compiling()
             with progress_of_long(2) as step:
                 step("the factors of the reflectance")
-                found = shown_material.factored(brdf, terms)
+                found = shown_material.factored(brdf, terms, factorisation)
+                if most is not None and found.error > most:
+                    said = shown_material.said_of(reflectance, found)
+                    raise Refusal(
+                        f"{said}: more than {most:g}. Give more --terms, another reflectance, or a larger "
+                        "--error-at-most."
+                    )
                 step("the frame's commands")
                 frame = shown_material.commands(
                     found, surface, lighting, machine, size, size, color=tint, eye=eye

@@ -136,18 +136,23 @@ def reflectance(name, settings=None):
     return AnalyticBRDF(row, values)
 
 
-def factored(brdf, terms=None):
+def factored(brdf, terms=None, way=None):
     """The Factored of a BRDF by the way of the smallest error.
 
     terms  None: of all three ways, separable factors with two terms; a number: of the two separable ways,
            with so many
+    way    the Factorisation to take instead of the best one
 
-    Raises ValueError for a number of terms that is not from 1 to 8.
+    Raises ValueError for a number of terms that is not from 1 to 8, or for terms of a homomorphic product.
     """
     if terms is None:
-        return factored_brdf.factored(brdf)
+        return factored_brdf.factored(brdf, way)
     if isinstance(terms, bool) or not 1 <= terms <= MOST_TERMS:
         raise ValueError(f"{terms} terms are asked for; give 1 to {MOST_TERMS}.")
+    if way is Factorisation.HOMOMORPHIC:
+        raise ValueError("A homomorphic product has no terms; leave them out, or take another way.")
+    if way is not None:
+        return factored_brdf.factored(brdf, way, terms=terms)
     found = [
         factored_brdf.factored(brdf, way, terms=terms)
         for way in (Factorisation.HALFWAY, Factorisation.DIRECTIONS)

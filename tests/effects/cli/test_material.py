@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -210,6 +211,20 @@ def test_it_says_how_it_was_drawn_and_how_well(tmp_path):
     assert error < 1e-3
 
 
+def test_a_way_is_taken_and_too_large_an_error_is_refused(tmp_path, monkeypatch):
+    taken, out = [], tmp_path / "a.png"
+
+    def factored(brdf, way=None, terms=2):
+        taken.append((way, terms))
+        return factored_brdf.Factored(SimpleNamespace(terms=terms), way, 0.5)
+
+    monkeypatch.setattr(factored_brdf, "factored", factored)
+    asked = ("material", "phong", "--set", "exponent=20", "--way", "halfway", "--terms", 1, "--out", out)
+    sentence = refusal_of(*asked, "--error-at-most", 0.1)
+    assert taken == [(Factorisation.HALFWAY, 1)]
+    assert ": more than 0.1. Give more --terms, another" in sentence and not out.exists()
+
+
 def test_files_are_drawn(tmp_path):
     class Matt:
         def at(self, lights, views):
@@ -278,6 +293,9 @@ def test_the_list_has_every_model_and_parameter():
         (("ward", "--set", "alpha_x=nan"), "from 0.05 to 1"),
         (("ward", "--set", "alpha_x=1,1"), "give a number"),
         (("lafortune", "--set", "coefficients=1"), "give 3 numbers"),
+        (("ward", "--way", "halfwy"), "Did you mean halfway?"),
+        (("ward", "--way", "homomorphic", "--terms", 2), "A homomorphic product has no terms"),
+        (("ward", "--way", "halfway", "--profile", "IDEAL"), "--way would be ignored"),
         (("ward", "--mesh", "cone"), "There is no mesh 'cone'"),
         (("ward", "--mesh", "none.obj"), "none.obj cannot be read"),
         (("ward", "--color", "1,2,1"), "from 0 to 1"),
