@@ -116,7 +116,7 @@ def bump(
         way_of,
     )
     from fixedpipe.effects.user_pictures.drawing import drawn
-    from fixedpipe.effects.user_pictures.inputs import MESH_KINDS, read_mesh, read_picture
+    from fixedpipe.effects.user_pictures.inputs import MESH_KINDS, read_corners, read_picture
     from fixedpipe.pipeline.framebuffers.pictures import png
     from fixedpipe.pipeline.profiles import PROFILES
 
@@ -131,10 +131,14 @@ def bump(
     with refusals():
         way = way_of(machine)
         parameters = replace(material(material_name), **{k: v for k, v in changed.items() if v is not None})
-        is_file = mesh_name.lower().endswith(MESH_KINDS)
-        surface = read_mesh(mesh_name, smooth=True, tell=told.append) if is_file else mesh(mesh_name)
-        if is_file and not (report := examine_surface(surface)).clean:
-            click.echo(f"{mesh_name}: {report.text()}", err=True)
+        if mesh_name.lower().endswith(MESH_KINDS):
+            corners = read_corners(mesh_name)
+            surface = corners.surface(mesh_name, smooth=True)
+            told.append(f"{mesh_name}: {corners.text(smooth=True)}")
+            if not (report := examine_surface(surface)).clean:
+                click.echo(f"{mesh_name}: {_MADE * (not corners.has_coordinates)}{report.text()}", err=True)
+        else:
+            surface = mesh(mesh_name)
         picture = read_picture(photo)
         frame = commands(
             picture,
@@ -161,3 +165,6 @@ def bump(
         click.echo(f"{drawing.dropped} triangles were left out: the camera is inside them.", err=True)
     filtered = "" if how is Antialiasing.NONE else f", antialiased by {how.value}"
     click.echo(f"{path}: {way.title}{filtered}, {drawing.summary}")
+
+
+_MADE = "spherical texture coordinates, because the file does not give every corner its own: "

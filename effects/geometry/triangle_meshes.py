@@ -203,8 +203,13 @@ class Corners:
         normals = None if smooth and not given.any() else self.normals
         if normals is not None and not given.all():
             normals = np.where(given[..., None], normals, _crease_normals(self.points))
-        whole = self._has(self.coordinates).all()
-        return from_triangles(self.points, self.coordinates if whole else None, normals, name)
+        coordinates = self.coordinates if self.has_coordinates else None
+        return from_triangles(self.points, coordinates, normals, name)
+
+    @property
+    def has_coordinates(self) -> bool:
+        """Whether the file gives texture coordinates to every corner."""
+        return bool(self._has(self.coordinates).all())
 
     def text(self, smooth: bool = False) -> str:
         """How the file was understood, on one line."""

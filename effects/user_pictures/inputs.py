@@ -123,6 +123,15 @@ def read_mesh(name, smooth=False, tell=None):
     ``tell`` is called with a line that says how the file was understood. Raises Refusal for anything else,
     and ValueError with a sentence if the mesh has no faces, vertices that are not finite, or no area.
     """
+    corners = read_corners(name)
+    surface = corners.surface(name, smooth)
+    if tell is not None:
+        tell(f"{name}: {corners.text(smooth)}")
+    return surface
+
+
+def read_corners(name):
+    """The Corners of an OBJ or a PLY file, of which ``read_mesh`` makes a surface. Raises as it does."""
     from fixedpipe.effects.geometry.triangle_meshes import obj_corners
     from fixedpipe.effects.user_pictures.ply_files import read_ply
 
@@ -147,7 +156,4 @@ def read_mesh(name, smooth=False, tell=None):
         raise Refusal(
             f"{name} has {len(corners.points)} triangles; up to {_MOST_TRIANGLES} are drawn. Make it coarser."
         )
-    surface = corners.surface(name, smooth)
-    if tell is not None:
-        tell(f"{name}: {corners.text(smooth)}")
-    return surface
+    return corners

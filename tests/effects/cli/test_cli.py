@@ -776,6 +776,17 @@ def test_what_is_wrong_with_an_obj_files_texture_coordinates_is_said(photo, tmp_
         assert result.exit_code == 0
         assert words in result.stderr
         assert bool(words) == ("texture" in result.stderr)
+        assert "spherical" not in result.stderr
+
+
+def test_texture_coordinates_that_a_file_does_not_give_are_not_called_its_own(photo, tmp_path):
+    (tmp_path / "mesh.obj").write_text(
+        "v -1 -1 1\nv 1 -1 1\nv 0 1 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 3 2 4\nf 1 3 4\n"
+    )
+    result = run(*bump(photo, tmp_path / "out.png", "--mesh", tmp_path / "mesh.obj"))
+    assert result.exit_code == 0
+    made = "mesh.obj: spherical texture coordinates, because the file does not give every corner its own: "
+    assert made in result.stderr
 
 
 def test_an_obj_file_is_a_mesh(photo, tmp_path):
