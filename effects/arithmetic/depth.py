@@ -260,10 +260,10 @@ DEPTHS = (
         id="slope-of-w",
         stage="Depth",
         numbers="N5.9",
-        formula="with W buffering, of a 2x2 block where the triangle begins in a box (left, top, right, "
-        "bottom): max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q of "
-        "iteration-weights, of which none takes the rest; along x dq0 of the lower row, dq2 of the upper, "
-        "along y of the left and the right column",
+        formula="W buffering's slope, from the 2x2 block where the triangle begins in a box (left, top, "
+        "right, bottom): max of |dq0 (w0 - w1) + dq2 (w2 - w1)| along x and y, cut to 24 bits; q as in "
+        "iteration-weights, but no q is the rest; along x dq0 is the lower row's and dq2 the upper row's, "
+        "along y dq0 is the left column's and dq2 the right column's",
         in_words=True,
         evidence="Measured: every depth of 31 of 32 buffers with a slope's factor; Inferred: which block",
         captures=(

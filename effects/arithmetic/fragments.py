@@ -241,7 +241,7 @@ def _surface(color_format):
         id=f"surface-{name.lower().replace('_', '-')}",
         stage="Blending",
         numbers="N10.5",
-        formula="bytes from red, the lowest: their components' upper bits, zeros below; padding by name",
+        formula="four bytes, red lowest: each component's upper bits, filled up with zeros; padding by name",
         in_words=True,
         evidence="Measured: 16 Blend_surface pictures of 16384 pixels",
         captures=("Blend_surface", "Surface_format"),

@@ -297,8 +297,8 @@ UNITS = (
         id="lighting-multiply-add",
         stage="Vertices",
         numbers="N2.25",
-        formula="|a| < 2^i, |b| < 2^j, |c| < 2^m, the least: a without its last m + 1 - i - j of 14 bits, "
-        "or c without its last i + j - m - 1; a b + c exact, cut to 14",
+        formula="for the least i, j, m with |a| < 2^i, |b| < 2^j, |c| < 2^m: a loses the last m + 1 - i - j "
+        "of its 14 bits, or c its last i + j - m - 1; then a b + c, exact and cut to 14",
         in_words=True,
         evidence=_LIT_SUMS,
         captures=_QUOTIENTS,
