@@ -99,8 +99,8 @@ def findings(table):
             f"With LESS, {row['lit, map empty']:.0f} % is lit at the far plane under a {light} light."
             for light, row in lost.items()
         ),
-        "A parallel light's r is not divided. A spot light's is r over q, cut to 24 bits, and may lie below the "
-        "farthest depth.",
+        "A parallel light's r is not divided. A spot light's is r over q, cut to 24 bits, and may lie below "
+        "the farthest depth.",
         "A square in the map without an offset is lit by equality alone. Within the planes, "
         f"{bare['LEQUAL']:.0f} % of it is lit with LEQUAL and {bare['LESS']:.0f} % with LESS.",
     )
