@@ -11,8 +11,7 @@ module is imported when the name is first asked for, so states can be made witho
   what is refused     UnsupportedState is raised; DisabledTexture is a warning
   Command: any of     Clear, Draw, DrawPixels, Bitmap, CopyPixels, Accum, ReadPixels, MakeCurrent (a pbuffer)
     of textures       TexImage, CopyTexImage, CopyTexSubImage, BindTexImage, GetTexImage
-    others            ResetHistogram, ResetMinmax, Saturate, HostStep: what the application computes
-    many Draws        MultiDraw: runs of a mesh, with matrices and constant colours as arrays
+    others            ResetHistogram, ResetMinmax, Saturate, MultiDraw, HostStep: the application's work
   what they take      Mesh, Texture, PixelImage, PixelTransfer
     makers of it      texture_1d, texture_2d, texture_3d, texture_cube_map
   a Draw's PassState  VertexState: transformation, lighting, clipping

@@ -6,7 +6,7 @@ the same as arrays, so that Python does nothing for a single one of them.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from itertools import chain
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -93,8 +93,8 @@ class MultiDraw:
         for number, state in enumerate(states):
             if type(state) is not PassState or type(state.vertex) is not VertexState:
                 raise ValueError(f"states[{number}] is no PassState with a VertexState; give one.")
-        runs = _numbers(np.arange(count) if runs is None else runs, count, "runs", "runs")
-        rows = len(runs)
+        drawn = _numbers(np.arange(count) if runs is None else runs, count, "runs", "runs")
+        rows = len(drawn)
         zeros = np.zeros(rows, np.int64)
         numbers = _numbers(zeros if state_numbers is None else state_numbers, len(states), *_OF_STATES)
         if len(numbers) != rows:
@@ -111,7 +111,7 @@ class MultiDraw:
                         f"states[{number}] has no register_combiners, whose constant colours these are; give "
                         "it a RegisterCombiners, or leave the constant colours None."
                     )
-        given |= {"label": label, "mesh": mesh, "states": states, "runs": runs, "state_numbers": numbers}
+        given |= {"label": label, "mesh": mesh, "states": states, "runs": drawn, "state_numbers": numbers}
         for name, value in given.items():
             object.__setattr__(self, name, value)
 
@@ -142,24 +142,27 @@ class RowDraws:
             self._meshes[run] = _mesh_of_run(of.mesh, run)
         state = of.states[int(of.state_numbers[row])]
         if of.modelview is not None:
-            matrix = tuple(map(tuple, of.modelview[row].tolist()))
+            matrix: Any = tuple(map(tuple, of.modelview[row].tolist()))
             state = replace(state, vertex=replace(state.vertex, modelview=matrix))
-        colors = {
+        colors: dict[str, Any] = {
             name: tuple(getattr(of, name)[row].tolist())
             for name in ("constant_color0", "constant_color1")
             if getattr(of, name) is not None
         }
-        if colors:
+        if colors and state.register_combiners is not None:
             state = replace(state, register_combiners=replace(state.register_combiners, **colors))
         return Draw(label=of.label, mesh=self._meshes[run], state=state)
 
 
 def with_draws(commands: Iterable[Command | MultiDraw]) -> tuple[Command, ...]:
     """The commands, with the Draws that a MultiDraw stands for in its place."""
-    given = tuple(commands)
-    if MultiDraw not in map(type, given):
-        return given
-    return tuple(chain.from_iterable([c.draws() if type(c) is MultiDraw else (c,) for c in given]))
+    found: list[Command] = []
+    for command in commands:
+        if isinstance(command, MultiDraw):
+            found += command.draws()
+        else:
+            found.append(command)
+    return tuple(found)
 
 
 _PER_VERTEX = (
@@ -179,7 +182,7 @@ def _mesh_of_run(mesh, run):
         used = mesh.indices[begin:end]
         first, last = (int(used.min()), int(used.max()) + 1) if len(used) else (0, 0)
         indices = used - first
-    arrays = {name: getattr(mesh, name) for name in _PER_VERTEX}
-    cut = {name: None if array is None else array[first:last] for name, array in arrays.items()}
+    arrays = [(name, getattr(mesh, name)) for name in _PER_VERTEX]
+    cut: dict[str, Any] = {name: array if array is None else array[first:last] for name, array in arrays}
     sets = [array[first:last] for array in mesh.texture_coordinates]
     return Mesh(primitive=mesh.primitive, indices=indices, texture_coordinates=sets, **cut)

@@ -83,15 +83,15 @@ PACKAGES = {
     "pipeline/ideal": {
         "raster": "codes fixed floats rows kernel observer primitives portable columns",
         "pipeline": (
-            "enums state pixel_transfer textures commands profiles programs vertices framebuffers validation "
-            "native columns"
+            "enums state pixel_transfer textures commands multi_draw profiles programs vertices framebuffers "
+            "validation native columns"
         ),
     },
     "pipeline/inspection": {
         "raster": "codes observer columns",
         "pipeline": (
-            "enums messages state textures commands profiles programs notations description vertices "
-            "framebuffers validation native columns execution ideal"
+            "enums messages state textures commands multi_draw profiles programs notations description "
+            "vertices framebuffers validation native columns execution ideal"
         ),
     },
     "pipeline/traces": {},

@@ -35,7 +35,7 @@ from fixedpipe.pipeline.description.states import differences, mask_words, numbe
 from fixedpipe.pipeline.description.words import format_number, format_value
 from fixedpipe.pipeline.enums import AccumOperation, ColorBuffer, DepthFormat, TextureTarget, WindowOrigin
 from fixedpipe.pipeline.messages import count
-from fixedpipe.pipeline.multi_draw import with_draws
+from fixedpipe.pipeline.multi_draw import MultiDraw, with_draws
 from fixedpipe.pipeline.pixel_transfer import INITIAL_TRANSFER
 from fixedpipe.pipeline.state import (
     ColorMask,
@@ -298,7 +298,7 @@ def describe_program(
     return "".join(f"{line}\n" for line in lines)
 
 
-def describe(commands: Iterable[Command], *, folded: bool = False) -> str:
+def describe(commands: Iterable[Command | MultiDraw], *, folded: bool = False) -> str:
     """The commands as text: a numbered block for each, its label, and differences from the initial state.
 
     Commands are numbered from 0, as in the messages of ``UnsupportedState``. ``folded`` describes a few

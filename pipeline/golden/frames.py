@@ -14,6 +14,7 @@ from fixedpipe.pipeline.framebuffers.result import Result
 from fixedpipe.pipeline.golden.provenance import provenance
 from fixedpipe.pipeline.golden.store import Passed
 from fixedpipe.pipeline.inspection.stage_digests import SHORT, stage_digests
+from fixedpipe.pipeline.multi_draw import MultiDraw
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.validation.frames import frame_of
 
@@ -21,7 +22,7 @@ PLANES = ("colors", "depths", "stencil values")
 
 
 def drawn_with_digests(
-    commands: Iterable[Command], profile: Profile, width: int, height: int, **machine: Any
+    commands: Iterable[Command | MultiDraw], profile: Profile, width: int, height: int, **machine: Any
 ) -> tuple[Result, tuple[Passed, ...]]:
     """Run ``commands`` as ``execute`` does; returns the Result and the digests after each command.
 
@@ -42,7 +43,7 @@ def drawn_with_digests(
 
 def with_stages(
     passes: Sequence[Passed],
-    commands: Iterable[Command],
+    commands: Iterable[Command | MultiDraw],
     profile: Profile,
     width: int,
     height: int,

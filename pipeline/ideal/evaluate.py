@@ -45,6 +45,7 @@ from fixedpipe.pipeline.ideal.result import IdealResult
 from fixedpipe.pipeline.ideal.shade import plan_for, shade
 from fixedpipe.pipeline.ideal.textures import copied_texture, replaced_texture, texture_pixels, with_ideal
 from fixedpipe.pipeline.ideal.weights import fragments_of, mesh_of, pixels_of, share_covered, weigh
+from fixedpipe.pipeline.multi_draw import MultiDraw
 from fixedpipe.pipeline.native.coverage import rasterize
 from fixedpipe.pipeline.native.threads import Threads, default_threads
 from fixedpipe.pipeline.profiles import IDEAL
@@ -297,7 +298,7 @@ OPERATIONS = {
 
 
 def execute_ideal(
-    commands: Iterable[Command],
+    commands: Iterable[Command | MultiDraw],
     width: int,
     height: int,
     *,

@@ -15,6 +15,7 @@ from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.ideal.evaluate import execute_ideal
 from fixedpipe.pipeline.inspection.exact import unclamped
 from fixedpipe.pipeline.inspection.stage_errors import stage_errors
+from fixedpipe.pipeline.multi_draw import MultiDraw
 from fixedpipe.pipeline.profiles.profile import Profile
 from fixedpipe.pipeline.validation.frames import frame_of
 
@@ -204,13 +205,13 @@ def _left(commands, profile, width, height, kind, ideal, given):
 
 
 def frame_maps(
-    commands: Iterable[Command],
+    commands: Iterable[Command | MultiDraw],
     profile: Profile,
     width: int,
     height: int,
     kind: str,
     *,
-    ideal: Iterable[Command] | None = None,
+    ideal: Iterable[Command | MultiDraw] | None = None,
     **machine: Any,
 ) -> tuple[Map, ...]:
     """Run ``commands`` and return a Map for each command, in order.

@@ -17,6 +17,7 @@ from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.inspection.exact import unclamped
+from fixedpipe.pipeline.multi_draw import MultiDraw
 from fixedpipe.pipeline.notations.register_combiner_words import REGISTER_NAMES
 from fixedpipe.pipeline.profiles.profile import Profile
 
@@ -167,7 +168,7 @@ _TOLD = {
 
 
 def register_uses(
-    commands: Iterable[Command], profile: Profile, width: int, height: int, **machine: Any
+    commands: Iterable[Command | MultiDraw], profile: Profile, width: int, height: int, **machine: Any
 ) -> tuple[RegisterUse, ...]:
     """Run ``commands`` on the column engine, and report every register's values after every stage.
 

@@ -14,6 +14,7 @@ from fixedpipe.pipeline.commands import Command
 from fixedpipe.pipeline.enums import Clamp
 from fixedpipe.pipeline.execution.machine import Machine
 from fixedpipe.pipeline.inspection.registers import RegisterWitness
+from fixedpipe.pipeline.multi_draw import MultiDraw
 from fixedpipe.pipeline.profiles.profile import Profile
 
 SHORT = 8  # hexadecimal digits that are kept: they name a stage, and decide nothing
@@ -42,7 +43,7 @@ class _Digests(RegisterWitness):
 
 
 def stage_digests(
-    commands: Iterable[Command], profile: Profile, width: int, height: int, **machine: Any
+    commands: Iterable[Command | MultiDraw], profile: Profile, width: int, height: int, **machine: Any
 ) -> dict[int, dict[str, str]]:
     """Run ``commands`` on the column engine: {number of the command: {stage: digest of its results}}.
 

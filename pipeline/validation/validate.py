@@ -123,7 +123,7 @@ VALIDATIONS = {
 
 
 def validate(
-    commands: Iterable[Command],
+    commands: Iterable[Command | MultiDraw],
     profile: Profile,
     width: int,
     height: int,
@@ -184,7 +184,9 @@ def begun(
     return walk
 
 
-def walked(walk: Walk, commands: Iterable[Command], since: str = "", first: int = 0) -> list[Known]:
+def walked(
+    walk: Walk, commands: Iterable[Command | MultiDraw], since: str = "", first: int = 0
+) -> list[Known]:
     """Go through the commands, and refuse the first that the machine could not execute.
 
     - ``since``, ``first``: how messages count the commands: from which place, and from which number.
@@ -252,7 +254,7 @@ class ValidFrame:
     need no second check. So a frame's time grows with its commands, and not with commands times HostSteps.
     """
 
-    def __init__(self, commands: Iterable[Command], begin: Callable[[Iterable[str]], Walk]):
+    def __init__(self, commands: Iterable[Command | MultiDraw], begin: Callable[[Iterable[str]], Walk]):
         """Check the commands; ``begin`` makes a Walk of the machine, from the names of pixels read so far.
 
         Raises UnsupportedState for a command that the machine could not execute.

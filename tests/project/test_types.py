@@ -126,7 +126,7 @@ def test_mypy_finds_the_folders_under_their_name(tmp_path):
 def test_help_names_a_command_and_not_all_kinds_of_commands():
     for function in (pipeline.execute, pipeline.execute_ideal, pipeline.validate, pipeline.describe):
         first = pydoc.plain(pydoc.render_doc(function)).splitlines()[2]
-        assert "Iterable[Command]" in first and "Clear" not in first and len(first) < 500, first
+        assert "Iterable[Command | MultiDraw]" in first and "Clear" not in first and len(first) < 500, first
 
 
 def test_help_of_the_door_is_a_page_that_names_all_it_has():
