@@ -10,6 +10,7 @@ import hashlib
 import importlib
 import re
 import sys
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -70,6 +71,17 @@ def digests(choices, figures):
     return [total.hexdigest() for total in totals]
 
 
+def asks(module):
+    """Whether a module has ``fused``, or a kernel that names it and whose code LLVM may put into the module's
+    own.
+    """
+    if module is lanes:
+        return False
+    functions = [value.py_func for value in vars(module).values() if hasattr(value, "inspect_asm")]
+    names = [[function.__globals__.get(n) for n in function.__code__.co_names] for function in functions]
+    return any(value is lanes.fused for value in (*vars(module).values(), *chain(*names)))
+
+
 def fused_operations():
     """(kernels read, lines of machine code, fused multiply-adds among them, and those in functions of modules
     that ask for them) over everything in raster/.
@@ -85,7 +97,7 @@ def fused_operations():
     asking = [
         "".join(f"{len(part)}{part}" for part in name.split("."))  # as a function's symbol begins
         for name, module in modules.items()
-        if getattr(module, "fused", None) is lanes.fused and module is not lanes
+        if asks(module)
     ]
     for module in modules.values():
         for value in vars(module).values():
