@@ -257,7 +257,7 @@ class Machine:
                 if kind not in _QUEUED:
                     self._flush()
                 self.observer("command", command=command)
-                METHODS[kind](self, command, frame)
+                _ALL_METHODS[kind](self, command, frame)
                 if callable(trace):
                     trace(command, partial(self._snapshot, command))
                 elif trace:
@@ -523,8 +523,8 @@ METHODS = {
     BindTexImage: Machine._bind_tex_image,
     ResetHistogram: Machine._reset_histogram,
     ResetMinmax: Machine._reset_minmax,
-    MultiDraw: Machine._multi_draw,
 }
+_ALL_METHODS = {**METHODS, MultiDraw: Machine._multi_draw}  # a MultiDraw stands for commands, and is none
 # Commands that wait in the queue, or read no framebuffer. Before any other command everything is drawn.
 _QUEUED = frozenset({Draw, MultiDraw, Clear, Saturate, TexImage, GetTexImage})
 
