@@ -24,7 +24,8 @@ class Cluster:
     among              the addresses of the workers that count; None: all
     waits_for_workers  whether to wait for ever where there is none
 
-    Raises Refusal if the scheduler does not answer for SECONDS_UNTIL_LOST, or has had no worker for as long.
+    Raises Refusal where the scheduler does not answer for SECONDS_UNTIL_LOST, and where it has had no worker
+    for as long.
     """
 
     def __init__(self, client, among=None, *, waits_for_workers=True):
@@ -49,8 +50,8 @@ class Cluster:
         return self._counted
 
     def known(self):
-        """The scheduler's information about its workers, by address. If the connection has just been lost,
-        the earlier information, because Dask's client then ends its calls.
+        """What the scheduler knows of its workers, by address. Where the connection has just been lost, what
+        it knew before: Dask's client then ends its calls.
         """
         try:
             self._known = self._client.sync(self._ask, callback_timeout=SECONDS_UNTIL_LOST)

@@ -68,7 +68,7 @@ def opened(text: str | None, threads: int | None = None, say=print) -> Iterator[
     text     one of WRITTEN
     threads  that each call may use; None: as many as give each processor of this computer one in all, and
              one with dask and mpi, whose workers are elsewhere
-    say      called with a sentence, for instance about a worker that is left out
+    say      called with a sentence, as of a worker that is left out
 
     Raises Refusal for another text, for a library that is not installed, and for a scheduler that cannot be
     reached.

@@ -1,7 +1,7 @@
 """The results of finished tasks in a file, by the tasks' digests, so that work goes on where it stopped.
 
-The file is an SQLite database. Committed tasks stay however the process ends, and half-written ones are
-rolled back when the file is opened again. Results are committed together, once a second.
+The file is an SQLite database. What was committed stays, whatever ends the process, and what was half written
+is rolled back when the file is opened again. Results are committed together, once a second.
 """
 
 import json
@@ -32,9 +32,9 @@ CREATE TABLE IF NOT EXISTS contents (
 class Manifest:
     """Finished tasks: their Outcomes by digest.
 
-    path        of the file, made if it is missing; None: only in memory
-    about       the work in words; the file of other work is refused
-    with_files  whether it also stores the bytes of the tasks' files; otherwise only their names
+    path        of the file, made if it is missing; None: kept in memory alone
+    about       what work it is of, in words; the file of other work is refused
+    with_files  whether it holds the bytes of the tasks' files too; without, their names alone
 
     One client at a time has the file open. Raises Refusal for a file that another client has open, that
     cannot be read or written, that is damaged or something else, or that is of other work.
@@ -87,8 +87,8 @@ class Manifest:
         return Refusal(f"{self.path} cannot be written: {said}. What was done before is kept in it.")
 
     def find(self, digest):
-        """The Outcome of a finished task, its files by name, without their bytes if the manifest does not
-        store them; None: it is not finished.
+        """The Outcome of a finished task, its files by name, without their bytes where the manifest does not
+        hold them; None: it is not done.
         """
         row = self._file.execute(
             "SELECT value, refused, seconds, worker, files FROM done WHERE digest = ?", (digest,)
@@ -131,7 +131,7 @@ class Manifest:
             raise self._refusal(error) from error
 
     def commit(self):
-        """Write the stored tasks to the disc. Raises Refusal where that cannot be."""
+        """Write what was kept to the disc. Raises Refusal where that cannot be."""
         try:
             self._file.commit()
         except sqlite3.Error as error:

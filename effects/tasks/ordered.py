@@ -23,9 +23,9 @@ def in_order(
 ) -> Iterator[Outcome]:
     """The Outcomes of tasks, in their order; each has a value.
 
-    tasks     read a few ahead of the Outcomes that were taken
+    tasks     asked for a few ahead of the Outcomes that were taken
     workers   None: computed here, one after the other
-    manifest  where finished tasks are found and stored, with their files; None: nowhere
+    manifest  where finished tasks are found, with their files, and kept; None: nowhere
 
     Raises Refusal, which names the task, for one that is refused, fails, or whose worker ended three times.
     """

@@ -27,7 +27,7 @@ class Processes(Executor):
     """``count`` processes, each a pool of one, so that it is known which call ended with a process.
 
     threads    how many each call may use
-    most_held  most bytes that a process may have used at once; beyond that a new process replaces it
+    most_held  bytes that a process may have held at once; after that another takes its place
     begin      a function and its arguments: what each process calls before its first call
 
     A call whose process ended raises BrokenProcessPool, and another process takes the place. The processes
@@ -61,7 +61,7 @@ class Processes(Executor):
         return future
 
     def shutdown(self, wait=True, *, cancel_futures=False):
-        """As ``Executor.shutdown``; with ``cancel_futures`` running computations are stopped, too."""
+        """As ``Executor.shutdown``; with ``cancel_futures`` what is being computed is stopped, too."""
         with self._lock:
             self._ended = True
             if cancel_futures:
@@ -150,7 +150,7 @@ def _call(function, arguments, keywords):
 
 
 def most_held():
-    """The most bytes that this process has used; 0 if the system does not say."""
+    """The bytes that this process has held at most; 0 where the system does not say."""
     if resource is None:
         return 0
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)

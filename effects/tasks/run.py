@@ -28,7 +28,7 @@ SECONDS_BETWEEN_LOOKS = 2.0  # at workers, while none of them answers
 def finished(calls: Iterable[Future], workers: Callable[[], int]) -> set[Future]:
     """Wait until some of these calls are finished, and return those.
 
-    workers  is called now and then; it raises if no worker is left to finish them
+    workers  is called now and then: it raises where nobody is left who could finish them
     """
     while True:
         done, _ = wait(calls, SECONDS_BETWEEN_LOOKS, FIRST_COMPLETED)
@@ -47,15 +47,15 @@ def run(
 ) -> Iterator[tuple[Task, Outcome]]:
     """Compute tasks; yields (task, Outcome) of each as it comes.
 
-    tasks      read one after the other, a few more than are being computed
+    tasks      asked for one after the other, a few more than are being computed
     executor   any ``concurrent.futures.Executor``; None: here, one after the other
-    manifest   where finished tasks are found and stored; None: nowhere
-    workers    says how many the executor has now; raises Refusal if it has lost them for good
-    has_files  whether the files that a found Outcome names still exist; otherwise the task is computed again
+    manifest   where finished tasks are found and kept; None: nowhere
+    workers    says how many the executor has now; raises Refusal where it has lost them for good
+    has_files  whether the files that a found Outcome names are still there; else the task is computed again
 
-    A task that fails has an Outcome that says why, and is not stored. A task whose worker ended is sent
-    again. Raises Refusal where the executor ends, or the manifest cannot be written, and UnfitWorker for a
-    worker with other versions or bits. Finished tasks stay in the manifest.
+    A task that fails has an Outcome that says why, and is not kept. A task whose worker ended is sent again.
+    Raises Refusal where the executor ends, or the manifest cannot be written, and UnfitWorker for a worker
+    with other versions or bits. What was finished stays in the manifest.
     """
     found = deque[tuple[Task, Outcome]]()
 

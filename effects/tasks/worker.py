@@ -31,7 +31,7 @@ def at_worker(client, environment, threads, function, arguments, keywords):
     environment  ``environment()`` of the client
     threads      how many threads each call may use
 
-    Raises UnfitWorker if the worker has other versions or other bits, and the function's own exceptions.
+    Raises UnfitWorker where the worker has other versions or other bits, and what the function raises.
     """
     if process() != client:
         _prepare(environment, threads)
@@ -71,9 +71,7 @@ def unfit(environment, threads):
 
 
 def batch(tasks):
-    """An Outcome for each of (function, parameters), in their order. A task's exception becomes part of its
-    Outcome.
-    """
+    """An Outcome for each of (function, parameters), in their order. What a task raises is its Outcome's."""
     return [_outcome(function, parameters) for function, parameters in tasks]
 
 
