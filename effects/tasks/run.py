@@ -1,7 +1,7 @@
 """Hand tasks to an executor, and take what comes. Finished tasks are found again, lost ones sent again."""
 
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 
 from fixedpipe.effects.refusal import Refusal
@@ -25,16 +25,17 @@ _TRIES, _LOST_AT_FIRST = 3, 10
 SECONDS_BETWEEN_LOOKS = 2.0  # at workers, while none of them answers
 
 
-def finished(calls: Iterable[Future], workers: Callable[[], int]) -> set[Future]:
-    """Wait until some of these calls are finished, and return those.
+def finished(calls: Collection[Future], workers: Callable[[], int]) -> set[Future]:
+    """Wait until some of these calls are finished, and return those; none if there are no calls.
 
     workers  is called now and then: it raises where nobody is left who could finish them
     """
-    while True:
+    while calls:
         done, _ = wait(calls, SECONDS_BETWEEN_LOOKS, FIRST_COMPLETED)
         if done:
             return done
         workers()
+    return set()
 
 
 def run(
