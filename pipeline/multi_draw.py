@@ -45,6 +45,29 @@ def _numbers(values, below, name, what):
     return array
 
 
+def _check_runs(mesh):
+    """Raises ValueError for a mesh that cannot be cut into its runs; ``validate`` checks all else of it."""
+    vertices = len(np.atleast_1d(mesh.positions))
+    arrays = [(name, getattr(mesh, name)) for name in _PER_VERTEX]
+    arrays += [(f"texture coordinate set {k}", array) for k, array in enumerate(mesh.texture_coordinates)]
+    for name, array in arrays:
+        if array is not None and len(np.atleast_1d(array)) != vertices:
+            raise ValueError(
+                f"The mesh's {name} has shape {array.shape} but positions has {vertices} vertices; give one "
+                "row for each vertex."
+            )
+    drawn = vertices if mesh.indices is None else len(np.atleast_1d(mesh.indices))
+    counts = (drawn,) if mesh.counts is None else mesh.counts
+    if (
+        not isinstance(counts, Iterable)
+        or any([not isinstance(c, int | np.integer) or c < 0 for c in counts])
+        or sum(counts) != drawn
+    ):
+        raise ValueError(
+            f"The mesh's counts are {counts!r:.80}; give integers, none negative, whose sum is {drawn}."
+        )
+
+
 @dataclass(frozen=True, eq=False, init=False)
 class MultiDraw:
     """Draw runs of a mesh, one after the other (EXT_multi_draw_arrays), each in a state with its own numbers.
@@ -89,6 +112,7 @@ class MultiDraw:
     ):
         if type(mesh) is not Mesh:
             raise ValueError(f"The mesh of a MultiDraw is a {type(mesh).__name__}; give a Mesh.")
+        _check_runs(mesh)
         states, count = tuple(states), 1 if mesh.counts is None else len(mesh.counts)
         for number, state in enumerate(states):
             if type(state) is not PassState or type(state.vertex) is not VertexState:

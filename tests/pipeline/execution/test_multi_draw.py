@@ -292,6 +292,23 @@ def test_wrong_arrays_are_refused(wrong, said):
         MultiDraw(**given)
 
 
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"counts": (4, 4, 4)}, "whose sum is 8"),
+        ({"counts": (4.5, 3.5)}, "give integers"),
+        ({"counts": (9, -1)}, "none negative"),
+        ({"counts": 8}, "give integers"),
+        ({"colors": np.ones((9, 3))}, r"colors has shape \(9, 3\) but positions has 8"),
+        ({"texture_coordinates": (np.ones((7, 2)),)}, "texture coordinate set 0 has shape"),
+    ],
+)
+def test_a_mesh_that_cannot_be_cut_into_runs_is_refused(given, said):
+    mesh = Mesh(np.zeros((8, 3)), PrimitiveType.QUADS, **given)
+    with pytest.raises(ValueError, match=said):
+        MultiDraw(label="wrong", mesh=mesh, states=(STATE,))
+
+
 def test_an_empty_one_draws_nothing():
     mesh, _ = grid(2)
     assert len(MultiDraw(label="none", mesh=mesh, states=(), runs=[])) == 0
