@@ -1,5 +1,6 @@
 """The fixture ``golden`` of a test: it compares pictures with the accepted ones, and collects failures."""
 
+import itertools
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -64,8 +65,8 @@ class Place:
 class Golden:
     """Compares the pictures of a test with golden ones.
 
-    A difference raises nothing. The test goes on, and fails at its end with all differences. Without a
-    ``name`` a test has one picture, named after the test.
+    A difference raises nothing. The test goes on, and fails at its end with all differences. A test's first
+    picture without a ``name`` has the test's own name; the later ones are numbered in their order, from 2 on.
     """
 
     place: Place
@@ -90,7 +91,7 @@ class Golden:
         """Whether a picture equals the golden one of this name, pixel by pixel.
 
         - ``picture``: see ``fixedpipe.pipeline.golden.pixels.pixels_of``; uint8 or uint16.
-        - ``name``: needed where a test has several pictures; of letters that a file's name can have.
+        - ``name``: of letters that a file's name can have; None: the test's own, and then 2, 3, … in order.
         - ``variant``: the platform or driver that drew it; None: --golden-variant's. Its golden picture is
           its own, or the plain one while there is none.
         - ``at_most``, ``ignore``, ``reason``: the allowed differences, see ``allowance_of``.
@@ -190,13 +191,15 @@ class Golden:
                 f"golden(…, name={name!r}): a name has 1 to 80 characters, no slash, colon or control "
                 "character, and no space at its ends. Choose another."
             )
-        key = variant_key(self.place.test if name is None else f"{self.place.test}::{name}", variant)
-        if key in self.asked:
-            what = (
-                "has a second picture without a name" if name is None else f"has two pictures named {name!r}"
-            )
+        test = self.place.test
+        key = variant_key(test if name is None else f"{test}::{name}", variant)
+        if name is None:
+            numbers = itertools.count(2)
+            while key in self.asked:
+                key = variant_key(f"{test}::{next(numbers)}", variant)
+        elif key in self.asked:
             raise ValueError(
-                f"{self.place.test} {what}; give each a name of its own: golden(picture, name=…)."
+                f"{test} has two pictures named {name!r}; give each a name of its own: golden(picture, name=…)."
             )
         self.asked[key] = MISSING  # until the picture is judged
         return key

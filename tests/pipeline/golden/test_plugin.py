@@ -232,9 +232,6 @@ def test_names(golden, name):
         golden(P, name=name)
 
 def test_twice(golden):
-    golden(P)
-    with pytest.raises(ValueError, match="second picture without a name"):
-        golden(P)
     golden(P, name="a")
     with pytest.raises(ValueError, match="two pictures named 'a'"):
         golden(P, name="a")
@@ -247,7 +244,32 @@ def test_real_numbers(golden):
     assert status == 1
     assert "9 passed" in said and "1 failed" in said
     assert "np.rint(255 * np.clip(picture, 0, 1))" in said
-    assert sorted(read_store(project.store)) == ["test_twice", "test_twice::a"]
+    assert sorted(read_store(project.store)) == ["test_twice::a"]
+
+
+def test_pictures_without_a_name_are_numbered_in_their_order(project):
+    text = """
+def test_sizes(golden):
+    for n in (1, 2, 4):
+        golden(P + n)
+    golden(P + 3, name="2")  # who has this name already
+
+def test_drivers(golden):
+    golden(P, variant="a")
+    golden(P, variant="b")
+    golden(P + 1, variant="b")
+"""
+    project.write(text)
+    status, said = project("--golden-record")
+    assert status == 1 and "test_sizes has two pictures named '2'" in said
+    project.write(text.replace('name="2"', 'name="three"'))
+    assert project("--golden-record")[0] == 0 and project()[0] == 0
+    keys = sorted(read_store(project.store))
+    assert [key for key in keys if "sizes" in key] == [f"test_sizes{n}" for n in ("", "::2", "::3", "::three")]
+    assert len([key for key in keys if "drivers" in key]) == 3
+    project.write(text.replace('name="2"', 'name="three"').replace("(1, 2, 4)", "(1, 4, 4)"))
+    status, said = project()
+    assert status == 1 and "test_sizes::2" in said and "test_sizes::3" not in said
 
 
 def test_a_store_with_markers_of_a_merge_fails_in_a_sentence(project):
