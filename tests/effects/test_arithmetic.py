@@ -251,6 +251,7 @@ ONE_BY_ONE = {
         interpolate.color_weights(weights(n, w)), c
     ),
     "iterated-coordinate": lambda n, w, v: interpolate.iterate_coordinate(v, weights(n, w)),
+    "divided-coordinate": lambda c, q: sample.projected((c, 0.0, 0.0, q), True)[0],
     "depth": lambda n, z: depth.kept(depth.iterate(n, z)),
     "depth-of-w": lambda n, w: depth.kept(depth.iterate_w(weights(n, [1.0 / v for v in w]), w)),
     "polygon-offset-slope": slope,

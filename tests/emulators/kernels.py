@@ -245,6 +245,11 @@ _add(
     lambda d: (_edges(d), _inverse_w(d), d.ordinary(2, 3)),
     lambda n, w, v: interpolate.iterate_coordinates(*_weights(n, w), v[:, :, None])[0][:, 0],
 )
+_add(
+    "divided-coordinate",
+    lambda d: (d.numbers(), d.numbers()),
+    lambda c, q: interpolate.times_reciprocal_of_q(np.stack([c, c, c, q], axis=1))[:, 0],
+)
 _DEPTHS = lambda d: d.ints(0, (1 << 24) - 1, 3).astype(np.float64)  # noqa: E731
 _add("depth", lambda d: (_edges(d), _DEPTHS(d)), lambda n, z: interpolate.iterate_depth(tuple(n.T), z))
 _add(

@@ -96,7 +96,7 @@ def projected(strq, divided):
     fraction, exponent = frexp(divisor(q))
     inverse = 1.0 / fraction  # of what is not finite: 0, and no number
     if isfinite(q):
-        inverse = copysign(interpolate.reciprocal(abs(fraction)), q)
+        inverse = copysign(interpolate.reciprocal(abs(fraction)), fraction)
     products = (fixed.keep_significant_bits(c * inverse, interpolate.WEIGHT_BITS) for c in str_)
     half = -exponent // 2  # in two steps, as a power of two may itself be too large
     return (*(p * 2.0**half * 2.0 ** (-exponent - half) for p in products), 1.0)

@@ -244,3 +244,12 @@ uvec2 nv2a_iterated_coordinate(ivec3 n, uvec3 inverse_w, uvec3 v) {
     }
     return nv2a_weighed_coordinate(q, values);
 }
+
+// s, t or r over q, for a texture's access. A q of 0 counts as 2^-64.
+uvec2 nv2a_divided_coordinate(uint c, uint q) {
+    uvec2 by = nv2a_f64_of_single(q);
+    if (nv2a_f64_is_zero(by) != 0) {
+        by = uvec2(0x0u, 0x3bf00000u);
+    }
+    return nv2a_f64_cut(nv2a_f64_multiply(nv2a_f64_of_single(c), nv2a_reciprocal_of_sum(by)), 24);
+}

@@ -191,4 +191,11 @@ static inline uint64_t nv2a_iterated_coordinate(const int n[3], const uint32_t i
     return nv2a_weighed_coordinate(q, values);
 }
 
+/* s, t or r over q, for a texture's access. A q of 0 counts as 2^-64. */
+static inline uint64_t nv2a_divided_coordinate(uint32_t c, uint32_t q) {
+    uint64_t by = nv2a_f64_of_single(q);
+    if (nv2a_f64_is_zero(by)) by = 0x3bf0000000000000ull;
+    return nv2a_f64_cut(nv2a_f64_multiply(nv2a_f64_of_single(c), nv2a_reciprocal_of_sum(by)), 24);
+}
+
 #endif
