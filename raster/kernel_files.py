@@ -10,6 +10,7 @@ digest of each data file; what does not fit is not there, and is compiled and wr
 import hashlib
 import os
 import pickle
+import re
 import warnings
 from contextlib import suppress
 from functools import cache, partial
@@ -19,6 +20,9 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataC
 
 _DIGEST = 32  # bytes of sha256
 _FORMAT = 2  # of index and data files
+_PACKAGE = Path(__file__).parents[1]
+_IMPORTED = re.compile(rb"^from fixedpipe\.([\w.]+) import", re.MULTILINE)
+_KERNELS = b"fixedpipe.raster.kernel import"  # in a file that has some
 
 
 class KernelsNotKept(UserWarning):
@@ -87,9 +91,17 @@ class CheckedFiles(IndexDataCacheFile):
 
 
 @cache
-def _digest_of_file(path):
-    """Of a source file as it was when this process first asked."""
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+def _digest_of_sources(path):
+    """A digest of a source file, as it was when this process first asked, and of the files with kernels that
+    it imports: their kernels and constants become part of its own. Those of ``raster/`` name the folder.
+    """
+    text = Path(path).read_bytes()
+    digest = hashlib.sha256(text)
+    for name in sorted({name.decode() for name in _IMPORTED.findall(text)}):
+        file = _PACKAGE.joinpath(*name.split(".")).with_suffix(".py")
+        if _PACKAGE / "raster" not in file.parents and file.is_file() and _KERNELS in file.read_bytes():
+            digest.update(_digest_of_sources(file).encode())
+    return digest.hexdigest()
 
 
 class _Place(CompileResultCacheImpl._locator_classes[0]):
@@ -112,8 +124,8 @@ class _Place(CompileResultCacheImpl._locator_classes[0]):
         return found
 
     def get_source_stamp(self):
-        """A digest of the file in which the function is written."""
-        return _digest_of_file(self._py_file)
+        """A digest of the sources that the function may be made of."""
+        return _digest_of_sources(self._py_file)
 
 
 class _Compiled(CompileResultCacheImpl):
