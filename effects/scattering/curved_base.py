@@ -20,7 +20,7 @@ so straight lines stay straight and it moves all directions, even those that see
 
 The choice of A_i decides how much of a bend shows. The paper's triangles round the moved directions
 (``fan_weights``) halve the gap between a direction that moves and one that stays, although all of the gap is
-sky. They find half of the change of a groove's indirect light. Measured:
+sky. They find a third of the change of a groove's indirect light. Measured:
 tests/effects/scattering/test_curved_base.py. Where directions move past others that stay, the triangles fold
 over. So the borders of A_i move too (``border_weights``). The gap between two directions moves with the
 nearer of the points that they see, because its edge hides the other.
