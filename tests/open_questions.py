@@ -202,10 +202,10 @@ ROWS = (
     Row(
         "Depth replace of DOT_ZW",
         _issue(2466),
-        "Open. It says that xemu computes the dot products and never changes the fragment's depth.",
-        "The fragment's depth becomes the whole part of the first dot product times the reciprocal of the "
-        "second. The reciprocal is the one that the rasterizer uses for weights, a little off the exact one. "
-        "A depth outside the buffer's range discards the fragment.",
+        "An open issue. It says that xemu computes the dot products and never changes the fragment's depth.",
+        "The first dot product is multiplied by the reciprocal R of the second. The floor of this is the "
+        "fragment's depth. R is not exact: it is the reciprocal that the rasterizer uses for weights "
+        "(N4.10). A depth outside the buffer's range discards the fragment.",
         ("depth = floor(z R(w))", "z = dot of stage i - 1, w = dot of stage i"),
         ("N12.9", "N4.10"),
         ("depth-replace", "weight-reciprocal"),
@@ -215,10 +215,10 @@ ROWS = (
     Row(
         "DOT_REFLECT_SPECULAR_CONST",
         _issue(2469),
-        "Open. It says that the mode is a stub.",
-        "The mode reflects the constant eye vector at the normal that the three dot products make, and looks "
-        "the result up in a cube map. DOT_REFLECT_SPECULAR does the same with the q coordinates of the three "
-        "stages as the eye vector. Nothing is normalized.",
+        "An open issue. It says that the mode is a stub.",
+        "The three dot products are a normal, N. The mode reflects the constant eye vector E at N. Then it "
+        "reads a cube map in the direction R that results. DOT_REFLECT_SPECULAR does the same, with the q "
+        "coordinates of the three stages as E. The chip normalizes nothing.",
         ("N = (dot of stage i - 2, dot of i - 1, dot of i)", "R = 2 N (N E) - E (N N)"),
         ("N12.8", "N12.7"),
         ("reflection", "cube-face", "cube-texel"),
@@ -228,9 +228,9 @@ ROWS = (
     Row(
         "DOT_STR_3D",
         _issue(2470),
-        "Open. It says that the output differs much from hardware.",
+        "An open issue. It says that the output differs much from hardware.",
         "The three dot products are s, t and r of a 3D texture. If the bound texture is a cube map, as in "
-        "the test, the chip reads face +x at (s + 1, 1 - t) half sizes.",
+        "the test, the chip always reads face +x. The second formula says where, from 0 to 1 over the face.",
         (
             "(s, t, r) = (dot of stage i - 2, dot of i - 1, dot of i)",
             "cube map: face +x, ((s + 1) / 2, (1 - t) / 2)",
@@ -247,9 +247,9 @@ ROWS = (
     Row(
         "Luminance of bumps (BUMPENVMAP_LUM)",
         _issue(2467),
-        "Open. It says that xemu's result is brighter, and suspects the offset.",
-        "The bump map's red byte, unsigned, is multiplied by the scale; then the offset is added. The result "
-        "multiplies the colours of the looked-up texel, not its alpha. It is not clamped at 1 before that.",
+        "An open issue. It says that xemu's result is brighter, and suspects the offset.",
+        "R is the bump map's red byte, unsigned. The factor m is not clamped at 1. Each byte C of the "
+        "looked-up texel's red, green and blue becomes C'. Its alpha does not change.",
         ("m = R / 255 scale + offset", "n = floor(4096 C / 255 m)", "C' = min(255, (n + 1) 255 >> 12)"),
         ("N12.4", "N12.2"),
         ("offset-luminance", "offset-texture"),
@@ -259,11 +259,12 @@ ROWS = (
     Row(
         "The spotlight's (x + a)/(b x + c)",
         ("xqemu #277", "https://github.com/xqemu/xqemu/issues/277"),
-        "xqemu's issue says that falloff and exponent are not handled. A search found no issue of xemu's "
-        "own; its source (vsh-ff.c) marks the place with FIXME.",
-        "x is the cone's axis (four numbers, SET_LIGHT_SPOT_DIRECTION) times the unit vector to the light "
-        "and 1, at most 1. The strength is multiplied by x + a, then by the reciprocal of b x + c. It is 0 "
-        "where x or x + a is below zero. The three numbers are those of SET_LIGHT_SPOT_FALLOFF.",
+        "xqemu's issue says that it does not handle falloff and exponent. A search found no issue of "
+        "xemu's own; its source (vsh-ff.c) marks the place with FIXME.",
+        "The cone's axis is the four numbers of SET_LIGHT_SPOT_DIRECTION. Its dot product with (l, 1), "
+        "where l is the unit vector to the light, is x, at most 1. The three numbers of "
+        "SET_LIGHT_SPOT_FALLOFF are a, b and c. The light's strength S after attenuation becomes S'. It is "
+        "0 where x or x + a is below zero.",
         ("S' = (S (x + a)) (1 / (b x + c))",),
         ("N2.16", "N2.25", "N2.13"),
         ("lighting-multiply-add", "lighting-reciprocal"),
@@ -278,14 +279,17 @@ ROWS = (
     Row(
         "Specular's function",
         ("xemu pull request #2079", f"{XEMU}/pull/2079"),
-        "Merged. Its author says that the power which it reconstructs from the registers is not perfect.",
-        "There is no power. The highlight is a quotient of two linear functions, with SET_SPECULAR_PARAMS as "
-        "coefficients. A directional light without a local viewer takes the first three, and x is the normal "
-        "times the half vector of SET_LIGHT_INFINITE_HALF_VECTOR. Every other light takes the last three, "
-        "and the square of the cosine to the sum of both unit vectors.",
+        "A merged pull request. Its author says that the power which it reconstructs from the registers is "
+        "not perfect.",
+        "The chip computes no power. The highlight is a quotient of two linear functions, and "
+        "SET_SPECULAR_PARAMS has their six coefficients. A directional light without a local viewer takes "
+        "the first three as a, b, c. Its x is the normal N times the half vector H of "
+        "SET_LIGHT_INFINITE_HALF_VECTOR. Every other light takes the last three. Its h is the sum of the "
+        "unit vectors to the viewer (V) and to the light (L). S is the light's strength.",
         (
             "directional: (S (x + a)) (1 / (x b + c)), x = N H, 0 where x + a < 0",
-            "otherwise: (S (q a + x x)) (1 / (q c + b (x x))), x = N h, q = h h, h = V + L, 0 where x < 0",
+            "otherwise: (S (q a + x x)) (1 / (q c + b (x x))), x = N h, q = h h, h = V + L, 0 where x < 0 or "
+            "q a + x x < 0",
         ),
         ("N2.17", "N2.25"),
         ("lighting-multiply-add", "lighting-product", "lighting-reciprocal"),
@@ -302,8 +306,9 @@ ROWS = (
         None,
         "A search found no public issue; the suite that shows it came with pull request #202 of "
         "nxdk_pgraph_tests.",
-        "A light reaches a vertex whose distance equals its range. The unit subtracts the distance from the "
-        "range, both with 14 significant bits, and darkens the vertex where the difference is below zero.",
+        "A light reaches a vertex whose distance d equals its range. The lighting unit subtracts d from "
+        "the range, both with 14 significant bits. Where the difference is below zero, the light adds "
+        "nothing to the vertex.",
         ("lit where range - d >= 0",),
         ("N2.16", "N2.12"),
         ("enter-lighting",),
@@ -313,17 +318,18 @@ ROWS = (
     Row(
         "Two-sided light",
         _issue(708),
-        "Open. A comment says that the setting acts on faces of the other winding alone, and that the back's "
-        "alpha must be set.",
-        "Where SET_TWO_SIDED_LIGHT_EN is set, every vertex is lit twice: by its normal with the front's "
-        "registers, and by the negative normal with the back's (material, scene ambient, specular "
-        "coefficients, and each light's back colours). The triangle's area, not the normal, decides which of "
-        "both its three vertices take: a negative w turns it. A vertex program's back colours are taken in "
-        "the same way. How the unit lights a vertex program's back faces is open (Specular_back/"
-        "ControlFlags_VS).",
+        "An open issue. A comment says that the setting acts only on faces of the other winding, and that "
+        "the back's alpha must be set.",
+        "If SET_TWO_SIDED_LIGHT_EN is set, the lighting unit lights every vertex twice. The front colour "
+        "comes from the normal and the front's registers. The back colour comes from the negative normal "
+        "and the back's registers: material, scene ambient, specular coefficients, and each light's back "
+        "colours. The sign of the triangle's area A, not the normal, decides which colour its three "
+        "vertices take. Each negative w reverses this. A vertex program's front and back colours are "
+        "chosen in the same way. How the unit lights a vertex program's back faces is open "
+        "(Specular_back/ControlFlags_VS).",
         (
             "A = (x1 - x0) (y2 - y0) - (x2 - x0) (y1 - y0)",
-            "front: A < 0, where counter-clockwise is the front; y down",
+            "A < 0: front, if counter-clockwise is the front; y goes down",
         ),
         ("N3.2", "N2.10"),
         ("snapped-coordinate",),
@@ -337,12 +343,13 @@ ROWS = (
     Row(
         "Point parameters and sizes",
         _issue(1914),
-        "Open; #1913, on SET_POINT_SIZE, is closed by pull request #2527, whose author notes "
-        "minor differences in rounding.",
-        "The root is the lighting unit's table of inverse square roots, with no Newton step: seven bits. The "
-        "size is cut to eighths of a pixel. A point covers the samples of a square, its left and upper sides "
-        "included. Its right and lower sides are included too, unless twice the size is a power of two. Size "
-        "0 draws one pixel. A vertex program's size is taken as it is.",
+        "An open issue. Pull request #2527 closed issue #1913, on SET_POINT_SIZE; its author notes minor "
+        "differences in rounding.",
+        "SET_POINT_PARAMS holds a, b, c, the bias, the range and the minimum. The vertex's distance from "
+        "the eye is d. The function root(u) is 1/sqrt(u) from the lighting unit's table, with no Newton "
+        "step: seven bits. S is the size in eighths of a pixel. A point covers the samples of a square, "
+        "its left and upper sides included. Its right and lower sides are included too, unless 2 S is a "
+        "power of two. Size 0 draws one pixel. A vertex program gives the size directly.",
         (
             "u = a + b d + c d d",
             "size = clamp(root(u) + bias, 0, 1) range + minimum",
@@ -356,12 +363,18 @@ ROWS = (
     Row(
         "Flat shading (SET_FLAT_SHADE_OP)",
         _issue(704),
-        "Open. A comment says that the setting only affects flat shaded quads without texture; the captures "
-        "show that it affects triangles, strips and fans.",
-        "SET_FLAT_SHADE_OP 0 takes the colours of a primitive's last vertex, 1 those of its first. A fan's "
-        "first vertex is the one behind the centre. Quads, quad strips and polygons do not follow it: a quad "
-        "takes its last vertex, a polygon its first. Texture coordinates are never flat.",
-        ("triangle k of a strip: k or k + 2", "of a fan: k + 1 or k + 2", "polygon: 0", "quad k: 4 k + 3"),
+        "An open issue. A comment says that the setting only affects flat shaded quads without texture; "
+        "the captures show that it affects triangles, strips and fans.",
+        "With SET_FLAT_SHADE_OP 0 a triangle has the colours of its last vertex, with 1 those of its "
+        "first. The first vertex of a fan's triangle is the one after the centre. The setting does not act "
+        "on quads, quad strips and polygons: a quad takes its last vertex, a polygon its first. Texture "
+        "coordinates are never flat.",
+        (
+            "triangle k of a strip: first k, last k + 2",
+            "triangle k of a fan: first k + 1, last k + 2",
+            "polygon: 0",
+            "quad k: 4 k + 3",
+        ),
         ("N11.2",),
         ("iterated-color",),
         ("nv2a_flat_vertex",),
@@ -370,11 +383,12 @@ ROWS = (
     Row(
         "The signed filter",
         _issue(587),
-        "Open, with a list of games: the flags of SET_TEXTURE_FILTER for signed components.",
+        "An open issue with a list of games. It is about the flags of SET_TEXTURE_FILTER for signed "
+        "components.",
         "A signed component is a byte in two's complement. It is filtered as a signed number, by the same "
-        "sums with arithmetic shifts. Then it is doubled, so 127 is 254 in the combiners' registers of nine "
-        "bits. Texels of a bump map are filtered in the same way.",
-        ("f = p (256 - k) + q k + 128 >> 8, p and q from -128 to 127", "register = 2 f"),
+        "sums with arithmetic shifts. Then the filtered f is doubled, so 127 is 254 in the combiners' "
+        "registers of nine bits. The chip filters the texels of a bump map in the same way.",
+        ("f = (p (256 - k) + q k + 128) >> 8, p and q from -128 to 127, k from 0 to 255", "register = 2 f"),
         ("N6.6", "N6.9"),
         ("signed-texel", "filter-step", "bilinear"),
         (),
@@ -383,11 +397,12 @@ ROWS = (
     Row(
         "Nearest texels at half pixels",
         _issue(2213),
-        "Open. It shows text windows with crooked borders: small quads with nearest texels, whose left edges "
-        "lie at half pixels.",
-        "A window coordinate is cut to sixteenths of a pixel, toward zero. A sample on a left or upper edge "
-        "is inside. The texture coordinate there is the vertex's own: its three terms are cut to 24 bits, so "
-        "exact boundaries stay exact. Nearest is the floor of the coordinate in texels.",
+        "An open issue. It shows text windows with crooked borders: small quads with nearest texels, whose "
+        "left edges lie at half pixels.",
+        "The chip cuts a window coordinate to sixteenths of a pixel, toward zero. The sample of pixel p "
+        "lies at its middle. A sample on a left or upper edge is inside. At a vertex the texture "
+        "coordinate is the vertex's own: its three terms are cut to 24 bits, so exact boundaries of texels "
+        "stay exact. A nearest filter reads the floor of the coordinate T, which counts texels.",
         ("x = trunc(16 x)", "sample at (16 p + 8)", "texel = floor(T)"),
         ("N2.5", "N3.1", "N6.2", "N6.8"),
         ("snapped-coordinate", "coverage", "iterated-coordinate", "nearest-texel"),
@@ -455,9 +470,10 @@ GLSL that compute it.
 
 Each answer has two tables. The first counts the captures that are exact, and their equal pixels. The second
 names the functions that compute the answer, with a few test vectors. Singles and doubles are written as
-their bits. Functions have the same names in C and in GLSL. The export has all of them, except those whose
-rule is `nv2a_answers`. These call the others, and are in [nv2a_answers.h](examples/nv2a_answers.h) and
-[nv2a_answers.glsl](examples/nv2a_answers.glsl).
+their bits. Functions have the same names in C and in GLSL. `golden export --code` writes all of them but
+those with `nv2a_answers` in the column "rule". These call the others, and are in
+[nv2a_answers.h](examples/nv2a_answers.h) and [nv2a_answers.glsl](examples/nv2a_answers.glsl). In formulas
+two names side by side are a product, and `floor` and `>>` are as in C.
 
 [arithmetic-for-emulators.md](arithmetic-for-emulators.md) has every rule, and [numbers.md](numbers.md) every
 order of operations. [silicon.md](silicon.md) says what the captures are. A test compares this page with the
