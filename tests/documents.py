@@ -299,7 +299,7 @@ def _ring_energies():
         return " / ".join(_energy(energy) for energy in found)
 
     return table(
-        ("order of operations", "who", "energy, 32 / 64 / 128 texels"),
+        ("order of operations", "drawn by", "energy, 32 / 64 / 128 texels"),
         (
             ("evaluate at the texels, filter the results", "software renderer",
              energies("GEFORCE_256", Answer.IDEAL, 0)),
